@@ -38,7 +38,7 @@ Answer = Callable[[float, float, tuple[float, ...]], Sequence[float]]
 class Answerer:
     """Answers in lockstep, one session after another, in a thread; *step* is the client's. Answer *ends_at* ends it.
 
-    Every datagram that came is in *heard*.
+    Every datagram that came is in *heard*, who sent it in *senders*.
     """
 
     def __init__(self, answer: Answer, step: float = 0.01, ends_at: int = -1, port: int = 0) -> None:
@@ -46,6 +46,7 @@ class Answerer:
         self.socket.bind(("127.0.0.1", port))
         self.port = self.socket.getsockname()[1]
         self.heard: list[bytes] = []
+        self.senders: list[tuple[str, int]] = []
         self._answer, self._step, self._ends_at = answer, step, ends_at
         self._thread = threading.Thread(target=self._serve, daemon=True)
 
@@ -65,6 +66,7 @@ class Answerer:
             if not data:
                 return
             self.heard.append(data)
+            self.senders.append(sender)
             asked, sequence, flags, time, values = unpacked(data)
             if asked in over:
                 continue

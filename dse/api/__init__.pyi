@@ -73,4 +73,14 @@ from .studies.watching import (
     status_as_data as status_as_data,
     statuses as statuses,
 )
+from .studies.worlds import (
+    HEAD_BYTES as HEAD_BYTES,
+    VALUE_BYTES as VALUE_BYTES,
+    WorldLayout as WorldLayout,
+    WorldPlace as WorldPlace,
+    serve_bench as serve_bench,
+    world_at as world_at,
+    world_layout as world_layout,
+    write_world as write_world,
+)
 from .workspace import Workspace as Workspace, open as open

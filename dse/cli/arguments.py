@@ -5,11 +5,15 @@ from __future__ import annotations
 import re
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dse.cli.completing import benches, designs, folders, folders_and_roads, roads, studies
+
+if TYPE_CHECKING:
+    from dse.api import WorldPlace
+    from dse.domain.study import Study
 
 
 class Output(StrEnum):
@@ -114,6 +118,53 @@ CheckStep = Annotated[
 Fuse = Annotated[
     bool, typer.Option("--fuse", help="Compile each configuration into one library first: same results, faster runs.")
 ]
+World = Annotated[
+    str | None,
+    typer.Option(
+        "--world", metavar="HOST:PORT", help="Half of the bench is simulated there, by 'dse world BENCH', not here."
+    ),
+]
+
+
+def _parts(text: str | None) -> str | None:
+    """Refuse an empty list."""
+    if text is not None and not split_parts(text):
+        raise typer.BadParameter("name parts of the bench, as 'chassis,road'", param_hint="--parts")
+    return text
+
+
+def split_parts(text: str | None) -> tuple[str, ...] | None:
+    """The parts that a list with commas names; None for none."""
+    return None if text is None else tuple(part for piece in text.split(",") if (part := piece.strip()))
+
+
+Parts = Annotated[
+    str | None,
+    typer.Option(
+        "--parts",
+        metavar="PART,…",
+        callback=_parts,
+        help="The parts of the world's half; else the bench's test components.",
+    ),
+]
+
+
+def world_of_bench(world: str | None, parts: str | None, wait: float = 10.0) -> WorldPlace | None:
+    """Where the other half of a bench is, if it is not here, and how many seconds a run waits for it to be free."""
+    if parts is not None and world is None:
+        raise typer.BadParameter("this goes with --world", param_hint="--parts")
+    if world is None:
+        return None
+    from dse.api import world_at
+
+    return world_at(world, split_parts(parts), wait=wait)
+
+
+def world_of_study(world: str | None, parts: str | None, study: Study) -> WorldPlace | None:
+    """The same of a study, whose workers wait for each other almost as long as a run may take."""
+    return world_of_bench(world, parts, min(0.9 * study.bench.simulation.timeout, 3600.0))
+
+
 Minimize = Annotated[
     list[str] | None,
     typer.Option("--minimize", metavar="VALUE", help="What to make small, as 'sum(cost)'."),

@@ -1,4 +1,8 @@
-from .failing.progress import describe_progress as describe_progress
+from .failing.progress import (
+    PROGRESS_BYTES as PROGRESS_BYTES,
+    describe_progress as describe_progress,
+    run_and_step as run_and_step,
+)
 from .feasibility import require_kernel as require_kernel, simulation_problems as simulation_problems
 from .probing.child import ProbeLimits as ProbeLimits
 from .probing.numerics import probe_numerics as probe_numerics

@@ -31,7 +31,10 @@ class LinkMode(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class UdpSource(Source):
-    """Somebody at *host* and *port*; a server listens there. A step waits *timeout* s, a start *wait* s."""
+    """Somebody at *host* and *port*; a server listens there. A step waits *timeout* s, a start *wait* s.
+
+    With a *layout* the last value of what is heard must be this number.
+    """
 
     kind = "udp"
     label = "UDP"
@@ -42,6 +45,7 @@ class UdpSource(Source):
     mode: LinkMode = LinkMode.LOCKSTEP
     timeout: float = 5.0
     wait: float = 5.0
+    layout: int | None = None
     where: Location | None = None
 
 

@@ -58,7 +58,7 @@ class UdpKind(ComponentKind[UdpSection, UdpSource]):
             raise fail(f"'{host}' is no address", place.at(key), f"{key}: 192.168.1.20")
         timeout = _seconds(section.timeout, place, "timeout", 5.0)
         wait = _seconds(section.wait, place, "wait", timeout)
-        return UdpSource(section.port, host, role, mode, timeout, wait, place.entry.key)
+        return UdpSource(section.port, host, role, mode, timeout, wait, where=place.entry.key)
 
     def build(self, component: Component, source: UdpSource, *, version: int, cache: Path | None) -> Path:
         """The FMU. Raises DseError: its ports cannot go over a datagram, or this system has no POSIX sockets."""
@@ -133,6 +133,7 @@ def _header(component: Component, source: UdpSource) -> str:
 #define DSE_UDP_IS_FREE {int(source.mode is LinkMode.FREE)}
 #define DSE_UDP_TIMEOUT {source.timeout!r}
 #define DSE_UDP_WAIT {source.wait!r}
+{"" if source.layout is None else f"#define DSE_UDP_LAYOUT {source.layout}.0"}
 #define dse_component_take {_STRUCT}_take
 
 typedef struct {{

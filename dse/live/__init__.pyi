@@ -40,3 +40,4 @@ from .recording import (
     write_head as write_head,
 )
 from .tapping import listen_at as listen_at, tap as tap
+from .world import News as News, What as What, require_free as require_free, serve_world as serve_world

@@ -22,13 +22,15 @@ class WiredParts:
 
     *connections* join single ports (``sensor.target.gap -> controller.target.gap``): an output that is there to an
     input that is there, one to each, as `dse.space.wire` gives them. *values* are those of parameters and
-    unconnected inputs, as ``part.port``; *where* is the bench that may give them.
+    unconnected inputs, as ``part.port``; *where* is the bench that may give them. *order* is the one they step in, () for
+    along the flow of signals.
     """
 
     parts: Mapping[str, Component]
     connections: tuple[Connection, ...] = ()
     values: Mapping[str, Value] = field(default_factory=dict)
     where: Location | None = None
+    order: tuple[str, ...] = ()
 
     @property
     def connected(self) -> frozenset[str]:
@@ -61,7 +63,8 @@ def assemble(name: str, wired: WiredParts, models: Mapping[str, FmuModel], outpu
         (source, given), (target, taken) = ((part, wired.parts[part].variable(port.name)) for part, port in ends)
         wires.append(Wire(source, given, target, taken))
     wires = _with_arrays(wires, elements)
-    return SystemStructure(name, tuple(elements[part] for part in along_the_flow(tuple(elements), wires)), tuple(wires))
+    order = wired.order or along_the_flow(tuple(elements), wires)
+    return SystemStructure(name, tuple(elements[part] for part in order), tuple(wires))
 
 
 def _with_arrays(wires: list[Wire], elements: Mapping[str, Element]) -> list[Wire]:

@@ -8,9 +8,16 @@ from .facts import (
     known_facts as known_facts,
 )
 from .fuse import fuse_study as fuse_study
+from .halves import Halves as Halves, WorldPlace as WorldPlace, near_half as near_half
 from .numerics import numerics_as_data as numerics_as_data, numerics_of_element as numerics_of_element
 from .objectives import compile_objective as compile_objective, with_composites as with_composites
-from .prepare import prepare_bench as prepare_bench, with_facts as with_facts
+from .prepare import (
+    check_bench as check_bench,
+    halves_of as halves_of,
+    prepare_bench as prepare_bench,
+    prepare_world as prepare_world,
+    with_facts as with_facts,
+)
 from .prepared import PreparedBench as PreparedBench, Recording as Recording
 from .select import one_configuration as one_configuration
 from .several import Prepared as Prepared, make_runner as make_runner, on_bench as on_bench, singly as singly

@@ -13,15 +13,16 @@ from dse.domain.component import Component, Kind, Type
 from dse.domain.design import Configuration, split_path, walk
 from dse.domain.fmu import FmuModel
 from dse.domain.labels import is_part, tightened
-from dse.domain.method import BONDS
+from dse.domain.method import BONDS, Algorithm
 from dse.domain.system import SystemStructure
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.fmu import build_all, in_parallel, open_component
 from dse.metrics import MetricProgram, RowProgram, compile_metrics, compile_value
 from dse.system import assemble, wiring_problems
 from dse.testbench.facts import facts_of, is_thread_safe
+from dse.testbench.halves import Halves, WorldPlace, far_half, in_world, near_half, signal_in_near, split
 from dse.testbench.method import method_of, signal_name
-from dse.testbench.prepared import PreparedBench, Recording
+from dse.testbench.prepared import PreparedBench, Recording, Setting
 from dse.testbench.timing import sampling_problems, stepping_problems
 from dse.testbench.wired import WiredBench, wire_bench
 from dse.units import parse_unit
@@ -39,17 +40,55 @@ class CheckedBench:
     program: MetricProgram
     kept: tuple[str, ...]
     derived: Mapping[str, RowProgram]
+    halves: Halves | None = None
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """All that is recorded, as ``part.port``."""
+        return tuple(dict.fromkeys((*self.program.signals, *self.kept)))
+
+    @property
+    def sources(self) -> list[str]:
+        """The outputs of components behind the *columns*."""
+        whole = self.wired if self.halves is None else self.halves.wired
+        found = [whole.faces.get(name, name) for name in self.columns]
+        return found if self.halves is None else [signal_in_near(self.halves, name) for name in found]
+
+    @property
+    def settings(self) -> tuple[dict[str, Setting], dict[str, float]]:
+        """What a run may be given, and the values of what it may not: that is in the world's half."""
+        if self.halves is None:
+            return self.wired.settings, {}
+        settings, far = self.halves.wired.settings, {n for n in self.halves.wired.settings if in_world(self.halves, n)}
+        return {n: s for n, s in settings.items() if n not in far}, {n: settings[n].value for n in far}
 
 
 def prepare_bench(
-    bench: TestBench, configurations: Iterable[Configuration], *, version: int = 2, cache: Path | None = None
+    bench: TestBench,
+    configurations: Iterable[Configuration],
+    *,
+    version: int = 2,
+    cache: Path | None = None,
+    world: WorldPlace | None = None,
 ) -> dict[str, PreparedBench]:
     """Make every configuration ready to run on *bench*, by configuration id. Raises DseError with all problems.
 
-    No FMU is built before all is right that can be told without.
+    No FMU is built before all is right that can be told without. With a *world*, that half of the bench is there.
     """
     require_kernel()
-    checked = _each({c.id: c for c in configurations}, lambda configuration: check_bench(bench, configuration))
+
+    def check(configuration: Configuration) -> CheckedBench:
+        whole = check_bench(bench, configuration)
+        return whole if world is None else _near(whole, world)
+
+    checked = _each({c.id: c for c in configurations}, check)
+    return build_checked(checked, version=version, cache=cache)
+
+
+def build_checked(
+    checked: Mapping[str, CheckedBench], *, version: int = 2, cache: Path | None = None
+) -> dict[str, PreparedBench]:
+    """Build the FMUs of what is *checked*, and assemble systems of them, by the same names. Raises DseError."""
     components = {c.name: c for one in checked.values() for c in one.wired.parts.values()}
     archives = build_all(components.values(), version=version, cache=cache)
     models = in_parallel(archives, lambda name: open_component(components[name], archives[name], cache=cache))
@@ -75,6 +114,43 @@ def check_bench(bench: TestBench, configuration: Configuration) -> CheckedBench:
     recorded = (label for name in simulation.record for label in _labels(name, (*wired.signals, *energies)))
     kept = tuple(dict.fromkeys((*recorded, *(name for name in shown if name in signals))))
     return CheckedBench(wired, simulation, program, kept, derived)
+
+
+def _near(whole: CheckedBench, world: WorldPlace) -> CheckedBench:
+    """The car's half of a bench: its metrics are those of the whole."""
+    halves = halves_of(whole, world)
+    return replace(whole, wired=near_half(halves, world.source), halves=halves)
+
+
+def halves_of(whole: CheckedBench, world: WorldPlace) -> Halves:
+    """The halves of a bench. Raises DseError if it has none, or parameters of the world change from run to run."""
+    halves = split(whole.wired, whole.simulation, world.parts, whole.sources)
+    raise_if_any(
+        Problem(f"{name} follows from others in every run, and is in the world's half", each.where, "leave it out")
+        for each in whole.wired.bench.derived
+        if (name := each.name) in whole.derived and in_world(halves, name)
+    )
+    return halves
+
+
+def prepare_world(
+    bench: TestBench,
+    configuration: Configuration,
+    world: WorldPlace,
+    *,
+    version: int = 2,
+    cache: Path | None = None,
+) -> PreparedBench:
+    """The world's half of *configuration* on *bench*, which measures nothing. Raises DseError with all problems."""
+    require_kernel()
+    whole = check_bench(bench, configuration)
+    wired = far_half(halves_of(whole, world), world.source)
+    method = whole.simulation.method
+    if method.algorithm is Algorithm.JACOBI:
+        method = replace(method, leading=wired.order[:1])
+    nothing = compile_metrics((), (), {}, frozenset())
+    far = CheckedBench(wired, replace(whole.simulation, method=method), nothing, (), {})
+    return build_checked({configuration.id: far}, version=version, cache=cache)[configuration.id]
 
 
 def _derived(wired: WiredBench, problems: list[Problem]) -> dict[str, RowProgram]:
@@ -129,8 +205,8 @@ def _each(keys: Mapping[str, Key], make: Callable[[Key], Made]) -> dict[str, Mad
 def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], cache: Path | None) -> PreparedBench:
     wired, simulation, parts = checked.wired, checked.simulation, checked.wired.parts
     raise_if_any(stepping_problems(simulation, parts, models))
-    columns = tuple(dict.fromkeys((*checked.program.signals, *checked.kept)))
-    sources = [wired.faces.get(name, name) for name in columns]
+    columns, sources = checked.columns, checked.sources
+    settings, fixed = checked.settings
     variables = (name if name.startswith(f"{BONDS}.") else signal_name(name, parts) for name in sources)
     prepared = PreparedBench(
         configuration=wired.configuration,
@@ -139,7 +215,8 @@ def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], cache: Path
         program=checked.program,
         recording=Recording(columns, tuple(variables), checked.kept),
         requirements=wired.bench.requirements,
-        settings=wired.settings,
+        settings=settings,
+        fixed=fixed,
         derived=checked.derived,
     )
     return with_facts(prepared, parts, simulation.where, cache=cache)

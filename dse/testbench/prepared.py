@@ -44,7 +44,8 @@ class PreparedBench:
     *simulation* is the bench's, its method in names of the system. *settings* is everything a point may set. *facts*
     tells what is known of elements; *thread_safe*, that all are known to bear being simulated several times at once in
     threads. *fused* is the library made of the whole system, if there is one. *checks* are what error bars are made of.
-    *derived* settings are computed from others in every run, in their order.
+    *derived* settings are computed from others in every run, in their order. *fixed* are values that metrics use and no
+    run can change, as they belong to the other half of a bench in two.
     """
 
     configuration: Configuration
@@ -59,11 +60,12 @@ class PreparedBench:
     fused: FusedLibrary | None = None
     checks: Checks = field(default_factory=Checks)
     derived: Mapping[str, RowProgram] = field(default_factory=dict)
+    fixed: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def constants(self) -> dict[str, float]:
         """The values metrics and targets use at the bench's own point."""
-        return {name: setting.value for name, setting in self.settings.items()}
+        return {**self.fixed, **{name: setting.value for name, setting in self.settings.items()}}
 
     @property
     def kept(self) -> tuple[str, ...]:

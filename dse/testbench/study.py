@@ -12,10 +12,11 @@ from dse.domain.definition import StudyDefinition
 from dse.domain.design import Configuration
 from dse.domain.sampler import Architectures, Nominal
 from dse.domain.study import TESTBENCH, Keep, Selection, Study
-from dse.errors import DseError, Location, Problem, Problems, raise_if_any
+from dse.errors import DseError, Location, Problem, Problems, fail, raise_if_any
 from dse.loading import Raw, read_setting
 from dse.testbench.definition import configuration_of, define, fmus_of
 from dse.testbench.error_bars import with_error_bars
+from dse.testbench.halves import WorldPlace
 from dse.testbench.numerics import Say
 from dse.testbench.objectives import compile_objective
 from dse.testbench.prepare import prepare_bench
@@ -28,7 +29,8 @@ from dse.testbench.several import Prepared, together
 class Preparing:
     """How the configurations of *study* are prepared.
 
-    FMUs are built as *version* of FMI; *say* and *sandboxed* are for `with_error_bars`.
+    FMUs are built as *version* of FMI; *say* and *sandboxed* are for `with_error_bars`. With a *world*, that half of the
+    bench is there.
     """
 
     study: Study
@@ -36,6 +38,7 @@ class Preparing:
     cache: Path | None = None
     say: Say = lambda _: None
     sandboxed: bool = False
+    world: WorldPlace | None = None
 
     def benches(self, configurations: Iterable[Configuration]) -> dict[str, Prepared]:
         """*configurations* on the study's benches, by id. Raises DseError with everything that is wrong."""
@@ -52,7 +55,7 @@ class Preparing:
 
     def _on(self, bench: TestBench, configurations: Iterable[Configuration]) -> dict[str, PreparedBench]:
         test_parts = {part.name: part.component for part in bench.test_components}
-        prepared = prepare_bench(bench, configurations, version=self.version, cache=self.cache)
+        prepared = prepare_bench(bench, configurations, version=self.version, cache=self.cache, world=self.world)
         return {
             name: with_error_bars(
                 each,
@@ -106,13 +109,16 @@ def prepare_study(
     cache: Path | None = None,
     say: Say = lambda _: None,
     sandboxed: bool = False,
+    world: WorldPlace | None = None,
 ) -> PreparedStudy:
     """Choose the configurations, build FMUs, assemble systems. Raises DseError with everything that is wrong.
 
     Of a sampler that proposes configurations only the first valid one is prepared: what is wrong with all shows there.
-    *say* and *sandboxed* are for `with_error_bars`.
+    *say* and *sandboxed* are for `with_error_bars`. With a *world*, that half of the bench is there.
     """
-    preparing = Preparing(study, version, cache, say, sandboxed)
+    if world is not None and study.others:
+        raise fail("a study on several benches has no other half: each would need a world of its own", study.where)
+    preparing = Preparing(study, version, cache, say, sandboxed, world)
     if not study.sampler.proposes:
         benches = preparing.benches(selected(study.bench.design, study.selection, study.where))
         require_variables(study, {name: bench.settings for name, bench in benches.items()})

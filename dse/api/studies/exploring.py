@@ -39,6 +39,7 @@ from dse.exploration import (
 from dse.storage import StudyFolder, StudyHeader
 from dse.testbench import (
     PreparedStudy,
+    WorldPlace,
     checked_benches,
     fuse_study,
     make_runner,
@@ -76,7 +77,8 @@ class ExploreOptions:
     and simulates every run, made before or not. *fmi* is the version of the FMUs that are built. In a *sandbox*, FMUs
     have no network and write in their scratch folder only. With *retry_failed*, runs that failed before are made again.
     *executor* makes the runs instead of what the study names: an executor of ``concurrent.futures`` with so many
-    *workers* (0: as it says itself), or a function that makes one. Of a *shard* only its runs are made.
+    *workers* (0: as it says itself), or a function that makes one. Of a *shard* only its runs are made. The *world* is
+    where that half of the bench is simulated, if not here.
     """
 
     workers: int = 0
@@ -88,14 +90,25 @@ class ExploreOptions:
     retry_failed: bool = False
     executor: FuturesPool | Callable[[], FuturesPool] | None = None
     shard: Shard | None = None
+    world: WorldPlace | None = None
 
     def folder(self, folder: Path) -> Path:
         """The study folder: *folder*, or that of the shard in it."""
         return folder / self.shard.folder if self.shard else folder
 
+    def ready(self, study: Study, tell: Tell | None) -> PreparedStudy:
+        """*study* with all that has to be built for it. Raises DseError."""
+        return ready(study, self.fmi, fuse=self.fuse, sandbox=self.sandbox, tell=tell, world=self.world)
+
 
 def ready(
-    study: Study, fmi: int = 2, *, fuse: bool = False, sandbox: bool = False, tell: Tell | None = None
+    study: Study,
+    fmi: int = 2,
+    *,
+    fuse: bool = False,
+    sandbox: bool = False,
+    tell: Tell | None = None,
+    world: WorldPlace | None = None,
 ) -> PreparedStudy:
     """*study* with all that has to be built for it. Raises DseError."""
     if fuse and study.sampler.proposes:
@@ -103,7 +116,7 @@ def ready(
         raise fail(what, study.where, "leave out --fuse")
     say = tell or (lambda _: None)
     say("building FMUs, assembling configurations")
-    planned = prepare_study(study, version=fmi, say=say, sandboxed=sandbox)
+    planned = prepare_study(study, version=fmi, say=say, sandboxed=sandbox, world=world)
     if not fuse:
         return planned
     say("fusing configurations")
@@ -130,7 +143,7 @@ def explore_into(
         raise fail(what, study.where, "leave out --shard; 'executor: dask' has other machines make its runs")
     executor = executor_of(study, options)
     folder = options.folder(folder)
-    planned = ready(study, options.fmi, fuse=options.fuse, sandbox=options.sandbox, tell=tell)
+    planned = options.ready(study, tell)
     if not options.fresh:
         recall(planned, folder)
     known = known_runs(planned, reads=not (options.fresh or options.retry_failed))
@@ -188,7 +201,7 @@ def plan_into(study: Study, folder: Path, options: ExploreOptions, *, tell: Tell
 
     Raises DseError as exploring would.
     """
-    planned = ready(study, options.fmi, fuse=options.fuse, sandbox=options.sandbox, tell=tell)
+    planned = options.ready(study, tell)
     executor_of(study, options)
     return plan(
         planned,
@@ -215,13 +228,20 @@ def executor_of(study: Study, options: ExploreOptions) -> Executor:
 
 
 def alone(
-    study: Study, fmi: int, *, on: int = 0, fuse: bool = False, sandbox: bool = False, tell: Tell | None = None
+    study: Study,
+    fmi: int,
+    *,
+    on: int = 0,
+    fuse: bool = False,
+    sandbox: bool = False,
+    tell: Tell | None = None,
+    world: WorldPlace | None = None,
 ) -> tuple[Run, PreparedStudy]:
     """The single run of *study*, made in a process of its own, with waveforms; and what it was made from.
 
-    It is made *on* the bench of this number.
+    It is made *on* the bench of this number, with the *world* where that is.
     """
-    planned = ready(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell)
+    planned = ready(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell, world=world)
     ((name, prepared),) = planned.benches.items()
     if tell:
         tell("simulating")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dse.domain.design import Configuration
     from dse.domain.study import Study
     from dse.loading import Raw
-    from dse.testbench import PreparedStudy
+    from dse.testbench import PreparedStudy, WorldPlace
 
 
 def simulate_once(
@@ -31,16 +31,18 @@ def simulate_once(
     sandbox: bool = False,
     fmi: int = 2,
     tell: Tell | None = None,
+    world: WorldPlace | None = None,
 ) -> Run:
     """The run of the configuration whose id starts so, or the first, with values as users write them.
 
+    The *world* is where that half of the bench is simulated, if not here.
     Raises DseError if there is no such configuration or parameter, or a value does not fit it.
     """
     study = _single(bench, configuration, settings)
     if check_step:
         simulation = replace(study.bench.simulation, check_step=True)
         study = replace(study, bench=replace(study.bench, simulation=simulation))
-    run, planned = alone(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell)
+    run, planned = alone(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell, world=world)
     return Run(run, planned.definition, recorded_units(planned))
 
 

@@ -28,6 +28,7 @@ COMMANDS = (
     "simulate",
     "run",
     "explore",
+    "world",
     "status",
     "merge",
     "results",

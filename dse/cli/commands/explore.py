@@ -13,12 +13,15 @@ from dse.cli.arguments import (
     Gate,
     NewFolder,
     Output,
+    Parts,
     RetryFailed,
     Sandbox,
     ShardOf,
     StudyName,
     Threads,
     Workers,
+    World,
+    world_of_study,
 )
 
 
@@ -34,6 +37,8 @@ def explore(
     retry_failed: RetryFailed = False,
     gate: Gate = False,
     sandbox: Sandbox = False,
+    world: World = None,
+    parts: Parts = None,
     shard: ShardOf = None,
     dry_run: DryRun = False,
     form: Format = Output.TABLE,
@@ -48,9 +53,10 @@ def explore(
     from dse.domain.study import Shard
 
     part = Shard(*map(int, shard.split("/"))) if shard else None
-    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox, retry_failed, shard=part)
     space = workspace_of(study)
     wanted = space.study(study)
+    there = world_of_study(world, parts, wanted)
+    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox, retry_failed, shard=part, world=there)
     place = folder or new_folder(space, wanted.name)
     if dry_run:
         show_plan(wanted, place, options, form)

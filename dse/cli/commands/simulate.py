@@ -18,10 +18,13 @@ from dse.cli.arguments import (
     Fuse,
     Gate,
     Output,
+    Parts,
     Plot,
     Sandbox,
     Settings,
     Strict,
+    World,
+    world_of_bench,
 )
 from dse.cli.completing import benches
 from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
@@ -79,6 +82,8 @@ def simulate(
     timeout: Timeout = None,
     sandbox: Sandbox = False,
     strict: Strict = False,
+    world: World = None,
+    parts: Parts = None,
 ) -> None:
     """Simulate one configuration once, or an SSP package.
 
@@ -102,11 +107,12 @@ def simulate(
     )
     if is_package(bench):
         meant = {"--configuration": configuration, "--plot": plot, "--fuse": fuse, "--gate": gate}
-        _refuse({**meant, "--check-step": check_step, "--fmi": version != 2}, "bench")  # the default
+        _refuse({**meant, "--check-step": check_step, "--world": world, "--fmi": version != 2}, "bench")  # the default
         simulate_package(Path(bench), wishes, waveforms, output, sandbox=sandbox, strict=strict)
     asked = {"--variant": variant, "--stop": stop, "--step": step, "--record": record}
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
     _refuse({**asked, **words, "--tolerance": tolerance is not None, "--strict": strict}, "package")
+    there = world_of_bench(world, parts)
     from dse.api import simulate_once
     from dse.cli.runs import present_run, write_run
 
@@ -121,6 +127,7 @@ def simulate(
             sandbox=sandbox,
             fmi=version,
             tell=status.update,
+            world=there,
         )
     present_run(run, output, plot)
     if waveforms is not None:

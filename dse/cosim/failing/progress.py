@@ -17,6 +17,12 @@ PROGRESS_BYTES = ctypes.sizeof(Progress)
 """Size of the block."""
 
 
+def run_and_step(block: bytes) -> tuple[int, int]:
+    """The number of the run that a progress block tells of, and its communication step; -1 before the first."""
+    progress = Progress.from_buffer_copy(block)
+    return int(progress.run), int(progress.step)
+
+
 def describe_progress(block: bytes, system: SystemStructure, step: float) -> str:
     """The place a progress block tells of, as ``world: fmi2DoStep at t = 3.21 s``; *step* in seconds.
 

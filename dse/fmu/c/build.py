@@ -80,6 +80,7 @@ def _contents(
         files=(f"runtime/fmi{version}.c", *(f"component/{unit}" for unit in staged.units)),
         include_folder=posixpath.dirname(f"component/{staged.header}"),
         has_state=not (source.partner or source.is_live),
+        needs_tool=source.is_live,
     )
 
     def generated(token: str) -> tuple[dict[str, bytes], Mapping[int, Demand]]:

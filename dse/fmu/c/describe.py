@@ -28,6 +28,7 @@ class Subject:
     files: tuple[str, ...]
     include_folder: str
     has_state: bool = True
+    needs_tool: bool = False
 
 
 def describe(subject: Subject, version: int) -> bytes:
@@ -82,7 +83,8 @@ def _add_interface(root: ET.Element, subject: Subject, version: int) -> None:
     state = "FMUstate" if version == 2 else "FMUState"
     frugal = ("canNotUseMemoryManagementFunctions",) if version == 2 else ()
     saved = (f"canGetAndSet{state}", f"canSerialize{state}") if subject.has_state else ()
-    able = ("canHandleVariableCommunicationStepSize", *frugal, *saved)
+    outside = ("needsExecutionTool",) if subject.needs_tool else ()
+    able = ("canHandleVariableCommunicationStepSize", *frugal, *saved, *outside)
     told = {"modelIdentifier": subject.identifier, **dict.fromkeys(able, "true")}
     interface = ET.SubElement(root, "CoSimulation", told)
     if version == 2:

@@ -2,7 +2,7 @@
  *
  * Of the component: DSE_UDP_SENT and DSE_UDP_HEARD, how many values go out and come in; DSE_UDP_IS_SERVER; DSE_UDP_HOST
  * ("" for the socket whose number stands in DSE_LIVE_SOCKET) and DSE_UDP_PORT; DSE_UDP_WHOLES, {place, least, greatest}
- * of the values heard that are whole numbers. */
+ * of the values heard that are whole numbers; DSE_UDP_LAYOUT, if there is one, what the last value heard must be. */
 #ifndef DSE_DATAGRAM_H
 #define DSE_DATAGRAM_H
 
@@ -45,6 +45,7 @@ enum {
     DSE_UDP_TORN,
     DSE_UDP_WRONG_FLAGS,
     DSE_UDP_WRONG_VALUE,
+    DSE_UDP_WRONG_LAYOUT,
     DSE_UDP_WRONG_SESSION,
     DSE_UDP_WRONG_SENDER,
     DSE_UDP_WRONG_SEQUENCE, /* also what is doubled or overtaken on its way: no fault of anybody */
@@ -190,6 +191,12 @@ static int dse_udp_judge_values(const struct dse_udp *udp, int32_t flags) {
             return DSE_UDP_WRONG_VALUE;
         }
     }
+#ifdef DSE_UDP_LAYOUT
+    memcpy(&value, udp->room + DSE_UDP_HEARD_SIZE - sizeof(int32_t) - sizeof value, sizeof value);
+    if (!(flags & DSE_UDP_BUSY) && value != DSE_UDP_LAYOUT) {
+        return DSE_UDP_WRONG_LAYOUT;
+    }
+#endif
     return DSE_UDP_REASONS;
 }
 
@@ -219,6 +226,19 @@ static int dse_udp_judge(struct dse_udp *udp, size_t size, struct dse_udp_packet
 
 enum { DSE_UDP_NOTHING, DSE_UDP_IGNORED, DSE_UDP_PACKET };
 
+/* Who begins a session with packets of another size or layout is sent one of ours, so that both can tell what differs:
+ * none that is much larger than what was asked with, as nobody knows who asked. */
+static void dse_udp_show(struct dse_udp *udp, size_t size, const struct dse_udp_address *to) {
+    int32_t head[4];
+    if (size < DSE_UDP_HEAD || 4 * size < DSE_UDP_SENT_SIZE) {
+        return;
+    }
+    memcpy(head, udp->room, sizeof head);
+    if (head[0] == DSE_UDP_MAGIC_VERSION && head[3] == DSE_UDP_START) {
+        dse_udp_send_other(udp, to, head[1], head[2], DSE_UDP_END);
+    }
+}
+
 /* Take one datagram from the socket, if there is one. */
 static int dse_udp_receive(struct dse_udp *udp, struct dse_udp_packet *packet) {
     packet->from.size = sizeof packet->from.at;
@@ -236,6 +256,9 @@ static int dse_udp_receive(struct dse_udp *udp, struct dse_udp_packet *packet) {
         return DSE_UDP_PACKET;
     }
     udp->counts.ignored[reason]++;
+    if (DSE_UDP_IS_SERVER && (reason == DSE_UDP_WRONG_SIZE || reason == DSE_UDP_WRONG_LAYOUT)) {
+        dse_udp_show(udp, (size_t)size, &packet->from);
+    }
     return DSE_UDP_IGNORED;
 }
 

@@ -43,7 +43,7 @@ static double dse_udp_count_ignored(const struct dse_udp *udp, int reasons) {
 static void dse_udp_add_ignored(const struct dse_udp *udp, struct dse_udp_text *text) {
     static const char *const reasons[DSE_UDP_REASONS] = {
         "of a wrong size", "of another protocol or version", "torn", "with flags that are wrong here",
-        "with values that are none", "of another session", "from elsewhere", "old or doubled"};
+        "with values that are none", "of another layout", "of another session", "from elsewhere", "old or doubled"};
     const char *separator = "";
     dse_udp_add(text, "ignored: ");
     for (int reason = 0; reason < DSE_UDP_REASONS; reason++) {
@@ -289,6 +289,10 @@ static int dse_udp_keep_time(struct dse_udp *udp, double time, double step, char
  * another one, whose answer is of these values; a server gives what it has heard. */
 static int dse_udp_start(struct dse_udp *udp, double time, const double *sent, char *said) {
     if (DSE_UDP_IS_SERVER) {
+        if (!udp->session) {
+            dse_udp_set_head(udp, 0, 0, 0);
+            dse_udp_set_values(udp, time, sent); /* for who asks with another layout */
+        }
         return udp->session ? DSE_UDP_DONE : dse_udp_await(udp, 0, DSE_UDP_WAIT, said);
     }
     if (udp->session && memcmp(udp->sent + DSE_UDP_HEAD, sent, DSE_UDP_SENT * sizeof *sent) == 0) {
