@@ -10,7 +10,7 @@ from typer.core import TyperGroup
 DONE, WRONG_FILES, USAGE, RUNS_FAILED = 0, 1, 2, 3
 """Exit codes: done; the files are wrong; wrong usage; some runs failed, or a requirement under --gate."""
 
-_GROUPS = ("space", "import", "export")
+_GROUPS = ("space", "import", "export", "udp")
 
 
 class InterruptedCommandError(Exception):

@@ -1,5 +1,45 @@
+from .asking import Line as Line, connected_line as connected_line
+from .checking_clients import check_client as check_client
+from .checking_worlds import Trial as Trial, check_world as check_world
+from .checks import Check as Check, Checked as Checked, Latencies as Latencies
+from .esmini import (
+    DriverInput as DriverInput,
+    DriverMessage as DriverMessage,
+    InputMode as InputMode,
+    OsiParts as OsiParts,
+    StateH as StateH,
+    StateXyh as StateXyh,
+    StateXyzhpr as StateXyzhpr,
+    pack_message as pack_message,
+    unpack_message as unpack_message,
+)
+from .layout import (
+    Layout as Layout,
+    Signal as Signal,
+    component_layout as component_layout,
+    offset_of as offset_of,
+    read_layout as read_layout,
+    unnamed_layout as unnamed_layout,
+    wholes_of as wholes_of,
+    written_layout as written_layout,
+)
+from .mistakes import explain as explain
 from .offline import bench_of_drive as bench_of_drive
-from .packet import Flag as Flag, Packet as Packet, PacketError as PacketError, pack as pack, unpack as unpack
+from .packet import (
+    MOST_VALUES as MOST_VALUES,
+    Flag as Flag,
+    Packet as Packet,
+    PacketError as PacketError,
+    pack as pack,
+    size_of as size_of,
+    unpack as unpack,
+)
+from .recording import (
+    Datagram as Datagram,
+    read_recording as read_recording,
+    write_datagram as write_datagram,
+    write_head as write_head,
+)
 from .seat import (
     DRIVER as DRIVER,
     Seat as Seat,
@@ -10,4 +50,5 @@ from .seat import (
     with_driver as with_driver,
 )
 from .session import Ended as Ended, Patience as Patience, Seen as Seen, Session as Session, Why as Why
+from .tapping import listen_at as listen_at, tap as tap
 from .world import News as News, What as What, require_free as require_free, serve_world as serve_world

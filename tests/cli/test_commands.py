@@ -19,7 +19,7 @@ from example_study import example_studies
 COMMANDS = (
     *("init", "check", "list", "new", "components", "build", "enumerate", "space", "simulate", "run", "explore"),
     *("world", "status", "results", "findings", "best", "pareto", "refine", "report", "figure", "replay", "drives"),
-    "cache",
+    *("cache", "udp"),
 )
 
 

@@ -30,6 +30,8 @@ MAY_IMPORT = {
     "space --help": set(),
     "init {o}": set(),
     "docs": set(),
+    "udp --help": set(),
+    "udp layout idm_acc": set(),
     "schema design": {"numpy", "pint", "ruamel.yaml", "scipy"},
     "list": {"numpy", "ruamel.yaml"},  # the first to read the benches
     "components": set(),

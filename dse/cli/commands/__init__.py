@@ -40,6 +40,7 @@ COMMANDS = (
     "report",
     "serve",
     "drive",
+    "udp",
     "figure",
     "replay",
     "drives",

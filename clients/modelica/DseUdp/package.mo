@@ -1,0 +1,3 @@
+within ;
+package DseUdp "Modelica against a world outside: clients/modelica/README.md"
+end DseUdp;
