@@ -41,11 +41,18 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
   page.replaceChildren(el("main", { class: "drive" }, canvas,
     el("div", { class: "over" }, el("header", {}, el("h1", {}, title), el("span", {}, subtitle)), legend || null), tools, aside, gauges.element, buildTouch(controls), help));
 
-  const isTyping = (event: KeyboardEvent): boolean => event.target instanceof HTMLElement && event.target.matches("input:not([type=checkbox]), select, summary, button:focus-visible");
+  // A key that means something where the focus is does not drive.
+  const isTaken = ({ target, code }: KeyboardEvent): boolean =>
+    target instanceof HTMLElement && (target.matches("input[type=range]") ? code.startsWith("Arrow") : target.matches(":focus-visible:is(button, summary, input)") && code === "Space");
+  // Whoever clicks with a mouse goes on driving with the keys.
+  const leave = ({ detail, target }: MouseEvent): void => {
+    const button = detail && target instanceof Element && target.closest<HTMLElement>("button, summary, input[type=checkbox]");
+    if (button && !help.contains(button)) button.blur();
+  };
   const key = (event: KeyboardEvent): void => {
     if (event.ctrlKey || event.altKey || event.metaKey || help.open) return;
     const isDown = event.type === "keydown";
-    if (isDown && isTyping(event) && /^(Arrow|Space|Enter)/.test(event.code)) return;
+    if (isDown && isTaken(event)) return;
     if (isDown && event.repeat && !/^(Equal|Minus|Numpad|Slash|Bracket)/.test(event.code)) {
       if (/^(Arrow|Space)/.test(event.code)) event.preventDefault();
       return;
@@ -61,6 +68,7 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
   const wires = new AbortController();
   document.addEventListener("keydown", key, { signal: wires.signal });
   document.addEventListener("keyup", key, { signal: wires.signal });
+  page.addEventListener("click", leave, { signal: wires.signal });
   window.addEventListener("blur", release, { signal: wires.signal });
 
   let said: Record<string, number> = {};
