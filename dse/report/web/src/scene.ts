@@ -25,12 +25,20 @@ async function start(): Promise<void> {
   }
 }
 
+/** What the address asks for: a moment, a camera, and whether it is a picture that is taken. */
+function asked(): { time: number | null; view: View | null; isPicture: boolean } {
+  const told = new URLSearchParams(location.hash.slice(1));
+  const view = VIEWS.find(([name]) => name === told.get("view"))?.[0] ?? null;
+  return { time: told.has("t") ? Number(told.get("t")) || 0 : null, view, isPicture: told.has("picture") };
+}
+
 function play(page: HTMLElement, recording: Recording): void {
-  const asked = new URLSearchParams(location.hash.slice(1));
-  let time = Math.min(Math.max(Number(asked.get("t") ?? 0) || 0, 0), recording.seconds);
-  let view: View = VIEWS.find(([name]) => name === asked.get("view"))?.[0] ?? "chase";
+  const first = asked();
+  document.documentElement.classList.toggle("picture", first.isPicture);
+  let time = Math.min(Math.max(first.time ?? 0, 0), recording.seconds);
+  let view: View = first.view ?? "chase";
   let speed = 1;
-  let isPlaying = !asked.has("t");
+  let isPlaying = first.time === null;
   let shown = -1;
 
   const canvas = el("canvas", { class: "stage", role: "img", "aria-label": `${recording.document.title}, ${recording.document.subtitle}, in three dimensions` });
@@ -78,6 +86,13 @@ function play(page: HTMLElement, recording: Recording): void {
     else return;
     event.preventDefault();
   });
+  addEventListener("hashchange", () => {
+    const { time: to, view: by } = asked();
+    if (by) choose(by);
+    if (to === null) return;
+    set(false);
+    jump(to);
+  });
   // Without a graphics card a moving picture is drawn coarser, until it moves; one that stands is drawn finely.
   let fineness = 1;
   let drawn = 0;
@@ -108,6 +123,7 @@ function play(page: HTMLElement, recording: Recording): void {
       slider.value = String(time);
       clock.textContent = `${time.toFixed(1)} / ${recording.seconds.toFixed(0)} s`;
       document.documentElement.dataset["frames"] = String(Number(document.documentElement.dataset["frames"] ?? 0) + 1);
+      document.documentElement.dataset["at"] = String(time);
       shown = time;
     }
     requestAnimationFrame(tick);

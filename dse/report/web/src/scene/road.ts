@@ -1,7 +1,6 @@
-// Lanes with their markings, slippery areas, lights: few meshes, whatever the road is like.
+// Lanes with their markings, slippery areas: few meshes, whatever the road is like.
 import {
   BufferGeometry,
-  CylinderGeometry,
   DoubleSide,
   Float32BufferAttribute,
   Group,
@@ -10,7 +9,6 @@ import {
   MeshLambertMaterial,
   Shape,
   ShapeGeometry,
-  SphereGeometry,
   type Object3D,
 } from "three";
 import type { Document, Strip } from "./data";
@@ -28,7 +26,6 @@ export function buildRoad(document: Document): Object3D {
   group.add(surface(document.strips.filter((strip) => !strip.isDriven), VERGE, 0));
   group.add(markings(document.strips));
   for (const [outline, friction] of document.areas) group.add(slippery(outline, friction));
-  for (const [x, y] of document.lights) group.add(light(x, y));
   return group;
 }
 
@@ -121,19 +118,4 @@ function slippery(outline: number[], friction: number): Mesh {
   const mesh = new Mesh(new ShapeGeometry(shape), ice);
   mesh.position.z = 0.04;
   return mesh;
-}
-
-function light(x: number, y: number): Object3D {
-  const group = new Group();
-  const pole = new Mesh(new CylinderGeometry(0.08, 0.08, 4), new MeshLambertMaterial({ color: 0x555555 }));
-  pole.rotation.x = Math.PI / 2;
-  pole.position.z = 2;
-  group.add(pole);
-  [0xff3020, 0xffc020, 0x30d040].forEach((colour, i) => {
-    const lamp = new Mesh(new SphereGeometry(0.16, 8, 6), new MeshBasicMaterial({ color: colour }));
-    lamp.position.z = 4.6 - 0.4 * i;
-    group.add(lamp);
-  });
-  group.position.set(x, y, 0);
-  return group;
 }

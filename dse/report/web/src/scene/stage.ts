@@ -1,6 +1,7 @@
 // The scene at a moment, seen by one of the cameras.
 import { PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import type { Recording } from "./data";
+import { buildLights } from "./lights";
 import { buildRoad } from "./road";
 import { buildSensing, type Sensing } from "./sensing";
 import { buildSurroundings } from "./surroundings";
@@ -32,6 +33,8 @@ export function buildStage(canvas: HTMLCanvasElement, recording: Recording): Sta
   const camera = new PerspectiveCamera(50, 16 / 9, 0.3, 3000);
   camera.up.set(0, 0, 1);
   scene.add(buildRoad(recording.document));
+  const lights = buildLights(recording);
+  scene.add(lights.group);
   const surroundings = buildSurroundings(scene, recording);
   const host = buildHost(recording.document.host.length, recording.document.host.width);
   // Bodies are drawn around their middles, the car is told where its centre of gravity is.
@@ -57,6 +60,7 @@ export function buildStage(canvas: HTMLCanvasElement, recording: Recording): Sta
       host.wheels(turned(time) / WHEEL, at("steering"));
       host.brake(slows(recording, "host", time));
       for (const other of others) other.show(time);
+      lights.show(time);
       sensing.show(time);
       look(camera, view, host.group.position, heading);
       host.group.traverse((each) => each.layers.set(view === "driver" ? 1 : 0));
