@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from dse.domain import study as nouns
     from dse.domain.definition import StudyDefinition
     from dse.errors import Problem
+    from dse.report import Shot
     from dse.exploration import Explored
     from dse.storage import RunTable, StudyFolder
 
@@ -155,6 +156,25 @@ class Results:
         if scene_mark(page) == mark_of(self.run(run)):
             return page
         return self.write_scene(run, page, tell=tell)
+
+    def film_scene(
+        self, run: int, target: str | Path, shot: Shot, *, source: str | Path | None = None, tell: Tell | None = None
+    ) -> int:
+        """Write what *shot* has of the *run* in three dimensions to *target*; returns how many frames.
+
+        A PNG, or with a rate an animated picture, a video, or a folder of PNG files. A Chromium of the machine draws.
+        Raises DseError if there is none, and as `write_scene` does.
+        """
+        from dse.api.studies.scenes import mark_of, replay_file, scene_of
+        from dse.report import film, require_target, scene_mark, scene_page
+
+        require_target(Path(target), shot)
+        stored, page = self.run(run), replay_file(self.folder, run)
+        if scene_mark(page) == mark_of(stored):
+            text = page.read_text(encoding="utf-8")
+        else:
+            text = scene_page(scene_of(stored, source=source, near=self.folder, tell=tell))
+        return film(text, shot, Path(target), tell or (lambda _: None))
 
     def replays(self, folder: str | Path | None = None) -> tuple[int, ...]:
         """The runs whose pages `replay_page` would give as they are there, below *folder* (the study's)."""

@@ -124,6 +124,7 @@ function play(page: HTMLElement, recording: Recording): void {
       clock.textContent = `${time.toFixed(1)} / ${recording.seconds.toFixed(0)} s`;
       document.documentElement.dataset["frames"] = String(Number(document.documentElement.dataset["frames"] ?? 0) + 1);
       document.documentElement.dataset["at"] = String(time);
+      document.documentElement.dataset["view"] = view;
       shown = time;
     }
     requestAnimationFrame(tick);
