@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from dse.domain import study as nouns
     from dse.domain.definition import StudyDefinition
     from dse.errors import Problem
-    from dse.report import Shot
     from dse.exploration import Explored
+    from dse.report import Shot
     from dse.storage import RunTable, StudyFolder
 
 T = TypeVar("T")
@@ -157,6 +157,23 @@ class Results:
             return page
         return self.write_scene(run, page, tell=tell)
 
+    def runs_to_replay(self, which: str | int) -> tuple[int, ...]:
+        """Numbers of the runs that came to their end: ``all`` of them, those that ``failed`` a requirement, or so many,
+        spread evenly."""
+        import numpy as np
+
+        from dse.domain.bench import VERDICTS, Verdict
+
+        table = self._read(lambda store: store.table())
+        done = np.flatnonzero(table.done)
+        if which == "failed":
+            code = VERDICTS.index(Verdict.FAIL)
+            has_failed = [table.verdicts(name) == code for name in table.header.requirements]
+            done = done[np.any(has_failed, axis=0)[done]] if has_failed else done[:0]
+        elif isinstance(which, int) and which < len(done):
+            done = done[np.linspace(0, len(done) - 1, which).astype(int)]
+        return tuple(table.numbers[done].tolist())
+
     def film_scene(
         self, run: int, target: str | Path, shot: Shot, *, source: str | Path | None = None, tell: Tell | None = None
     ) -> int:
@@ -165,16 +182,27 @@ class Results:
         A PNG, or with a rate an animated picture, a video, or a folder of PNG files. A Chromium of the machine draws.
         Raises DseError if there is none, and as `write_scene` does.
         """
-        from dse.api.studies.scenes import mark_of, replay_file, scene_of
-        from dse.report import film, require_target, scene_mark, scene_page
+        from dse.report import film, require_target
 
         require_target(Path(target), shot)
+        text = self.scene_page(run, source=source, tell=tell)
+        return film(text, shot, Path(target), tell or (lambda _: None))
+
+    def scene_page(self, run: int, *, source: str | Path | None = None, tell: Tell | None = None) -> str:
+        """The page of a *run* as text: as `replay_page` has it in the folder, else made anew and not kept."""
+        from dse.api.studies.scenes import mark_of, replay_file, scene_of
+        from dse.report import scene_mark, scene_page
+
         stored, page = self.run(run), replay_file(self.folder, run)
         if scene_mark(page) == mark_of(stored):
-            text = page.read_text(encoding="utf-8")
-        else:
-            text = scene_page(scene_of(stored, source=source, near=self.folder, tell=tell))
-        return film(text, shot, Path(target), tell or (lambda _: None))
+            return page.read_text(encoding="utf-8")
+        return scene_page(scene_of(stored, source=source, near=self.folder, tell=tell))
+
+    def scene_mark(self, run: int) -> str:
+        """A digest of what a *run*'s page in three dimensions is made of: as long as it is the same, so is the page."""
+        from dse.api.studies.scenes import mark_of
+
+        return mark_of(self.run(run))
 
     def replays(self, folder: str | Path | None = None) -> tuple[int, ...]:
         """The runs whose pages `replay_page` would give as they are there, below *folder* (the study's)."""

@@ -33,7 +33,8 @@ def scene_of(
 ) -> Scene:
     """*stored* simulated again, as `replay` does, for the eye.
 
-    Its study is taken from the file *source*, else from the workspace around *near*, else from that around here. Raises DseError if nothing in it says where a car is, or if it does not come to the same metrics again.
+    Its study is taken from the file *source*, else from the workspace around *near*, else from that around here.
+    Raises DseError if nothing in it says where a car is, or if it does not come to the same metrics again.
     """
     from dse.api.studies.exploring import alone
     from dse.api.studies.replaying import benches_of

@@ -102,7 +102,7 @@ class _Pipe:
         self._read = b""
         self._asked = 0
 
-    def value(self, session: str, script: str) -> Any:  # noqa: ANN401  # plain data of the page
+    def value(self, session: str, script: str) -> Any:
         """What the page in *session* makes of *script*, waited for; None if it goes over to another one meanwhile."""
         told = {"expression": script, "awaitPromise": True, "returnByValue": True}
         answer = self.ask("Runtime.evaluate", session, **told)
