@@ -178,6 +178,7 @@ class FakeDrives:
             "strips": strips,
             "areas": [],
             "lights": [],
+            "colours": [],
             "host": {"length": 4.5, "width": 1.8, "front": 2.3},
             "others": self.others,
             "sensors": [

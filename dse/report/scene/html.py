@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import html
+import os
+import re
 from pathlib import Path
 
 import numpy as np
 
 from dse.report.content.nouns import Floats
-from dse.report.drawing.road_picture import Strip
+from dse.report.drawing.road_picture import StandingLight, Strip
 from dse.report.page.html import HEAD, ICON, bundle, hash_of
 from dse.report.page.packing import Block
 from dse.report.page.payload import script_json
-from dse.report.scene.nouns import CLASSES, Scene
+from dse.report.scene.nouns import CLASSES, COLOURS, Scene
 from dse.scratch import write_whole
 
 _PAGE = (
@@ -25,8 +27,12 @@ _PAGE = (
 <script>{script}</script>
 </body>
 </html>
+<!-- {mark} -->
 """
 )
+
+
+_TAIL = 200
 
 
 def write_scene(scene: Scene, target: Path) -> None:
@@ -52,7 +58,19 @@ def scene_page(scene: Scene) -> str:
         document=script_json(document),
         columns=columns.text(),
         script=script,
+        mark=re.sub(r"[^0-9a-f]", "", scene.mark),
     )
+
+
+def scene_mark(page: Path) -> str:
+    """The mark of the scene that the file *page* shows; "" if it shows none, or is not there."""
+    try:
+        with page.open("rb") as file:
+            file.seek(max(file.seek(0, os.SEEK_END) - _TAIL, 0))
+            found = re.search(rb"<!-- ([0-9a-f]+) -->\s*$", file.read(_TAIL))
+    except OSError:
+        return ""
+    return found[1].decode("ascii") if found else ""
 
 
 def _document(scene: Scene, columns: Block) -> dict[str, object]:
@@ -62,6 +80,8 @@ def _document(scene: Scene, columns: Block) -> dict[str, object]:
 
     add("host", dict(scene.host.columns))
     add("weather", dict(scene.weather))
+    for number, colour in enumerate(scene.lights.values()):
+        columns.add(f"light.{number}", "f4", colour)
     for number, other in enumerate(scene.others):
         add(f"other.{number}", dict(other))
     for number, sensor in enumerate(scene.sensors):
@@ -80,7 +100,8 @@ def _document(scene: Scene, columns: Block) -> dict[str, object]:
         "classes": CLASSES,
         "strips": [_strip(strip) for strip in scene.ground.strips],
         "areas": [[np.round(area.outline, 2).reshape(-1).tolist(), area.friction] for area in scene.ground.areas],
-        "lights": np.round(scene.ground.lights, 2).tolist(),
+        "colours": COLOURS,
+        "lights": [_light(light, scene) for light in scene.ground.lights],
         "host": {"length": scene.host.length, "width": scene.host.width, "front": scene.host.front},
         "others": len(scene.others),
         "sensors": [
@@ -98,6 +119,16 @@ def _document(scene: Scene, columns: Block) -> dict[str, object]:
             {"title": i.title, "unit": i.unit, "items": list(i.items), "hasTarget": i.target is not None}
             for i in scene.instruments
         ],
+    }
+
+
+def _light(light: StandingLight, scene: Scene) -> dict[str, object]:
+    """*told* is its column of what it shows, -1 where nobody told."""
+    return {
+        "place": np.round(light.place, 2).tolist(),
+        "heading": round(light.heading, 4),
+        "line": np.round(light.line, 2).reshape(-1).tolist(),
+        "told": [*scene.lights].index(light.id) if light.id in scene.lights else -1,
     }
 
 

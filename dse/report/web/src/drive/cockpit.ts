@@ -1,5 +1,6 @@
 // The drive itself: the scene over the whole width, what a driver looks at, and who drives.
 import { el } from "../dom";
+import { Fineness } from "../scene/fineness";
 import { buildInstruments } from "../scene/instruments";
 import { sensorColour } from "../scene/sensing";
 import { buildStage, type View } from "../scene/stage";
@@ -9,8 +10,6 @@ import { buildTouch } from "./touch";
 import type { Drive, Tunable } from "./wire";
 
 const EVERY = 1000 / 30; // ms between two messages
-const SLOW = 33;
-const COARSEST = 0.4;
 const CAMERAS: [View, string][] = [["chase", "Chase"], ["driver", "Driver"], ["top", "Top"]];
 
 /** Shows the drive in *page*; what it gives back ends the showing. */
@@ -87,22 +86,16 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
     spoken = now;
   }, EVERY);
 
-  let fineness = 1;
-  let pace = 1000 / 60;
-  const resize = (): void => stage.resize(canvas.clientWidth, canvas.clientHeight, fineness);
+  const fineness = new Fineness();
+  const resize = (): void => stage.resize(canvas.clientWidth, canvas.clientHeight, fineness.value);
   const watching = new ResizeObserver(resize);
   watching.observe(canvas);
   let last = performance.now();
   let frame = 0;
   let pictures = 0;
   const tick = (now: number): void => {
-    pace += 0.1 * (Math.min(now - last, 200) - pace);
+    if (fineness.tell(now, now - last)) resize();
     last = now;
-    if (pace > SLOW && fineness > COARSEST) {
-      fineness = Math.max(fineness * 0.8, COARSEST);
-      pace = 0.8 * SLOW;
-      resize();
-    }
     if (stream.version) {
       const time = stream.moment(now);
       stage.show(time, view);
