@@ -57,7 +57,7 @@ def scene(title: str = "made up", **changed: object) -> Scene:
         title,
         "run 7",
         time,
-        Ground((lane,), (), np.array([[100.0, 4.0]])),
+        Ground((lane,), ()),
         Host({**host, "x": 20 * time, "speed": 20 + zero}, 4.5, 1.8, 2.3),
         (other,),
         (Sensor("sensor", "A radar", 2.3, 150.0, 0.5, (seen,)),),

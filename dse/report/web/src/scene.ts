@@ -8,8 +8,6 @@ import { buildStage, VIEWS, type View } from "./scene/stage";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 const WIND = 1; // s
-const SLOW = 33; // ms a frame
-const COARSEST = 1;
 
 async function start(): Promise<void> {
   const page = document.getElementById("scene")!;
