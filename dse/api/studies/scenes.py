@@ -56,6 +56,9 @@ def scene_of(
         raise fail(f"run {stored.number} of bench '{bench.name}' is no scene: {what}", Location(bench.name))
     again = replace(bench, simulation=_recording(bench, told.wanted))
     made, _ = alone(bench_study(again, Selection((chosen.id,))), fmi, tell=tell)
+    if made.problem and stored.is_done:
+        what = f"run {stored.number} failed this time: {made.problem}"
+        raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' tells what changed")
     if made.waveforms is None or not _is_same(made.metrics, stored.metrics):
         what = f"run {stored.number} did not give the same again"
         raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' tells what changed")

@@ -71,8 +71,8 @@ def figure(
     A road is drawn as a map to scale, with lanes, slippery patches, lights, height, bank and curvature along the way;
     --drive adds paths that were driven.
 
-    --scene is a moment of a run in three dimensions as PNG. With --frames it is a film: WebP, GIF, APNG, with ffmpeg
-    MP4 or WebM, or a folder of numbered PNG files, as -o says. A Chromium draws; the run is simulated once more.
+    --scene is a moment of a run in three dimensions as PNG. With --frames it is a film: WebP, GIF, with ffmpeg MP4
+    or WebM, or a folder of numbered PNG files, as -o says. A Chromium draws; the run is simulated once more.
     """
     from dataclasses import replace
 

@@ -51,12 +51,13 @@ def report(
     Reads only the study folder; nothing is simulated but the runs of --replay and --replays, once more.
     """
     from dse.api import Results
-    from dse.errors import DseError, Problem
+    from dse.errors import DseError, Problem, raise_if_any
 
     results = Results(folder)
     if pdf and (replay or replays or is_opened):
         raise typer.BadParameter("what is printed has no replays, and is not opened", param_hint="--pdf")
     problems: list[Problem] = []
+    refused: list[Problem] = []
     made: list[Path] = []
     seen: list[Path] = []
     with status_line() as tell:
@@ -64,7 +65,7 @@ def report(
             try:
                 seen.append(results.replay_page(run, (target or folder / "report.html").parent, tell=tell))
             except DseError as error:  # the others can be driven all the same
-                problems += error.problems
+                refused += error.problems
         if target or not pdf:
             tell(f"reading {len(results)} runs, drawing the page")
             made.append(results.report(target, waveforms=waveforms, on_problems=problems.extend))
@@ -75,12 +76,11 @@ def report(
         say(f"{page}: a replay, {page.stat().st_size / 1e6:.1f} MB")
     for page in made:
         say(f"{page}: {len(results)} runs, {page.stat().st_size / 1e6:.1f} MB")
-    if is_opened:
-        _open(seen[0] if len(seen) == 1 else made[0])
-    if problems and (replay or replays) and not seen:
-        raise DseError(*problems)
     if problems:
         show_problems(DseError(*problems))
+    if is_opened:
+        _open(seen[0] if len(seen) == 1 else made[0])
+    raise_if_any(refused)
 
 
 def _chosen(results: Results, which: str | None) -> tuple[int, ...]:

@@ -119,9 +119,9 @@ class _Pipe:
             self._write(json.dumps(message).encode() + b"\0")
             while True:
                 answer = json.loads(self._message(until))
-                if answer.get("id") == self._asked:
+                if dict(answer).get("id") == self._asked:
                     break
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, TypeError) as error:
             raise fail(f"the browser does not answer ({method}): {error}", self._where, _HINT) from error
         if "error" in answer:
             raise fail(f"the browser refuses {method}: {answer['error'].get('message')}", self._where, _HINT)
@@ -139,7 +139,7 @@ class _Pipe:
                 raise TimeoutError(f"nothing within {_PATIENCE:g} s")
             part = os.read(self._of, 1 << 16)
             if not part:
-                raise EOFError("it has ended")
+                raise ConnectionError("it has ended")
             self._read += part
             if len(self._read) > _MOST_ANSWER:
                 raise ValueError("it says too much")

@@ -21,7 +21,7 @@ from dse.scratch import make_folder, write_whole, written_whole
 VIEWS = ("chase", "driver", "top", "side")
 """The cameras."""
 
-MOVING = (".webp", ".gif", ".apng")
+MOVING = (".webp", ".gif")
 """Animated pictures that are written here."""
 
 VIDEOS = (".mp4", ".webm")
@@ -133,7 +133,7 @@ def _animate(frames: Iterator[bytes], target: Path, rate: float) -> None:
     images = opened()
     first = next(images)
     options = {"quality": 80, "method": 2} if target.suffix.lower() == ".webp" else {}
-    kind = {".apng": "PNG", ".gif": "GIF", ".webp": "WEBP"}[target.suffix.lower()]
+    kind = target.suffix[1:].upper()
     with written_whole(target) as path, path.open("wb") as file:
         first.save(file, kind, save_all=True, append_images=images, duration=1000 / rate, loop=0, **options)
 
