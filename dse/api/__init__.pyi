@@ -5,6 +5,9 @@ from .contents import (
     listing as listing,
     study_folders as study_folders,
 )
+from .drives.boards import SCORING as SCORING, Board as Board, Score as Score, board_of as board_of
+from .drives.folder import CheckedDrive as CheckedDrive, Drives as Drives
+from .driving.live import MOST_DRIVER as MOST_DRIVER, LiveDrive as LiveDrive, open_drive as open_drive
 from .naming import (
     OUT as OUT,
     new_folder as new_folder,
@@ -27,6 +30,11 @@ from .roads import is_road as is_road, opendrive_text as opendrive_text, picture
 from .showing.described import metric_rows as metric_rows, requirement_labels as requirement_labels
 from .showing.progress import progress_bar as progress_bar
 from .showing.quantities import difference as difference, quantity as quantity
+from .spaces.dealership import (
+    Dealership as Dealership,
+    choices_text as choices_text,
+    read_choices_text as read_choices_text,
+)
 from .spaces.design import Design as Design
 from .spaces.ranking import Ranking as Ranking
 from .starting.bench import new_bench as new_bench

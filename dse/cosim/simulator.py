@@ -90,7 +90,9 @@ class Simulator:
         self.system = system = system if fused is None else fitted(fused, system, record, method)
         self.method = method
         self.reset_differs = tuple(name for name, known in facts.items() if known.denies(Question.RESETS))
-        self.reset_is_trusted: bool | None = False if self.reset_differs else None
+        # Two runs of what is live need not be the same: nothing can be proved by them, and each is a session outside.
+        is_live = any(element.model.is_live for element in system.elements)
+        self.reset_is_trusted: bool | None = False if self.reset_differs or is_live else None
         self.ended = ""
         self._wear = Wear(system, facts)
         wiring = wire_up(system)

@@ -109,7 +109,8 @@ class Derived:
 class TestBench:
     """Design space + test components + connections + settings + metrics + requirements.
 
-    *derived* parameters are set in every run, in their order.
+    *derived* parameters are set in every run, in their order. *direct* connections join single ports and parameters of
+    parts wherever they stand, as no file of a user can: those of a seat, that sees and tunes everything.
     """
 
     name: str
@@ -124,6 +125,7 @@ class TestBench:
     title: str = ""
     where: Location | None = None
     derived: tuple[Derived, ...] = ()
+    direct: tuple[Connection, ...] = ()
 
     __test__ = False
 

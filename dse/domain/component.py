@@ -201,7 +201,8 @@ class CSource(Source):
     are nested structs). With *step* the code is sampled: ``void step(T *)`` runs every *step* seconds.
     Without it the code is a plant: ``void step(T *, double h)`` runs once per communication step.
     With a *partner*, a module of dse, a process of its own does the work (dse/fmu/runtime/partner.h), with *resources*
-    by name: ``init`` and ``step`` fill the array ``ask``, and ``void <struct>_take(T *)`` empties ``answer``.
+    by name: ``init`` and ``step`` fill the array ``ask``, and ``void <struct>_take(T *)`` empties ``answer``. What is
+    asked goes out as a datagram if the component *is_live* (dse/fmu/runtime/udp.h).
     """
 
     kind = "c"
@@ -215,6 +216,7 @@ class CSource(Source):
     step: float | None
     partner: str = ""
     resources: tuple[tuple[str, bytes], ...] = field(default=(), repr=False)
+    is_live: bool = False
 
     @property
     def sample_time(self) -> float | None:
@@ -257,7 +259,7 @@ class ModelicaSource(Source):
     tolerance: float | None = None
 
 
-PLANNED_KINDS = ("python", "udp")
+PLANNED_KINDS = ("python",)
 
 
 @dataclass(frozen=True, slots=True)

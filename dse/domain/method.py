@@ -80,6 +80,10 @@ class Method:
     run's step. An element with a longer one takes its inputs at the beginning and shows its outputs at the end of its
     step; one with a shorter one makes several steps with its inputs extrapolated. *extrapolation* is the one of all
     elements, *extrapolations* those of single ones.
+
+    *leading* elements are the system's first. With Jacobi they go ahead of all others in every step, and what they show
+    then is of the step's beginning: the others take it for this step. So goes what waits outside for the values of its
+    own step (`dse.domain.udp`, the role server).
     """
 
     algorithm: Algorithm = Algorithm.JACOBI
@@ -89,6 +93,7 @@ class Method:
     steps: Mapping[str, float] = field(default_factory=dict)
     adaptive: Adaptive | None = None
     bonds: tuple[Bond, ...] = ()
+    leading: tuple[str, ...] = ()
 
     @property
     def is_plain_but_for_order(self) -> bool:

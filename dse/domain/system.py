@@ -25,7 +25,7 @@ class Conversion:
 class Element:
     """One FMU instance in a system.
 
-    *inputs* are the connected inputs, *outputs* those that are wired or recorded. *start* sets unconnected inputs and
+    *inputs* are the connected inputs and tunable parameters, *outputs* those that are wired or recorded. *start* sets unconnected inputs and
     parameters before initialization, by the label of one value (``name`` or ``name[2]``): numbers as they are outside
     of the FMU (SI), 0/1 for Booleans, the number of an enumeration's item. *texts* does so for strings and binaries.
     *conversions* are by variable name; a variable without one has the same value inside and outside. Structural
@@ -44,6 +44,8 @@ class Element:
 @dataclass(frozen=True, slots=True)
 class Wire:
     """From output *source_variable* of element *source* to input *target_variable* of element *target*.
+
+    The target may be a tunable parameter instead, which is given its value as an input is.
 
     Both ends are labels of one value (``name``, ``name[2]``), or both are whole arrays of equal shape, by name. The
     target is given ``factor * source + offset``, both in outside values; with *items*, pairs (source, target).

@@ -8,6 +8,9 @@ from dataclasses import astuple, dataclass
 PARTNER = "resources/partner.txt"
 """What in an FMU names the module of dse that is run as its partner (dse/fmu/runtime/partner.h)."""
 
+LIVE = "sources/runtime/udp.h"
+"""What an FMU has that exchanges datagrams with somebody outside."""
+
 SLOT_TABLE = "slots.json"
 """Its file, below ``sources/``."""
 

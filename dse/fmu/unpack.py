@@ -13,7 +13,7 @@ from dse.domain.fmu import FmiInterface, FmuModel, Host
 from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.reading.build_description import has_recipe
 from dse.fmu.reading.description import Description, read_description
-from dse.fmu.slot_table import PARTNER
+from dse.fmu.slot_table import LIVE, PARTNER
 from dse.fmu.source_build import build_from_sources
 from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.windows import bridge_to, needed_for_wine, windows_library
@@ -40,6 +40,7 @@ def open_fmu(archive: Path, *, cache: Path | None = None, interface: FmiInterfac
     told = {f.name: getattr(description, f.name) for f in fields(FmuModel) if hasattr(description, f.name)}
     library, host, unused = _library(folder, description, where, cache)
     told["ignored"] = (*passed_over(archive, where), *description.ignored, *unused)
+    told["is_live"] = (folder / LIVE).is_file()
     return FmuModel(archive=archive, folder=folder, library=library, host=host, content_hash=digest, **told)
 
 

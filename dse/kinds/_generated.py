@@ -18,12 +18,13 @@ def build_generated(
     cache: Path | None,
     partner: str = "",
     resources: Mapping[str, bytes] | None = None,
+    is_live: bool = False,
 ) -> Path:
     """The FMU archive of *component* from C as the kind ``c`` takes it, which *files* has by file name.
 
     There is ``<struct>.h``, which defines the type *struct*, ``<struct>_init`` and ``<struct>_step``; with *step* the
-    code is sampled. What is built so can be fused, unless the module *partner* does the work, with *resources*. The
-    files are kept in the folder *cache*. Raises DseError.
+    code is sampled. What is built so can be fused, unless the module *partner* does the work, with *resources*, or it
+    *is_live*: somebody outside does. The files are kept in the folder *cache*. Raises DseError.
     """
     from dse.cache import cache_folder, content_key, keep_files
     from dse.fmu import build_c
@@ -32,5 +33,7 @@ def build_generated(
     folder = keep_files(cache_folder(cache) / "generated" / content_key(contents.items()), lambda: contents)
     held = tuple(sorted((resources or {}).items()))
     paths = tuple(folder / name for name in contents)
-    source = CSource(paths, folder / f"{struct}.h", struct, f"{struct}_init", f"{struct}_step", step, partner, held)
+    source = CSource(
+        paths, folder / f"{struct}.h", struct, f"{struct}_init", f"{struct}_step", step, partner, held, is_live
+    )
     return build_c(component, source, version=version, cache=cache)

@@ -17,13 +17,13 @@ def partner_files(component: Component, struct: str) -> dict[str, str]:
 
     Asked are the step (0 at the start) and the values of `asked_names`, answered those of `answered_names`.
     """
-    asked, answered = _members(component, ("par", "in")), _members(component, ("out",))
+    asked, answered = members_of(component, ("par", "in")), members_of(component, ("out",))
     asks = "".join(f"    self->ask[{1 + n}] = self->{member};\n" for n, (member, _) in enumerate(asked))
     takes = "".join(
         f"    self->{member} = {'' if type_ == 'double' else f'({type_})'}self->answer[{n}];\n"
         for n, (member, type_) in enumerate(answered)
     )
-    members = "\n".join(_struct(_tree([*asked, *answered]), 1))
+    members = "\n".join(struct_lines([*asked, *answered]))
     header = f"""#pragma once
 #include <stdbool.h>
 #include <stdint.h>
@@ -61,8 +61,8 @@ def answered_names(component: Component) -> list[str]:
     return [port.name for port in component.interface.ports if port.causality is Causality.OUTPUT]
 
 
-def _members(component: Component, groups: Iterable[str]) -> list[tuple[str, str]]:
-    """Members of the struct and their types."""
+def members_of(component: Component, groups: Iterable[str]) -> list[tuple[str, str]]:
+    """Members of the struct and their types, by the groups ``par``, ``in`` and ``out``."""
     ports = component.interface.ports
     found = {
         "par": [(p.name, p.type) for p in component.parameters],
@@ -74,6 +74,11 @@ def _members(component: Component, groups: Iterable[str]) -> list[tuple[str, str
         for group in groups
         for name, type_ in found[group]
     ]
+
+
+def struct_lines(found: Iterable[tuple[str, str]]) -> Iterator[str]:
+    """The lines that declare the members."""
+    return _struct(_tree(found), 1)
 
 
 _PART = re.compile(r"(\w+)((?:\[\d+\])*)")

@@ -37,7 +37,8 @@ from dse.modelica.translate import Translated, TranslationError, translate
 
 _DSE = Path(__file__).parents[1]
 _RUNTIME = _DSE / "fmu" / "runtime"
-_NOT_FOR = {2: ("fused_", "c_component", "fmi3"), 3: ("fused_", "c_component", "fmi2")}
+_FOR_C = ("fused_", "c_component", "datagram.h", "udp.h")
+_NOT_FOR = {2: (*_FOR_C, "fmi3"), 3: (*_FOR_C, "fmi2")}
 """How files of the runtime begin that an FMU of a version has no use for."""
 
 

@@ -242,7 +242,8 @@ def _numbers(column: RawColumn, type_: Type | None) -> NDArray[np.float64]:
 def _in_si(values: NDArray[np.float64], unit: Unit) -> NDArray[np.float64]:
     """*values* of *unit* in SI; numerator and denominator apart, so that 36 km/h are 10 m/s to the last bit."""
     numerator, denominator = (float(part) for part in unit.factor.as_integer_ratio())
-    return values * numerator / denominator + float(unit.offset)
+    scaled = values * numerator / denominator
+    return scaled + float(unit.offset) if unit.offset else scaled  # -0.0 stays what it is
 
 
 def _out_of_reach(samples: Samples, series: Series, start: float, stop: float | None) -> list[Problem]:

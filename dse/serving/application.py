@@ -13,6 +13,8 @@ from dse.errors import DseError, fail
 from dse.serving.answers import BusyError, asked_point, problem_of, simulated
 from dse.serving.comparison import compare_page
 from dse.serving.desk import Desk
+from dse.serving.drives import LiveDrives
+from dse.serving.driving import drive_routes
 from dse.serving.guard import Application, Guard, Limits
 from dse.serving.pages import problem_page, start_page
 from dse.serving.replays import Replays, run_number, waiting_page
@@ -21,14 +23,25 @@ from dse.serving.shelf import Shelf
 if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
+    from starlette.routing import BaseRoute
 
 T = TypeVar("T")
 
 _MOST_COMPARED = 8
 
 
-def application(shelf: Shelf, *, token: str = "", is_open: bool = False, limits: Limits | None = None) -> Application:
-    """An ASGI application for the studies of *shelf*, guarded as `Guard` says. DseError without the extra ``serve``."""
+def application(
+    shelf: Shelf,
+    *,
+    token: str = "",
+    is_open: bool = False,
+    limits: Limits | None = None,
+    drives: LiveDrives | None = None,
+) -> Application:
+    """An ASGI application for the studies of *shelf*, and for *drives* if there are some, guarded as `Guard` says.
+
+    DseError without the extra ``serve``.
+    """
     try:
         from starlette.applications import Starlette
         from starlette.responses import HTMLResponse, JSONResponse
@@ -79,7 +92,7 @@ def application(shelf: Shelf, *, token: str = "", is_open: bool = False, limits:
     def unfit(request: Request, error: Exception) -> Response:
         if not isinstance(error, DseError):
             raise error
-        is_page = request.url.path == "/compare" or request.url.path.startswith("/study/")
+        is_page = request.url.path in ("/compare", "/drive") or request.url.path.startswith("/study/")
         status = 404 if is_page else 409
         return HTMLResponse(problem_page(error), status) if is_page else JSONResponse(problem_of(error), status)
 
@@ -87,7 +100,7 @@ def application(shelf: Shelf, *, token: str = "", is_open: bool = False, limits:
         told = problem_of(fail("another run is being simulated", hint="wait until it has come to its end"))
         return JSONResponse(told, 429, {"retry-after": "1"})
 
-    routes = [
+    routes: list[BaseRoute] = [
         Route("/", start),
         Route("/study/{name:path}/", study),
         Route("/study/{name:path}/replay/{run}", replay),
@@ -97,6 +110,8 @@ def application(shelf: Shelf, *, token: str = "", is_open: bool = False, limits:
         Route("/simulate", simulate, methods=["POST"]),
         Route("/stop", stopped, methods=["POST"]),
     ]
+    if drives is not None:
+        routes += drive_routes(drives, _aside)
     handlers = {DseError: unfit, BusyError: busy}
     return Guard(Starlette(routes=routes, exception_handlers=handlers), token=token, is_open=is_open, limits=limits)
 

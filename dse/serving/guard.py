@@ -36,12 +36,16 @@ HEADERS = (
 @dataclass(frozen=True, slots=True)
 class Limits:
     """The largest *body* of a request in bytes and the *seconds* it may take to come; so many requests at once
-    (*burst*) and on the average (*rate*, 1/s) from one address."""
+    (*burst*) and on the average (*rate*, 1/s) from one address. Of WebSockets so many at once (*sockets*), messages of
+    so many bytes (*message*), and so many of them in a second (*messages*) from each."""
 
     body: int = 64 * 1024
     seconds: float = 10.0
     burst: int = 120
     rate: float = 30.0
+    sockets: int = 16
+    message: int = 4096
+    messages: float = 150.0
 
 
 @dataclass(slots=True)
@@ -68,8 +72,9 @@ class Guard:
 
     The ``Host`` must be this machine, so that no name of a stranger's can be turned to it (DNS rebinding):
     ``localhost`` or a loopback address, with *is_open* also any address in numbers and the machine's own names. What
-    changes something must come from a page of ours (``Origin``). With a *token*, whoever has not shown it gets
-    nothing; a ``GET`` with ``?token=`` has it kept in a cookie that no script reads and no other site sends.
+    changes something, and every WebSocket, must come from a page of ours (``Origin``). With a *token*, whoever has not
+    shown it gets nothing; a ``GET`` with ``?token=`` has it kept in a cookie that no script reads and no other site
+    sends.
     """
 
     def __init__(
@@ -82,15 +87,19 @@ class Guard:
         self._is_open = is_open
         self._limits = limits or Limits()
         self._buckets = _Buckets(self._limits)
+        self._sockets = 0
         self._names = {"localhost"} | ({name.lower() for name in _own_names()} if is_open else set())
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
         """An ASGI application."""
-        if scope["type"] != "http":
+        if scope["type"] not in ("http", "websocket"):
             raise ValueError(f"'{scope['type']}' is not served")
         headers: dict[bytes, bytes] = {}
         for name, value in scope["headers"]:
             headers[name] = b"\0" if name in headers and name in (b"host", b"origin") else value
+        if scope["type"] == "websocket":
+            await self._converse(scope, headers, receive, send)
+            return
         refusal = self._refusal(scope, headers)
         if refusal is None and self._token and not self._knows(headers):
             await self._admit(scope, send)
@@ -105,17 +114,41 @@ class Guard:
         with suppress(asyncio.CancelledError):
             await self._application(scope, _replayed(body, receive), _with_headers(send))
 
-    def _refusal(self, scope: Message, headers: dict[bytes, bytes]) -> tuple[int, str] | None:
+    async def _converse(self, scope: Message, headers: dict[bytes, bytes], receive: Receive, send: Send) -> None:
+        """Let a WebSocket through to the application, if it may be opened; what comes is measured and counted."""
+        refusal = self._stranger(scope, headers)
+        if refusal is None and headers.get(b"origin", b"").decode("latin-1") != _origin(scope, headers):
+            refusal = 403, "this was not asked by a page of this server"
+        if refusal is None and self._token and not self._knows(headers):
+            refusal = 401, "open the address with the token that was printed"
+        if refusal is None and self._sockets >= self._limits.sockets:
+            refusal = 503, "too many pages are connected; close one"
+        if refusal is not None:
+            await receive()
+            await _refuse(scope, send, *refusal)
+            return
+        self._sockets += 1
+        try:
+            with suppress(asyncio.CancelledError):
+                await self._application(scope, _measured(receive, send, self._limits), send)
+        finally:
+            self._sockets -= 1
+
+    def _stranger(self, scope: Message, headers: dict[bytes, bytes]) -> tuple[int, str] | None:
         address = scope["client"][0] if scope.get("client") else ""
         if not self._buckets.take(address):
             return 429, "too many requests; wait a moment"
-        host = headers.get(b"host", b"").decode("latin-1")
-        if not self._is_here(host):
+        if not self._is_here(headers.get(b"host", b"").decode("latin-1")):
             return 421, "this server does not go by that name"
+        return None
+
+    def _refusal(self, scope: Message, headers: dict[bytes, bytes]) -> tuple[int, str] | None:
+        if (refusal := self._stranger(scope, headers)) is not None:
+            return refusal
         if scope["method"] not in ("GET", "HEAD", "POST"):
             return 405, "only GET, HEAD and POST"
         if scope["method"] == "POST":
-            if headers.get(b"origin", b"").decode("latin-1") != f"{scope.get('scheme', 'http')}://{host}":
+            if headers.get(b"origin", b"").decode("latin-1") != _origin(scope, headers):
                 return 403, "this was not asked by a page of this server"
             if headers.get(b"content-type", b"").partition(b";")[0].strip() != b"application/json":
                 return 415, "only application/json"
@@ -149,12 +182,14 @@ class Guard:
         query = parse_qs(scope["query_string"].decode("latin-1"))
         given = (query.get("token") or [""])[0]
         if scope["method"] != "GET" or not self._is_token(given):
-            await _say(send, 401, "open the address with the token that 'dse serve' has printed")
+            await _say(send, 401, "open the address with the token that was printed")
             return
         cookie = f"{self._cookie}={self._token}; HttpOnly; SameSite=Strict; Path=/"
         # A redirect would still be the other site's doing, from which the cookie is not sent.
+        place = b"/drive" if scope["path"] == "/drive" else b"/"
         page = (
-            b'<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0;url=/"><a href="/">Go on</a>'
+            b'<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0;url=%s"><a href="%s">Go on</a>'
+            % (place, place)
         )
         await _answer(send, 200, b"text/html; charset=utf-8", page, (b"set-cookie", cookie.encode()))
 
@@ -177,6 +212,44 @@ class Guard:
                         return body, None
         except TimeoutError:
             return b"", (408, "the request did not come to its end in time")
+
+
+def _origin(scope: Message, headers: dict[bytes, bytes]) -> str:
+    """What a browser calls a page of this server."""
+    scheme = {"ws": "http", "wss": "https"}.get(scope.get("scheme", "http"), scope.get("scheme", "http"))
+    return f"{scheme}://{headers.get(b'host', b'').decode('latin-1')}"
+
+
+def _measured(receive: Receive, send: Send, limits: Limits) -> Receive:
+    """*receive* of a WebSocket that is closed where a message is too large, or they come too often."""
+    bucket = _Buckets(Limits(burst=int(2 * limits.messages), rate=limits.messages))
+
+    async def received() -> Message:
+        message = await receive()
+        if message["type"] != "websocket.receive":
+            return message
+        size = len((message.get("text") or "").encode()) + len(message.get("bytes") or b"")
+        if size <= limits.message and bucket.take(""):
+            return message
+        code = _TOO_LARGE if size > limits.message else _TOO_MUCH
+        with suppress(Exception):  # it is closed already
+            await send({"type": "websocket.close", "code": code})
+        return {"type": "websocket.disconnect", "code": code}
+
+    return received
+
+
+_TOO_LARGE, _TOO_MUCH = 1009, 1008
+
+
+async def _refuse(scope: Message, send: Send, status: int, why: str) -> None:
+    if "websocket.http.response" not in scope.get("extensions", {}):
+        await send({"type": "websocket.close", "code": _TOO_MUCH, "reason": why})
+        return
+    body = f"{why}\n".encode()
+    headers = [(b"content-type", b"text/plain; charset=utf-8"), (b"content-length", str(len(body)).encode()), *HEADERS]
+    await send({"type": "websocket.http.response.start", "status": status, "headers": headers})
+    await send({"type": "websocket.http.response.body", "body": body})
 
 
 def _own_names() -> set[str]:

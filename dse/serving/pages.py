@@ -10,7 +10,7 @@ from urllib.parse import quote
 from dse.api import Glance
 from dse.domain.bench import VERDICTS, Verdict
 from dse.errors import DseError
-from dse.report import HEAD, ICON, bundle, hash_of
+from dse.report import HEAD, ICON, bundle, hash_of, script_json
 
 _PAGE = (
     HEAD
@@ -21,6 +21,18 @@ _PAGE = (
 <main class="plain">
 {body}
 </main>
+</body>
+</html>
+"""
+)
+
+_DRIVE = (
+    HEAD
+    + """</head>
+<body>
+<div id="drive"><noscript>This page draws itself with JavaScript, which is switched off.</noscript></div>
+<script type="application/json" id="document">{document}</script>
+<script>{script}</script>
 </body>
 </html>
 """
@@ -44,6 +56,18 @@ def document(title: str, body: str, beside: str = "") -> str:
     )
     return _PAGE.format(
         policy=policy, title=escape(title), icon=ICON, style=style, script=script, beside=beside, body=body
+    )
+
+
+def drive_page(known: Mapping[str, object]) -> str:
+    """The page of the test drive, which is told what is *known*: it asks for all else. Its only code is its own."""
+    script, style = bundle("drive.js"), bundle("drive.css")
+    policy = (
+        f"default-src 'none'; script-src '{hash_of(script)}'; style-src '{hash_of(style)}' 'unsafe-inline'; "
+        "img-src data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'"
+    )
+    return _DRIVE.format(
+        policy=policy, title="Test drive", icon=ICON, style=style, document=script_json(known), script=script
     )
 
 

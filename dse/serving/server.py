@@ -7,12 +7,14 @@ import ipaddress
 import secrets
 import socket
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dse.errors import fail
 from dse.serving.application import application
-from dse.serving.guard import Application
+from dse.serving.drives import LiveDrives
+from dse.serving.guard import Application, Limits
 from dse.serving.shelf import Shelf
 
 if TYPE_CHECKING:
@@ -28,6 +30,8 @@ _TO_FINISH = 3
 """Seconds that requests have to come to their end when the server stops."""
 
 _MOST_AT_ONCE = 64
+MOST_MESSAGE = Limits().message
+"""Bytes of a message over a WebSocket."""
 _MOST_HEAD = 32 * 1024
 
 
@@ -39,17 +43,24 @@ class Announced:
     has_token: bool
 
 
-def serve(shelf: Shelf, *, listen: str = "", port: int = PORT, tell: Callable[[Announced], None]) -> None:
-    """Serve the studies of *shelf* until the program is interrupted; *tell* is called once it listens.
+def serve(
+    shelf: Shelf,
+    *,
+    listen: str = "",
+    port: int = PORT,
+    tell: Callable[[Announced], None],
+    drives: LiveDrives | None = None,
+) -> None:
+    """Serve the studies of *shelf*, and *drives*, until the program is interrupted; *tell* is called once it listens.
 
     On the loopback address, or on *listen*, an address in numbers of this machine (``0.0.0.0``: all), with a token.
     Port 0 is any free one. Raises DseError if it cannot listen there, or without the extra ``serve``.
     """
     token = secrets.token_urlsafe(32) if listen else ""
     address = _address(listen or LOOPBACK)
-    guarded = application(shelf, token=token, is_open=not address.is_loopback)
-    with _listening(address, port) as listener:
-        tell(_announced(address, listener.getsockname()[1], token))
+    guarded = application(shelf, token=token, is_open=not address.is_loopback, drives=drives)
+    with _listening(address, port) as listener, drives or nullcontext():
+        tell(_announced(address, listener.getsockname()[1], token, "drive" if drives else ""))
         server_of(guarded).run(sockets=[listener])
 
 
@@ -61,7 +72,9 @@ def server_of(guarded: Application) -> uvicorn.Server:
         uvicorn.Config(
             guarded,
             http="h11",
-            ws="none",
+            ws="websockets-sansio",
+            ws_max_size=MOST_MESSAGE,
+            ws_per_message_deflate=False,
             loop="asyncio",
             lifespan="off",
             interface="asgi3",
@@ -105,7 +118,7 @@ def _listening(address: Address, port: int) -> socket.socket:
         raise fail(what, hint=hint) from error
 
 
-def _announced(address: Address, port: int, token: str) -> Announced:
+def _announced(address: Address, port: int, token: str, page: str) -> Announced:
     """Of all addresses of the machine its name is told."""
     name = socket.gethostname() if address.is_unspecified else f"[{address}]" if address.version == 6 else str(address)
-    return Announced(f"http://{name}:{port}/" + (f"?token={token}" if token else ""), bool(token))
+    return Announced(f"http://{name}:{port}/{page}" + (f"?token={token}" if token else ""), bool(token))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from dse.domain.component import Causality, Type, same_signal
+from dse.domain.component import Causality, Parameter, Type, same_signal
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part, walk
 from dse.errors import DseError, Problem
 from dse.loading import misfits
@@ -38,7 +38,7 @@ def _place(node: Node, path: str, *, optional: bool) -> tuple[PlacedPart, frozen
             return _place(node.content, path, optional=True)
         case Part() | Alternative():
             name = node.name if isinstance(node, Part) else node.options[0].name
-            place = PlacedPart(path, node.interface, {}, (), is_component=True, name=name)
+            place = PlacedPart(path, node.interface, {}, (), True, name, _parameters(node))
             return place, frozenset({path} if optional else ())
         case Compound():
             parts: dict[str, PlacedPart | None] = {}
@@ -47,6 +47,14 @@ def _place(node: Node, path: str, *, optional: bool) -> tuple[PlacedPart, frozen
                 parts[name], below = _place(child, f"{path}.{name}" if path else name, optional=optional)
                 missing |= below
             return PlacedPart(path, node.interface, parts, node.connections), missing
+
+
+def _parameters(node: Part | Alternative) -> tuple[Parameter, ...]:
+    """Those that whoever may stand there has, as the first has them."""
+    options = (node,) if isinstance(node, Part) else node.options
+    all_of_them = [option.component.parameters if isinstance(option, Part) else () for option in options]
+    shared = set.intersection(*({parameter.name for parameter in each} for each in all_of_them))
+    return tuple(parameter for parameter in all_of_them[0] if parameter.name in shared)
 
 
 def _wiring(path: str, compound: Compound) -> Iterable[Problem]:
@@ -78,8 +86,9 @@ def _wiring(path: str, compound: Compound) -> Iterable[Problem]:
 
 
 def _types(place: PlacedPart) -> Iterable[tuple[PortOf, Type]]:
-    """The type of every port at and below *place*."""
+    """The type of every port and parameter at and below *place*."""
     yield from (((place.path, port.name), port.type) for port in (place.interface.ports if place.interface else ()))
+    yield from (((place.path, parameter.name), parameter.type) for parameter in place.parameters)
     for part in place.parts.values():
         if part:
             yield from _types(part)

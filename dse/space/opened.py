@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from dse.space.output.sheet import Sheet
     from dse.space.questions.architectures import SpaceArchitectures
+    from dse.space.questions.dealership import Dealership
     from dse.space.questions.difference import Difference
     from dse.space.questions.explain import Broken, Explanation
     from dse.space.questions.impact import Impact
@@ -265,6 +266,12 @@ class OpenedSpace:
         from dse.space.questions.picking import Picking
 
         return Picking(self.engine, property_sums(self.space))
+
+    def dealership(self) -> Dealership:
+        """To choose with all that follows told at each step. Raises DseError where *space* is too large for that."""
+        from dse.space.questions.dealership import Dealership
+
+        return Dealership(self.space, self.engine)
 
     def architectures(self) -> SpaceArchitectures:
         """The valid configurations for a sampler that chooses them itself."""

@@ -17,6 +17,12 @@ from .difference import (
     changed_results as changed_results,
     changed_study as changed_study,
 )
+from .drives import (
+    drive_id as drive_id,
+    driver_name as driver_name,
+    read_drive as read_drive,
+    write_drive as write_drive,
+)
 from .export.headings import headed as headed, si_unit as si_unit, units_of as units_of
 from .export.tables import EXPORTS as EXPORTS, to_arrow as to_arrow, to_frame as to_frame
 from .export.waveform_file import write_waveform_file as write_waveform_file

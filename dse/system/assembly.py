@@ -21,8 +21,8 @@ class WiredParts:
     """Components by where they stand, what connects them, and what they are given.
 
     *connections* join single ports (``sensor.target.gap -> controller.target.gap``): an output that is there to an
-    input that is there, one to each, as `dse.space.wire` gives them. *values* are those of parameters and
-    unconnected inputs, as ``part.port``; *where* is the bench that may give them.
+    input or tunable parameter that is there, one to each, as `dse.space.wire` gives them. *values* are those of
+    parameters and inputs that are not connected, as ``part.port``; *where* is the bench that may give them.
     """
 
     parts: Mapping[str, Component]
@@ -32,13 +32,23 @@ class WiredParts:
 
     @property
     def connected(self) -> frozenset[str]:
-        """The inputs that are connected."""
+        """The inputs and parameters that are connected."""
         return frozenset(connection.target for connection in self.connections)
 
     @property
     def ports(self) -> dict[str, tuple[str, Port]]:
         """Every port, with the part that has it, by ``part.port``."""
         return {f"{part}.{p.name}": (part, p) for part, c in self.parts.items() for p in c.interface.ports}
+
+    @property
+    def ends(self) -> dict[str, tuple[str, Port]]:
+        """What connections join: every port, and the connected parameters as inputs, with the part that has it."""
+        connected = self.connected
+        parameters = (
+            (part, p) for part, c in self.parts.items() for p in c.parameters if f"{part}.{p.name}" in connected
+        )
+        tuned = {f"{part}.{p.name}": (part, Port(p.name, Causality.INPUT, p.type)) for part, p in parameters}
+        return self.ports | tuned
 
 
 def assemble(name: str, wired: WiredParts, models: Mapping[str, FmuModel], outputs: Collection[str]) -> SystemStructure:
@@ -54,7 +64,7 @@ def assemble(name: str, wired: WiredParts, models: Mapping[str, FmuModel], outpu
         for part, component in wired.parts.items()
     }
     raise_if_any(problems)
-    ports = wired.ports
+    ports = wired.ends
     wires = []
     for connection in wired.connections:
         ends = (ports[end] for end in (connection.source, connection.target))
@@ -82,7 +92,7 @@ def _with_arrays(wires: list[Wire], elements: Mapping[str, Element]) -> list[Wir
 
 def wiring_problems(wired: WiredParts) -> Iterator[Problem]:
     """Connections of what does not fit, and inputs without or with two sources of their values; needs no FMU."""
-    ports = wired.ports
+    ports = wired.ends
     sources = {connection.target: connection for connection in wired.connections}
     for connection in wired.connections:
         (part, source), (_, target) = ports[connection.source], ports[connection.target]
@@ -150,7 +160,12 @@ def _element(
     for parameter in component.parameters:
         given = values.get(f"{part}.{parameter.name}", parameter.start)
         if _is_built_in(component, parameter, model):
-            if given != parameter.start:
+            if f"{part}.{parameter.name}" in used:
+                what = (
+                    f"'{parameter.name}' of {component.name} went into its FMU when that was built: no wire ends there"
+                )
+                problems.append(Problem(what, parameter.where or component.where, "give it a value"))
+            elif given != parameter.start:
                 what = (
                     f"'{parameter.name}' of {component.name} is {parameter.start} by the way it is built, not {given}"
                 )
@@ -159,6 +174,8 @@ def _element(
         bound = element.bind(parameter.name, parameter.type, "parameter", "structuralParameter", "input")
         if bound is not None:
             element.give(bound, parameter.type, given)
+            if f"{part}.{parameter.name}" in used:
+                element.tune(bound, parameter)
     inputs, outputs = tuple(element.inputs.values()), tuple(element.outputs.values())
     return Element(part, model, inputs, outputs, element.start, element.texts, element.conversions)
 
@@ -203,6 +220,16 @@ class _Gathered:
             known = ", ".join(f"{item_number} ({item})" for item, item_number in items.items())
             self._problems.append(Problem(what, self._component.where, f"its items: {known}"))
         self.start[bound.label] = number
+
+    def tune(self, bound: Binding, parameter: Parameter) -> None:
+        """Note that a wire ends at the *parameter*."""
+        variable = bound.variable
+        if variable.causality != "input" and variable.variability != "tunable":
+            found = variable.variability if variable.causality == "parameter" else variable.causality
+            what = f"'{bound.label}' in the FMU of {self._component.name} is {found}, not tunable"
+            hint = "a connection can end at a tunable parameter only; give it a value"
+            self._problems.append(Problem(what, parameter.where or self._component.where, hint))
+        self.inputs[variable.name] = variable
 
 
 def _sizes(part: str, component: Component, model: FmuModel, values: Mapping[str, Value]) -> dict[str, float]:

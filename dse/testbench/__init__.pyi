@@ -21,4 +21,4 @@ from .study import (
     with_settings as with_settings,
     with_values as with_values,
 )
-from .wired import wire_bench as wire_bench
+from .wired import WiredBench as WiredBench, wire_bench as wire_bench

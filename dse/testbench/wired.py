@@ -38,11 +38,15 @@ class WiredBench(WiredParts):
 
     @property
     def settings(self) -> dict[str, Setting]:
-        """What a run may be given, by ``part.parameter`` or the port of an input that the bench gives a value."""
+        """What a run may be given, by ``part.parameter`` or the port of an input that the bench gives a value.
+
+        Not what is connected.
+        """
         values, connected = self.values, self.connected
         found: dict[str, Setting] = {}
         for path, component in self.parts.items():
-            starts = {p.name: (p.type, p.start) for p in component.parameters if p.type.kind.is_number}
+            own_parameters = (p for p in component.parameters if f"{path}.{p.name}" not in connected)
+            starts = {p.name: (p.type, p.start) for p in own_parameters if p.type.kind.is_number}
             for port in component.interface.ports:
                 name = f"{path}.{port.name}"
                 is_loose = port.causality is Causality.INPUT and name not in connected and name in values
@@ -58,13 +62,13 @@ class WiredBench(WiredParts):
 def wire_bench(bench: TestBench, configuration: Configuration) -> WiredBench:
     """*configuration* on *bench*. Raises DseError if they cannot be connected."""
     test_parts = {part.name: part.component for part in bench.test_components}
-    interfaces = {name: component.interface for name, component in test_parts.items()}
-    connections = wire(bench.design, configuration.choices, interfaces, bench.connections)
+    connections = wire(bench.design, configuration.choices, test_parts, bench.connections)
     parts = {**configuration.parts, **test_parts}
+    taken = {connection.target for connection in bench.direct}
     return WiredBench(
         parts=parts,
-        connections=connections,
-        values=_values(bench, parts),
+        connections=(*connections, *bench.direct),
+        values={name: value for name, value in _values(bench, parts).items() if name not in taken},
         where=bench.where,
         bench=bench,
         configuration=configuration,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,11 +113,11 @@ def quintics(curve: Curve, start: float, end: float) -> tuple[Piecewise, Piecewi
 def _off(x: Reals, y: Reals, frames: Frames, h: float) -> Reals:
     """How far quintics of length *h* are from *frames*, eight of each, and their slopes from its directions."""
     ds = h * np.arange(8) / 8
-    powers = ds[:, None] ** np.arange(6)
-    slopes = np.arange(1, 6) * powers[:, :5]
-    place = np.hypot((x @ powers.T).ravel() - frames.x[:-1], (y @ powers.T).ravel() - frames.y[:-1])
+    at = partial(np.polynomial.polynomial.polyval, ds)
+    slopes = np.arange(1, 6)
+    place = np.hypot(at(x.T).ravel() - frames.x[:-1], at(y.T).ravel() - frames.y[:-1])
     cosine, sine = frames.pace * np.cos(frames.heading[:-1]), frames.pace * np.sin(frames.heading[:-1])
-    slope = np.hypot((x[:, 1:] @ slopes.T).ravel() - cosine, (y[:, 1:] @ slopes.T).ravel() - sine)
+    slope = np.hypot(at((slopes * x[:, 1:]).T).ravel() - cosine, at((slopes * y[:, 1:]).T).ravel() - sine)
     return np.maximum(place, slope)
 
 

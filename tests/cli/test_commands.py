@@ -18,7 +18,7 @@ from example_study import example_studies
 
 COMMANDS = (
     *("init", "check", "list", "new", "components", "build", "enumerate", "space", "simulate", "run", "explore"),
-    *("status", "results", "findings", "best", "pareto", "refine", "report", "figure", "replay", "cache"),
+    *("status", "results", "findings", "best", "pareto", "refine", "report", "figure", "replay", "drives", "cache"),
 )
 
 

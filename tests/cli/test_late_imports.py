@@ -47,6 +47,8 @@ MAY_IMPORT = {
     "space best acc_vehicle --minimize cost": SEARCH,
     "space pareto acc_vehicle --minimize cost --minimize mass": SEARCH,
     "space compare acc_vehicle acc_vehicle": SPACE,
+    "space offer acc_vehicle": SPACE,
+    "space offer acc_vehicle --choose sensor=lidar_905nm": SPACE,
     "space graph acc_vehicle": SPACE,
     "space refine acc_vehicle --choose sensor=lidar_905nm": {"numpy", "ruamel.yaml"},
     "export uvl acc_vehicle -o {o}.uvl": SPACE,

@@ -109,6 +109,7 @@ def methods(draw, names, wires):
         steps,
         adaptive and replace(adaptive, smallest=0.005),
         bonds,
+        tuple(names[: draw(st.sampled_from([0, 0, 0, 1, 2]))]),
     )
 
 
@@ -147,6 +148,30 @@ def test_gauss_seidel_gives_the_second_element_what_the_first_has_just_found(fol
     record = ["a.y0", "b.y0"]
     assert rows(made, record, Method(), stop=2, step=1) == [[1, 0], [1, 1], [2, 2]]
     assert rows(made, record, Method(Algorithm.GAUSS_SEIDEL), stop=2, step=1) == [[1, 0], [1, 1], [2, 3]]
+
+
+def test_the_others_take_what_a_leading_element_shows_for_the_same_step(folder):
+    ramp = Linear([[0.0, 1.0], [0.0, 0.0]], (), [[1.0, 0.0]], (), [0.0, 1.0])
+    made = system({"r": ramp, "a": adder(1, 1, 0.0)}, ["r.y0 -> a.u0"], folder)
+    record = ["r.y0", "a.y0"]
+    assert rows(made, record, Method(), stop=3, step=1) == [[0, 0], [1, 0], [2, 1], [3, 3]]
+    assert rows(made, record, Method(leading=("r",)), stop=3, step=1) == [[0, 0], [1, 1], [2, 3], [3, 6]]
+    # What is shown at t = 0, 1, 2 is 1, 2, 3: over these steps the line through the last two adds half a step's rise.
+    linear = Method(leading=("r",), extrapolation=Extrapolation.LINEAR)
+    assert rows(made, record, linear, stop=3, step=1) == [[0, 0], [1, 1], [2, 3.5], [3, 7]]
+
+
+def test_what_leads_comes_first_and_with_nothing_that_needs_values_between_two_steps(folder):
+    made = system({"a": adder(1, 1, 1.0), "b": adder(1, 1, 0.0)}, RING, folder)
+    refused = both(made, ["a.y0"], Method(leading=("b",)))
+    assert "b: what leads is not what the system has first, a" in refused
+    for other, what in (
+        ({"coupling": Coupling.SOLVE}, "coupling"),
+        ({"adaptive": Adaptive()}, "an adaptive step"),
+        ({"steps": {"a": 0.2}}, "a step of its own"),
+        ({"bonds": (Bond("swing", "a.y0", "b.y0"),)}, "a bond"),
+    ):
+        assert f"a: what leads does not go together with {what}" in both(made, [], Method(leading=("a",), **other))
 
 
 def test_an_element_with_a_longer_step_holds_what_it_shows_and_takes_inputs_at_its_beginning(folder):

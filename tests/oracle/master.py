@@ -214,12 +214,15 @@ class Master:
     def _advance(self, time: float, length: float, end: float) -> None:
         sequential = self.method.algorithm is Algorithm.GAUSS_SEIDEL
         elements = range(len(self.parts))
-        showing = [e for e in elements if (self.k + 1) % self.own[e].every == 0]
+        leading = [] if sequential else [e for e in elements if self.names[e] in self.method.leading]
+        showing = [e for e in elements if (self.k + 1) % self.own[e].every == 0 and e not in leading]
         for e in elements:
             if self.k % self.own[e].every == 0:
                 self._drive(e, time, self.own[e].every * length)
             if sequential and e in showing:
                 self._show(e, end)
+            if e in leading:
+                self._show(e, time)
         for e in () if sequential else showing:
             self._show(e, end)
 

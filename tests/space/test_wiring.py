@@ -93,7 +93,7 @@ def test_connections_of_an_absent_part_vanish():
 def test_a_bench_reaches_through_the_architecture_in_both_directions():
     world = interface("world", "wheels.torque", "wheel_speed")
     bench = wires("powertrain.wheels -> world.wheels", "world.wheel_speed -> powertrain.wheel_speed")
-    found = wire(CAR, {"sensor": "radar", "powertrain": "hybrid"}, {"world": world}, bench)
+    found = wire(CAR, {"sensor": "radar", "powertrain": "hybrid"}, {"world": Component("world", world)}, bench)
     assert "powertrain.box.out.torque -> world.wheels.torque" in listed(found)
     assert "world.wheel_speed -> powertrain.box.wheel_speed" in listed(found)
 

@@ -27,6 +27,7 @@ static lagging lagging_of(double lag) {
 
 static void design(lq_acc *self) {
     const lq_acc_par *par = &self->par;
+    self->designed_for = par->gap_setting;
     lagging car = lagging_of(par->lag);
     double h = acc_time_gap(par->gap_setting), effort = 1 / (par->effort * par->effort);
     double speed_weight = 1 / (par->speed_error * par->speed_error);
@@ -111,6 +112,7 @@ void lq_acc_init(lq_acc *self) {
 }
 
 void lq_acc_step(lq_acc *self) {
+    if (self->par.gap_setting != self->designed_for) design(self);
     observe_car(self);
     observe_lead(self);
     control(self, self->par.max_jerk * ACC_STEP);

@@ -37,6 +37,7 @@ typedef struct {
     double speed, acceleration, disturbance; /* estimates: own; by the demands alone; d */
     double lead_speed, slow_speed, lead_acceleration;
     bool has_lead;
+    int32_t designed_for; /* the gap setting that the gains are for */
 } lq_acc;
 
 void lq_acc_init(lq_acc *self);

@@ -8,6 +8,7 @@
 #define KEPT KALMAN_TRACKER_KEPT
 #define CLASSES 7 /* of actor_class */
 #define DRIVES 2.0 /* m/s: what is faster points where it moves */
+#define TURNS 0.3 /* m/s: standard deviation of how else it may move by now */
 #define LEAST_WIDTH 1e-3 /* m; 0 says that it is not known */
 
 typedef struct {
@@ -112,7 +113,9 @@ static void pair(kalman_tracker *self, pairing *all, const tracker_detection *se
         double aside = fabs(kept->state[1]);
         if (elsewhere) spread(kept);
         filter_update(kept->state, kept->cov, &all->measured[best]);
-        if (elsewhere) { /* another face is as wide as it says; until it does, the body ends where it did */
+        if (elsewhere) { /* who shows another face may be turning */
+            for (int32_t v = 2; v < 4; ++v) kept->cov[v][v] += TURNS * TURNS;
+            /* another face is as wide as it says; until it does, the body ends where it did */
             kept->widths = 0;
             if (kept->width > 0) kept->width = fmax(kept->width - 2 * (aside - fabs(kept->state[1])), LEAST_WIDTH);
         }

@@ -157,6 +157,10 @@ class Design:
         ]
         return table(f"{self.name}: {self.total:,} combinations", ("place", "alternatives"), rows)
 
+    def opened(self) -> OpenedSpace:
+        """What answers about all of it."""
+        return self._opening()
+
     def _part(self, **narrowing: Unpack[Narrowing]) -> OpenedSpace:
         whole = self._opening(narrowing.get("on", ()), narrowing.get("off", ()))
         return whole.part(_texts(narrowing.get("choose", {})), condition_of(narrowing.get("where")))

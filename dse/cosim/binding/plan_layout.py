@@ -115,7 +115,7 @@ class Plan(ctypes.Structure):
         *pointers("doubted"),
         *numbers("n_doubted_reals", "n_doubted"),
         *pointers("doubted_nominals", "passed_on"),
-        *numbers("is_sequential"),
+        *numbers("is_sequential", "n_leading"),
         *pointers("paces", "owners", "staged", "slopes", "sources", "moves", "used", "watched"),
         *numbers("n_watched"),
         *pointers("nominals", "limits", "bonds"),

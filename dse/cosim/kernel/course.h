@@ -205,11 +205,16 @@ static bool show_group(System *system, const ClockGroup *group, double time)
 /* ---- all elements ---- */
 
 /* From *time* to *end*, which is *length* later; elements whose own step is *every* times as long begin or end it
- * where the number k of the communication point tells. Those before *first* have done it. */
+ * where the number k of the communication point tells. Those before *first* have done it. What the leading ones show
+ * at once, before the others go, is of the step's beginning. */
 static bool advance_from(System *system, int64_t first, double time, double length, double end)
 {
     const Plan *plan = system->plan;
-    for (int64_t e = first; e < system->n_elements; e++) {
+    const int64_t n_leading = plan->is_sequential ? 0 : plan->n_leading;
+    for (int64_t e = first; e < n_leading; e++)
+        if (!drive(system, e, time, length) || !show(system, e, time))
+            return false;
+    for (int64_t e = first > n_leading ? first : n_leading; e < system->n_elements; e++) {
         const int64_t every = plan->paces[e].every;
         if (plan->n_groups && plan->group_of[e] >= 0) {
             const ClockGroup *group = &plan->groups[plan->group_of[e]];
@@ -224,7 +229,7 @@ static bool advance_from(System *system, int64_t first, double time, double leng
             return false;
     }
     if (!plan->is_sequential)
-        for (int64_t e = 0; e < system->n_elements; e++)
+        for (int64_t e = n_leading; e < system->n_elements; e++)
             if ((plan->k + 1) % plan->paces[e].every == 0 && !show(system, e, end))
                 return false;
     return true;

@@ -110,7 +110,7 @@ typedef struct {
     int64_t n_doubted_reals, n_doubted;
     const double *doubted_nominals; /* of the continuous ones */
     double *passed_on;              /* room for n_doubted */
-    int64_t is_sequential;
+    int64_t is_sequential, n_leading;
     const Pace *paces;     /* one per element */
     const int32_t *owners; /* the element of each value */
     double *staged, *slopes; /* inputs as their sources have them, and how fast they change */

@@ -60,6 +60,7 @@ class CompiledMethod:
         self._next = 0
         self.structure = layout.Plan(
             is_sequential=method.algorithm is Algorithm.GAUSS_SEIDEL,
+            n_leading=len(method.leading),
             owners=self._integers(self._wiring.owners),
             staged=self._address(self._staged),
             slopes=self._address(self._slopes),

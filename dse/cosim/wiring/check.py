@@ -38,6 +38,8 @@ def check_wired(wiring: Wiring, method: Method) -> None:
         problems += _not_adaptive(wiring, method)
     if method.coupling is Coupling.PROPAGATE:
         problems += _loops(wiring)
+    if method.leading:
+        problems += _bad_leading(wiring, method)
     raise_if_any([*problems, *_bad_for_clocks(wiring, method), *_bad_bonds(wiring, method)])
 
 
@@ -134,6 +136,32 @@ def _bad_for_clocks(wiring: Wiring, method: Method) -> Iterable[Problem]:
             )
 
 
+def _bad_leading(wiring: Wiring, method: Method) -> Iterable[Problem]:
+    names = [element.name for element in wiring.system.elements]
+    leading = ", ".join(method.leading)
+    if tuple(names[: len(method.leading)]) != method.leading:
+        yield Problem(f"{leading}: what leads is not what the system has first, {names[0]}", hint="put it there")
+        return
+    parts = {
+        "coupling": method.coupling is not Coupling.NONE,
+        "an adaptive step": method.adaptive is not None,
+        "a step of its own": any(name in method.steps for name in method.leading),
+        "clocks that tick": any(names[e] in method.leading for e in wiring.clocks.elements),
+        "a bond": any(
+            names[wiring.owners[wiring.values.index(label)]] in method.leading
+            for bond in method.bonds
+            for label in (bond.effort, bond.flow)
+            if label in wiring.values
+        ),
+    }
+    for what, is_there in parts.items():
+        if is_there:
+            yield Problem(
+                f"{leading}: what leads does not go together with {what}",
+                hint="what it shows between two steps is of the beginning of the last one",
+            )
+
+
 def _loops(wiring: Wiring) -> Iterable[Problem]:
     for step in order_of(wiring, initially=False):
         if isinstance(step, AlgebraicLoop):
@@ -180,5 +208,5 @@ def is_plain(method: Method) -> bool:
         method.algorithm is Algorithm.JACOBI
         and method.coupling is Coupling.NONE
         and {method.extrapolation, *method.extrapolations.values()} <= {Extrapolation.HOLD}
-        and not (method.steps or method.adaptive or method.bonds)
+        and not (method.steps or method.adaptive or method.bonds or method.leading)
     )

@@ -64,6 +64,10 @@ def _unsupported(system: SystemStructure, links: Mapping[str, Link]) -> Iterable
                 why := _unwireable(element, variable)
             ):
                 yield Problem(f"{name}: {why}")
+        for variable in element.inputs:
+            if variable.causality != "input" and variable.variability != "tunable":
+                what = f"a wire ends at a {variable.causality} that is {variable.variability}, not tunable"
+                yield Problem(f"{element.name}.{variable.name}: {what}")
 
 
 def _unwireable(element: Element, variable: Variable) -> str:

@@ -107,11 +107,13 @@ def groups_by_type(element: Element, variables: Iterable[Variable], *, texts: bo
     kind_of = text_type_of if texts else type_of
     model = element.model
     parts: dict[tuple[AccessorType, bool, bool, int, bool], list[Variable]] = {}
+    tuned = {variable.name for variable in element.inputs if variable.causality == "parameter"}
     for number, variable in enumerate(variables):
         kind = kind_of(variable, model.version)
         if kind is not None and variable.size:
             ticks = model.lets_tick(variable)
-            waits = _knows_events(model) and is_discrete_input(variable, model) and not ticks
+            is_discrete = is_discrete_input(variable, model) or variable.name in tuned
+            waits = _knows_events(model) and is_discrete and not ticks
             moves = _knows_events(model) and moves_within_steps(variable, model) and not ticks
             # What is set in events is set one by one: only what has changed.
             alone = number if ticks or (waits and model.ticks) else 0

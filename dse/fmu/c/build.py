@@ -67,6 +67,8 @@ def _contents(
         names = (*names, "partner.h")
         user |= {f"resources/{name}": content for name, content in source.resources}
         user[PARTNER] = source.partner.encode()
+    if source.is_live:
+        names = (*names, "datagram.h", "udp.h")
     runtime = {f"sources/runtime/{name}": (_RUNTIME / name).read_bytes() for name in names}
     subject = Subject(
         name=component.name,
@@ -77,7 +79,7 @@ def _contents(
         slots=variables,
         files=(f"runtime/fmi{version}.c", *(f"component/{unit}" for unit in staged.units)),
         include_folder=posixpath.dirname(f"component/{staged.header}"),
-        has_state=not source.partner,
+        has_state=not (source.partner or source.is_live),
     )
 
     def generated(token: str) -> tuple[dict[str, bytes], Mapping[int, Demand]]:

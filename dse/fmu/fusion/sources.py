@@ -54,6 +54,8 @@ def own_sources(model: FmuModel) -> OwnSources:
         raise NotOursError(_OLDER)
     if (model.folder / PARTNER).is_file():
         raise NotOursError("has a process of its own do its work")
+    if model.is_live:
+        raise NotOursError("exchanges datagrams with somebody outside")
     table = SlotTable.from_bytes(files[SLOT_TABLE])
     is_model = not table.header
     written = () if is_model else sorted(name for name in files if name.startswith("component/") and name[-2:] == ".c")

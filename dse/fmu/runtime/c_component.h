@@ -11,21 +11,39 @@
 #define DSE_TAKE_BINARIES(instance, function) true
 #endif
 
-#ifdef DSE_PARTNER
+#if defined DSE_UDP
+/* What init or step has put into *ask* goes out, what is heard to where the component wants it. */
+static bool dse_ask_partner(struct dse_instance *instance, const char *function, double step) {
+    dse_component *now = &instance->at.now;
+    char said[DSE_UDP_LONGEST + 1];
+    const int done = dse_udp_ask(&instance->udp, instance->at.time, step, now->ask, now->answer, said);
+    if (done == DSE_UDP_DONE) {
+        dse_component_take(now);
+        return true;
+    }
+    if (done == DSE_UDP_ENDED && step > 0.0) {
+        return false; /* the end of the run is no error, see DSE_HAS_ENDED */
+    }
+    return dse_refuse(instance, function, "%s",
+        done == DSE_UDP_ENDED ? "the other side has ended the session before its first step" : said);
+}
+#define DSE_ASK_PARTNER(instance, function, step) dse_ask_partner(instance, function, step)
+#elif defined DSE_PARTNER
 /* What init or step has put into *ask* goes to the partner, its *answer* to where the component wants it. */
-static bool dse_ask_partner(struct dse_instance *instance, const char *function, uint32_t kind) {
+static bool dse_ask_partner(struct dse_instance *instance, const char *function, double step) {
     dse_component *now = &instance->at.now;
     char said[DSE_PARTNER_LONGEST + 1];
-    if (!dse_partner_ask(&instance->partner, kind, now->ask, sizeof now->ask / sizeof *now->ask, now->answer,
-                         sizeof now->answer / sizeof *now->answer, said)) {
+    if (!dse_partner_ask(&instance->partner, step > 0.0 ? DSE_PARTNER_STEP : DSE_PARTNER_START, now->ask,
+                         sizeof now->ask / sizeof *now->ask, now->answer, sizeof now->answer / sizeof *now->answer,
+                         said)) {
         return dse_refuse(instance, function, "%s", said);
     }
     dse_component_take(now);
     return true;
 }
-#define DSE_ASK_PARTNER(instance, function, kind) dse_ask_partner(instance, function, kind)
+#define DSE_ASK_PARTNER(instance, function, step) dse_ask_partner(instance, function, step)
 #else
-#define DSE_ASK_PARTNER(instance, function, kind) true
+#define DSE_ASK_PARTNER(instance, function, step) true
 #endif
 
 static DSE_APART bool dse_refresh(struct dse_instance *instance, const char *function) {
@@ -36,7 +54,7 @@ static DSE_APART bool dse_refresh(struct dse_instance *instance, const char *fun
     DSE_CHANGED(instance);
     memcpy(&instance->at.now, &instance->at.start, sizeof instance->at.now);
     dse_component_init(&instance->at.now);
-    if (!DSE_ASK_PARTNER(instance, function, DSE_PARTNER_START)) {
+    if (!DSE_ASK_PARTNER(instance, function, 0.0)) {
         return false;
     }
     instance->at.is_stale = 0;
@@ -71,7 +89,7 @@ static inline bool dse_do_step(struct dse_instance *instance, const char *functi
 #else
     dse_component_step(&at->now, step);
 #endif
-    if (!DSE_ASK_PARTNER(instance, function, DSE_PARTNER_STEP)) {
+    if (!DSE_ASK_PARTNER(instance, function, step)) {
         return false;
     }
     at->time = time + step;

@@ -1,5 +1,5 @@
 /* The functions of FMI 2.0 over one component: co-simulation, and of a model from Modelica model exchange too. */
-#define _POSIX_C_SOURCE 200809L /* for partner.h, where there is one */
+#define _POSIX_C_SOURCE 200809L /* for partner.h and udp.h, where they are */
 #include "fmi2_abi.h"
 #include "model.h"
 #ifdef DSE_BINARIES
@@ -105,6 +105,7 @@ DSE_EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
     if (!dse_is_allowed(instance, DSE_HERE, DSE_STEPPING)) {
         return fmi2Error;
     }
+    dse_end_session(instance);
     instance->at.state = DSE_TERMINATED;
     return fmi2OK;
 }
@@ -274,7 +275,7 @@ DSE_EXPORT fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind
 }
 
 DSE_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
-#ifdef DSE_MODEL
+#if defined DSE_MODEL || defined DSE_UDP
     if (c && kind == fmi2Terminated) {
         *value = DSE_HAS_ENDED(c);
         return fmi2OK;

@@ -1,6 +1,6 @@
 /* The functions of FMI 3.0 over one component. Those of model exchange are in fmi3_exchange.h; those that are
  * refused in fmi3_refused.h. */
-#define _POSIX_C_SOURCE 200809L /* for partner.h, where there is one */
+#define _POSIX_C_SOURCE 200809L /* for partner.h and udp.h, where they are */
 #include "fmi3_abi.h"
 #include "model.h"
 /* In FMI 3.0 time is a variable; it comes after the component's own. */
@@ -103,6 +103,7 @@ DSE_EXPORT fmi3Status fmi3Terminate(fmi3Instance c) {
     if (!dse_is_allowed(instance, DSE_HERE, DSE_STEPPING)) {
         return fmi3Error;
     }
+    dse_end_session(instance);
     instance->at.state = DSE_TERMINATED;
     return fmi3OK;
 }

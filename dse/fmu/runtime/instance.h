@@ -19,6 +19,9 @@
 #ifdef DSE_PARTNER
 #include "partner.h"
 #endif
+#ifdef DSE_UDP
+#include "udp.h"
+#endif
 
 #if defined _WIN32
 #define DSE_EXPORT __declspec(dllexport)
@@ -81,6 +84,9 @@ struct dse_instance {
 #ifdef DSE_PARTNER
     struct dse_partner partner;
 #endif
+#ifdef DSE_UDP
+    struct dse_udp udp;
+#endif
 #ifdef DSE_OSMP
     struct dse_osmp osmp; /* last: what lies before it is the same without */
 #endif
@@ -128,7 +134,22 @@ static inline bool dse_is_allowed(struct dse_instance *instance, const char *fun
     return true;
 }
 
+/* What is on with somebody outside is over with the run. */
+static void dse_end_session(struct dse_instance *instance) {
+#ifdef DSE_UDP
+    char said[DSE_UDP_LONGEST + 1];
+    dse_udp_end(&instance->udp);
+    if (dse_udp_tell_trouble(&instance->udp, said)) {
+        instance->tell(instance, 1, said);
+    }
+    memset(&instance->udp.counts, 0, sizeof instance->udp.counts);
+#else
+    (void)instance;
+#endif
+}
+
 static void dse_rewind(struct dse_instance *instance) {
+    dse_end_session(instance);
     memset(&instance->at, 0, sizeof instance->at);
 #ifdef DSE_OSMP
     memset(instance->osmp.is_told, 0, sizeof instance->osmp.is_told);
@@ -162,6 +183,10 @@ static void dse_destroy(struct dse_instance *instance) {
     if (instance) {
 #ifdef DSE_PARTNER
         dse_partner_end(&instance->partner);
+#endif
+#ifdef DSE_UDP
+        dse_end_session(instance);
+        dse_udp_close(&instance->udp);
 #endif
         free(instance->name);
         free(instance);
@@ -210,6 +235,9 @@ static bool dse_keep(
     struct dse_instance *instance, const char *function, const struct dse_snapshot *from, void **state) {
 #ifdef DSE_PARTNER
     return dse_refuse(instance, function, "the state of its process cannot be saved");
+#endif
+#ifdef DSE_UDP
+    return dse_refuse(instance, function, "the state of the other side cannot be saved");
 #endif
     if (!*state) {
         *state = malloc(sizeof *from);

@@ -15,7 +15,11 @@
 #include "c_component.h"
 #define DSE_FIRST_ITEM 0
 #define DSE_IS_SET(slot) 0
+#ifdef DSE_UDP
+#define DSE_HAS_ENDED(instance) ((instance) && ((const struct dse_instance *)(instance))->udp.has_ended)
+#else
 #define DSE_HAS_ENDED(instance) false
+#endif
 #endif
 
 /* How many values a reference stands for: in FMI 3.0 those of an array, which are slots one after another. */

@@ -19,10 +19,14 @@ _EQUAL = Fraction(1, 10**12)
 
 
 def add_connection(group: ET.Element, wire: Wire, system: SystemStructure, names: Mapping[str, str]) -> None:
-    """A connection that carries what *wire* carries, as the FMUs see it."""
+    """A connection that carries what *wire* carries, as the FMUs see it. Raises DseError if it ends at a parameter."""
     source, target = system.element(wire.source), system.element(wire.target)
     start, start_indices = _split(wire.source_variable, source)
     end, end_indices = _split(wire.target_variable, target)
+    if end.causality == "parameter":
+        ends = f"{wire.source}.{start.name} -> {wire.target}.{end.name}"
+        what = f"{ends}: SSP has no connection that tunes a parameter"
+        raise fail(what, hint="give the parameter a value, or make it an input of the component")
     said = {"startElement": names[wire.source], "startConnector": start.name}
     if start_indices:
         said["startIndices"] = start_indices

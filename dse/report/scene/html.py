@@ -6,6 +6,7 @@ import html
 import os
 import re
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -32,7 +33,14 @@ _PAGE = (
 )
 
 
+<<<<<<< HEAD
 _TAIL = 200
+=======
+class Columns(Protocol):
+    """Takes the columns of a scene, each by its name and how exact a page needs it."""
+
+    def add(self, name: str, kind: str, values: Floats) -> None: ...  # noqa: D102
+>>>>>>> session
 
 
 def write_scene(scene: Scene, target: Path) -> None:
@@ -62,6 +70,7 @@ def scene_page(scene: Scene) -> str:
     )
 
 
+<<<<<<< HEAD
 def scene_mark(page: Path) -> str:
     """The mark of the scene that the file *page* shows; "" if it shows none, or is not there."""
     try:
@@ -74,6 +83,9 @@ def scene_mark(page: Path) -> str:
 
 
 def _document(scene: Scene, columns: Block) -> dict[str, object]:
+=======
+def _document(scene: Scene, columns: Columns) -> dict[str, object]:
+>>>>>>> session
     def add(stem: str, of: dict[str, Floats] | None) -> None:
         for name, values in (of or {}).items():
             columns.add(f"{stem}.{name}", "f4", values)
@@ -136,3 +148,8 @@ def _strip(strip: Strip) -> dict[str, object]:
     sides = ((strip.left, strip.left_height), (strip.right, strip.right_height))
     left, right = (np.round(np.column_stack(side), 2).reshape(-1).tolist() for side in sides)
     return {"left": left, "right": right, "isDriven": strip.is_driven, "isInside": strip.is_inside}
+
+
+def scene_document(scene: Scene, columns: Columns) -> dict[str, object]:
+    """What a page draws *scene* from, but for the *columns*, which are added there."""
+    return _document(scene, columns)

@@ -1,8 +1,8 @@
 """Connections of containers → connections between single ports of components.
 
-A connection end is a port or a group of ports. Inside a compound an end without a part's name belongs to
-the compound's own interface; from outside a compound with an interface shows only that, one without shows
-its parts. Groups connect port by port, each signal from the side that gives it, so that one arrow can carry
+A connection end is a port or a group of ports, the second one also a tunable parameter of a component. Inside a
+compound an end without a part's name belongs to the compound's own interface; from outside a compound with an interface
+shows only that, one without shows its parts. Groups connect port by port, each signal from the side that gives it, so that one arrow can carry
 a shaft's torque forth and its speed back. A connection with an end on a part that is left out vanishes.
 """
 
@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from dse.domain.component import NO_INTERFACE, Causality, Interface, Port
+from dse.domain.component import NO_INTERFACE, Causality, Component, Interface, Parameter, Port
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part
-from dse.domain.labels import shapes, spelled
+from dse.domain.labels import is_part, shapes, spelled
 from dse.errors import DseError, Problem, closest, fail, raise_if_any, some_of
 from dse.space.decisions import Choices
 
@@ -31,17 +31,18 @@ class PlacedPart:
     connections: tuple[Connection, ...] = ()
     is_component: bool = False
     name: str = ""
+    parameters: tuple[Parameter, ...] = ()
 
 
 def wire(
     space: DesignSpace,
     choices: Choices,
-    test_components: Mapping[str, Interface] | None = None,
+    test_components: Mapping[str, Component] | None = None,
     connections: Iterable[Connection] = (),
 ) -> tuple[Connection, ...]:
-    """All connections of one configuration, each from a component's output to a component's input.
+    """All connections of one configuration, each from a component's output to a component's input or parameter.
 
-    With the interfaces of a bench's *test_components* and the bench's *connections* those are resolved too.
+    With a bench's *test_components* and the bench's *connections* those are resolved too.
     Stable in the order of the files. Raises DseError with every end that cannot be found or has two sources.
     """
     ways, components = _ways(_with_bench(_chosen(space.root, "", choices), test_components or {}, connections))
@@ -113,12 +114,12 @@ def _reached(source: PortOf, onward: _Onward, components: set[str]) -> Iterator[
 
 
 def _with_bench(
-    root: PlacedPart, test_components: Mapping[str, Interface], connections: Iterable[Connection]
+    root: PlacedPart, test_components: Mapping[str, Component], connections: Iterable[Connection]
 ) -> PlacedPart:
     """The design's root with the test components beside its parts."""
     bench = {
-        name: PlacedPart(name, interface if interface != NO_INTERFACE else None, {}, (), True, name)
-        for name, interface in test_components.items()
+        name: PlacedPart(name, c.interface if c.interface != NO_INTERFACE else None, {}, (), True, name, c.parameters)
+        for name, c in test_components.items()
     }
     return PlacedPart("", None, {**root.parts, **bench}, (*root.connections, *connections))
 
@@ -200,7 +201,7 @@ def _chosen(node: Node, path: str, choices: Choices) -> PlacedPart:
 def _place(node: Node, path: str, choices: Choices) -> PlacedPart | None:
     match node:
         case Part():
-            return PlacedPart(path, node.interface, {}, (), True, node.name)
+            return PlacedPart(path, node.interface, {}, (), True, node.name, node.component.parameters)
         case Compound():
             parts = {
                 name: _place(child, f"{path}.{name}" if path else name, choices) for name, child in node.parts.items()
@@ -246,6 +247,9 @@ def _end(connection: Connection, text: str, scope: PlacedPart) -> _End | None:
         return None
     name = ".".join(steps[taken:])
     found = place.interface.group(name) if name else ()
+    parameters = [] if found or not name else [p for p in place.parameters if is_part(p.name, name)]
+    if parameters and text is connection.target:
+        found = _tuned(connection, place, parameters)
     if not found:
         owner = ".".join(steps[:taken]) or "this compound"
         known = {".".join(port.name.split(".")[: i + 1]) for port in place.interface.ports for i in range(9)}
@@ -253,8 +257,23 @@ def _end(connection: Connection, text: str, scope: PlacedPart) -> _End | None:
         if taken == 0:
             known |= set(scope.parts)
         shown = f"{connection}: {owner} ({place.interface.name}) {what}"
-        raise fail(shown, connection.place(text, taken if name else 0), closest(name, known))
+        hint = "it is a parameter: connections can end there, not begin" if parameters else closest(name, known)
+        raise fail(shown, connection.place(text, taken if name else 0), hint)
     return _End(place, {port.name[len(name) :]: port for port in found}, place is scope)
+
+
+def _tuned(connection: Connection, place: PlacedPart, parameters: Iterable[Parameter]) -> tuple[Port, ...]:
+    """The *parameters* of a component as what a connection ends at. Raises DseError unless a run may change them."""
+    where = connection.place(connection.target)
+    for parameter in parameters:
+        if not parameter.tunable:
+            what = f"{connection}: the parameter '{parameter.name}' of {place.name} is not tunable"
+            hint = "a connection can end at what the component reads in its steps; give this one a value"
+            raise fail(what, where, hint)
+        if not parameter.type.kind.is_number:
+            what = f"{connection}: the parameter '{parameter.name}' of {place.name} is a text, the same for all runs"
+            raise fail(what, where, "give it a value")
+    return tuple(Port(parameter.name, Causality.INPUT, parameter.type) for parameter in parameters)
 
 
 def _backwards(source: _End, target: _End) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -87,12 +87,15 @@ class PropertySum:
         return self.is_small and int(np.abs(sums).max(initial=0)) * abs(factor) < _EXACT
 
 
-def property_sums(space: DesignSpace) -> tuple[PropertySum, ...]:
-    """The sums that the constraints of *space* speak of, each in the unit that the first component gives it in."""
+def property_sums(space: DesignSpace, also: Iterable[str] = ()) -> tuple[PropertySum, ...]:
+    """The sums that the constraints of *space* speak of, and of what is asked for *also*.
+
+    Each is in the unit that the first component gives it in.
+    """
     lengths = [len(variable.values) + 1 for variable in shape_of(space).variables]
     there = sites(space)
     found = []
-    for name in summed_properties(space):
+    for name in dict.fromkeys((*summed_properties(space), *also)):
         entries = [(site, site.component.properties[name]) for site in there if site.component and _states(site, name)]
         if entries:
             found.append(_property_sum(name, lengths, entries))

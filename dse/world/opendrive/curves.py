@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from typing import TypeAlias
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from dse.errors import fail
 from dse.world.opendrive.structure import Arc, Geometry, Line, Parametric, Polynomial, Spiral
+from dse.world.quadrature import gauss, weighed
 
 Reals: TypeAlias = NDArray[np.float64]
 Points: TypeAlias = NDArray[np.complex128]
@@ -72,12 +72,6 @@ def curve_of(geometry: Geometry) -> Curve:
             return Curve(geometry, float(lengths.sums[-1].real), _parametric(u, v, lengths))
 
 
-@cache
-def _gauss() -> tuple[Reals, Reals]:
-    nodes, weights = np.polynomial.legendre.leggauss(16)
-    return (nodes + 1) / 2, weights / 2
-
-
 class _Antiderivative:
     """The integral of *f* from the first of *edges* on, by sixteen points a cell (Gauss and Legendre)."""
 
@@ -100,8 +94,8 @@ class _Antiderivative:
         return p
 
     def _between(self, a: Reals, b: Reals) -> Points:
-        nodes, weights = _gauss()
-        return np.asarray((b - a) * (self.f(a[:, None] + (b - a)[:, None] * nodes) @ weights))
+        points, _ = gauss()
+        return np.asarray((b - a) * weighed(self.f(a[:, None] + (b - a)[:, None] * points)))
 
 
 def _line(s: Reals) -> tuple[Points, Reals, Reals]:

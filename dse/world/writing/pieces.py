@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dse.world.quadrature import gauss, weighed
+
 
 @dataclass(frozen=True, slots=True)
 class Pose:
@@ -72,11 +74,9 @@ def after(start: Pose, bend: Bend) -> Pose:
     Gauss-Legendre over parts that turn by no more than half a radian: the integrals are Fresnel's for a spiral.
     """
     parts = max(1, math.ceil(2 * bend.length * max(abs(bend.first), abs(bend.last))))
-    nodes, weights = np.polynomial.legendre.leggauss(16)
-    along = (np.arange(parts)[:, None] + (nodes + 1) / 2) * (bend.length / parts)
+    along = (np.arange(parts)[:, None] + gauss()[0]) * (bend.length / parts)
     headings = start.heading + along * (bend.first + (bend.last - bend.first) / (2 * bend.length) * along)
-    share = bend.length / (2 * parts)
-    x, y = (share * float((ratio(headings) @ weights).sum()) for ratio in (np.cos, np.sin))
+    x, y = (bend.length / parts * float(weighed(ratio(headings)).sum()) for ratio in (np.cos, np.sin))
     return Pose(start.x + x, start.y + y, start.heading + bend.turn)
 
 

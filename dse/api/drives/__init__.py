@@ -1,0 +1,1 @@
+"""Drives as runs: kept in a folder, simulated again as a study, and compared on a score board."""

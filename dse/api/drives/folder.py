@@ -1,0 +1,163 @@
+"""A folder of drives: what was recorded, and a study of it for each bench."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dse.api.drives.boards import Board, board_of
+from dse.api.drives.keeping import drive_again, drive_name, is_drives, keep_drives, thinned
+from dse.api.naming import workspace_of
+from dse.api.studies.run import Run
+from dse.domain.drive import Drive, bits_of
+from dse.errors import DseError, Location, Problem, fail
+from dse.formats import shown
+from dse.storage import StudyFolder, changed_results, drive_id, read_drive, write_drive
+
+if TYPE_CHECKING:
+    from dse.api.studies.exploring import Tell
+    from dse.loading import Workspace as Files
+
+RECORDINGS = "recordings"
+"""Where the drives themselves lie in their folder; the studies lie beside, named by their benches."""
+
+_MOST = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class CheckedDrive:
+    """A drive simulated again: what is not the same bit for bit as in the study, and as when it was driven.
+
+    Nothing is known of what nobody noted then: *was_noted* tells.
+    """
+
+    id: str
+    bench: str
+    driver: str
+    from_study: tuple[str, ...]
+    from_driving: tuple[str, ...]
+    was_noted: bool
+
+    @property
+    def is_same(self) -> bool:
+        """Whether nothing differs."""
+        return not (self.from_study or self.from_driving)
+
+
+class Drives:
+    """The drives in *folder*; what they were driven on is found in *workspace*, else in the one around here.
+
+    Recordings are never changed or removed. Files that are no drives are told in *problems*, by name, and left alone.
+    """
+
+    def __init__(self, folder: str | Path, workspace: Files | None = None) -> None:
+        self.path = Path(folder)
+        self._workspace = workspace
+        self.problems: list[Problem] = []
+
+    def recorded(self) -> dict[str, Drive]:
+        """The drives by id, sorted; whatever their files are called."""
+        self.problems = []
+        found: dict[str, Drive] = {}
+        folder = self.path / RECORDINGS
+        files = sorted(folder.iterdir()) if folder.is_dir() else []
+        if len(files) > _MOST:
+            raise fail(f"there are {len(files):,} files, more than {_MOST:,}", Location(shown(folder)))
+        for file in files:
+            if file.name.startswith(".") or file.suffix != ".parquet" or file.is_symlink() or not file.is_file():
+                if not file.name.startswith("."):
+                    self.problems.append(Problem("is no recording of a drive", Location(shown(file))))
+                continue
+            try:
+                drive = read_drive(file)
+            except DseError as error:
+                self.problems += error.problems
+                continue
+            found[drive_id(drive)] = drive
+        return dict(sorted(found.items()))
+
+    def add(self, drive: Drive, *, tell: Tell | None = None) -> str:
+        """Keep *drive*, and have it as a run in the study of its bench; returns its id.
+
+        It is kept before it is simulated. Raises DseError if it is no drive, or does not fit its bench.
+        """
+        name = self.record(drive)
+        self._keep(drive.bench, {name: drive}, tell)
+        return name
+
+    def record(self, drive: Drive) -> str:
+        """Keep *drive*, and nothing more, which takes no time; returns its id. Raises DseError if it is no drive."""
+        write_drive(self.path / RECORDINGS, drive)
+        return drive_id(drive)
+
+    def update(self, *, tell: Tell | None = None) -> None:
+        """Have every recording as a run in the study of its bench; `problems` tells of those that cannot be."""
+        drives = self.recorded()
+        for bench in sorted({drive.bench for drive in drives.values()}):
+            try:
+                self._keep(bench, {name: drive for name, drive in drives.items() if drive.bench == bench}, tell)
+            except DseError as error:
+                self.problems += error.problems
+
+    def study(self, bench: str) -> Path:
+        """The study folder of the drives on a bench."""
+        return self.path / bench
+
+    def boards(self) -> tuple[Board, ...]:
+        """The score boards of all benches, by name, as far as the drives are in their studies."""
+        return tuple(board_of(folder) for folder in self._studies())
+
+    def run(self, drive: str) -> Run:
+        """The run of the drive whose id starts so. Raises DseError if there is none."""
+        for folder in self._studies():
+            with StudyFolder.open(folder) as store:
+                definition = store.header.definition
+                for run in store.table().runs():
+                    if drive and drive_name(definition, run.request.point).startswith(drive):
+                        return Run(store.run(run.request.number), definition)
+        raise fail(f"there is no drive '{drive[:40]}'", Location(shown(self.path)))
+
+    def check(self, *, tell: Tell | None = None) -> Iterator[CheckedDrive]:
+        """Simulate each recorded drive again and compare. Drives that cannot be are told in `problems`."""
+        for name, drive in self.recorded().items():
+            if tell:
+                tell(f"{drive.bench}: drive {name} of {drive.driver}")
+            try:
+                bench = self._files.bench(drive.bench)
+                made = drive_again(drive, bench)
+                stored = self.run(name)
+            except DseError as error:
+                self.problems += error.problems
+                continue
+            # A study keeps waveforms as often as its bench says.
+            again, now = thinned(made, bench), bits_of(made)
+            shared = drive.bits.keys() & now.keys()
+            yield CheckedDrive(
+                name,
+                drive.bench,
+                drive.driver,
+                tuple(changed_results(stored.noun, again)),
+                tuple(sorted(each for each in shared if drive.bits[each] != now[each])),
+                bool(shared),
+            )
+
+    @property
+    def _files(self) -> Files:
+        return self._workspace or workspace_of("")
+
+    def _keep(self, bench: str, drives: Mapping[str, Drive], tell: Tell | None) -> None:
+        # The name comes from a file of anybody: only one that the workspace has becomes that of a folder.
+        known = self._files.bench(bench)
+        if known.name != bench or bench == RECORDINGS:
+            raise fail(f"'{bench}' is no name of a bench", Location(shown(self.path)))
+        keep_drives(known, drives, self.study(bench), tell=tell, on_problem=self.problems.append)
+
+    def _studies(self) -> Iterator[Path]:
+        for folder in sorted(self.path.iterdir()) if self.path.is_dir() else ():
+            if StudyFolder.is_at(folder):
+                with StudyFolder.open(folder) as store:
+                    is_ours = is_drives(store.header.definition)
+                if is_ours:
+                    yield folder

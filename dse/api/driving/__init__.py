@@ -1,0 +1,1 @@
+"""Somebody at the wheel of a bench, live."""

@@ -1,0 +1,223 @@
+"""A drive that is on: opened on a bench, steered, looked at, and in the end a record that can be driven again."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from dse.api.driving.view import View, frame
+from dse.domain.component import Kind, Port
+from dse.domain.drive import TUNE, Drive, bits_of
+from dse.errors import fail
+
+if TYPE_CHECKING:
+    from dse.domain.bench import TestBench
+    from dse.live import Ended, Patience, Seat, Session
+    from dse.testbench import PreparedBench
+
+MOST_DRIVER = 40
+"""Characters of a driver's name."""
+_LONGEST = 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class Tunable:
+    """A parameter that can be changed while driving, in *unit*."""
+
+    name: str
+    title: str
+    unit: str
+    min: float
+    max: float
+    value: float
+
+
+class LiveDrive:
+    """A bench ready to be driven by *driver*; `start` begins, and `session` is there from then on."""
+
+    def __init__(
+        self, seat: Seat, prepared: PreparedBench, view: View, first: Mapping[str, float], driver: str, bench: TestBench
+    ) -> None:
+        self.seat, self.view, self.driver, self.bench = seat, view, driver, bench
+        self._prepared, self._first = prepared, dict(first)
+        self._session: Session | None = None
+
+    @property
+    def step(self) -> float:
+        """Seconds."""
+        return self._prepared.simulation.step
+
+    @property
+    def controls(self) -> tuple[str, ...]:
+        """What a driver does, by the ports of the interface ``driver``."""
+        return tuple(port.name for port in self.seat.controls)
+
+    @cached_property
+    def tunables(self) -> tuple[Tunable, ...]:
+        """The sliders."""
+        found = []
+        for name, each in self.seat.tunables.items():
+            unit, value = each.type.unit, self._first[f"{TUNE}.{name}"]
+            spread = abs(value) or 1.0
+            low = each.minimum if each.minimum is not None else min(0.0, value - spread)
+            high = each.maximum if each.maximum is not None else value + spread
+            numbers = (unit.from_si(number) for number in (low, high, value))
+            found.append(Tunable(name, each.title or name.rpartition(".")[2], unit.symbol, *numbers))
+        return tuple(found)
+
+    def scene(self) -> dict[str, object]:
+        """What a page is told first, as plain data."""
+        return {
+            "type": "scene",
+            "document": self.view.document,
+            "columns": list(self.view.columns),
+            "step": self.step,
+            "length": self._prepared.simulation.stop,
+            "tunables": [{name: getattr(each, name) for name in Tunable.__slots__} for each in self.tunables],
+            "controls": list(self.controls),
+            "start": {port.name: self._first[port.name] for port in self.seat.controls},
+        }
+
+    def start(self, patience: Patience | None = None) -> None:
+        """Begin. The run is made in a process of its own."""
+        from dse.live import Session
+
+        if self._session is None:
+            self._session = Session(self._prepared, self.seat, self._first, patience)
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether it was started."""
+        return self._session is not None
+
+    @property
+    def session(self) -> Session:
+        """What makes the run. ValueError before it was started."""
+        if self._session is None:
+            raise ValueError("the drive has not begun")
+        return self._session
+
+    @property
+    def ended(self) -> Ended | None:
+        """How it came to its end; None before."""
+        return self._session.ended if self._session else None
+
+    def control(self, values: Mapping[str, object], number: int = 0) -> None:
+        """Do *values* by port, SI, items by name or number; *number* is echoed.
+
+        DseError, and nothing is done, if one is none.
+        """
+        ports = {port.name: port for port in self.seat.controls}
+        self.session.command({name: _value(ports.get(name), name, value) for name, value in values.items()}, number)
+
+    def tune(self, values: Mapping[str, object], number: int = 0) -> None:
+        """Set parameters by name, in their units; *number* is echoed. DseError, and none is set, if one is none."""
+        told = {}
+        for name, value in values.items():
+            known = next((each for each in self.tunables if each.name == name), None)
+            if known is None:
+                raise fail("there is no such parameter to tune")
+            given = _number(value)
+            if not known.min <= given <= known.max:
+                raise fail(f"'{name}' is between {known.min:g} and {known.max:g} {known.unit}".rstrip())
+            told[f"{TUNE}.{name}"] = self.seat.tunables[name].type.unit.to_si(given)
+        self.session.command(told, number)
+
+    def finish(self) -> None:
+        """End here; what was driven counts."""
+        if self._session:
+            self._session.finish()
+
+    def close(self) -> None:
+        """End it at once and wait until its process is gone."""
+        if self._session:
+            self._session.close()
+
+    def frame(self) -> bytes | None:
+        """The newest for a page: time, lateness, overruns, echo, then a value for each column; None at first."""
+        seen = self._session.newest if self._session else None
+        if seen is None:
+            return None
+        return frame((seen.time, seen.lateness, seen.overruns, seen.echo), self.view.of(seen.values))
+
+    @property
+    def result(self) -> Drive | None:
+        """The drive, once it has come to an end that counts."""
+        ended = self.ended
+        if ended is None or ended.run is None or ended.run.waveforms is None or ended.pace is None:
+            return None
+        waveforms, part = ended.run.waveforms, self.seat.part
+        inputs = {name: waveforms.values[f"{part}.{name}"] for name in self.seat.inputs}
+        configuration = self.seat.configuration.id
+        bits = bits_of(ended.run)
+        name, time = self.bench.name, waveforms.time
+        return Drive(name, configuration, self.driver, self.step, time, inputs, ended.pace, bits=bits)
+
+
+def open_drive(bench: TestBench, configuration: str | None = None, *, driver: str = "", fmi: int = 2) -> LiveDrive:
+    """Have all ready to drive *bench* with the configuration whose id starts so, or the first.
+
+    Raises DseError if the bench cannot be driven, or something cannot be built.
+    """
+    from dse.live import driver_of, prepare_seat, take_seat
+    from dse.testbench import one_configuration, wire_bench
+
+    driver_of(bench)
+    if bench.simulation.stop > _LONGEST:
+        raise fail(f"'{bench.name}' takes {bench.simulation.stop:g} s; drives take one hour at most", bench.where)
+    chosen = one_configuration(bench.design, configuration)
+    wired = wire_bench(bench, chosen)
+    view = View(wired, bench.simulation.stop)
+    seat = take_seat(bench, chosen, view.wanted, version=fmi)
+    prepared = prepare_seat(seat, version=fmi)
+    settings = wired.settings
+    first = {f"{TUNE}.{name}": settings[name].value for name in seat.tunables}
+    first |= _hands(bench, seat, fmi)
+    return LiveDrive(seat, prepared, view, first, _named(driver), bench)
+
+
+def _hands(bench: TestBench, seat: Seat, fmi: int) -> dict[str, float]:
+    """What the bench's own driver does at first."""
+    from dse.api.studies.exploring import alone
+    from dse.domain.study import Selection
+    from dse.testbench import bench_study
+
+    names = {f"{seat.part}.{port.name}": port.name for port in seat.controls}
+    simulation, step = bench.simulation, bench.simulation.step
+    short = replace(simulation, stop=step, record=tuple(names), record_every=step, check_step=False)
+    run, _ = alone(bench_study(replace(bench, simulation=short), Selection((seat.configuration.id,))), fmi)
+    if run.waveforms is None:
+        raise fail(f"bench '{bench.name}' does not run: {run.problem}", bench.where)
+    return {port: float(run.waveforms.values[name][0]) for name, port in names.items()}
+
+
+def _named(driver: str) -> str:
+    """What may be somebody's name: text on one line."""
+    visible = "".join(each if each.isprintable() else " " for each in driver)
+    return " ".join(visible.split())[:MOST_DRIVER].strip() or "somebody"
+
+
+def _number(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise fail("this is no number")
+    return float(value)
+
+
+def _value(port: Port | None, name: str, value: object) -> float:
+    if port is None:
+        raise fail(f"the driver has no '{name[:80]}'")
+    match port.type.kind:
+        case Kind.BOOLEAN if value in (True, False, 0, 1):
+            return float(bool(value))
+        case Kind.ENUMERATION if isinstance(value, str) and value in port.type.items:
+            return float(port.type.items.index(value))
+        case Kind.ENUMERATION if value in range(len(port.type.items)) and not isinstance(value, bool):
+            return _number(value)
+        case Kind.INTEGER if isinstance(value, int) and abs(value) < 1 << 31:
+            return _number(value)
+        case Kind.REAL:
+            return _number(value)
+    raise fail(f"'{name}' takes no such value")

@@ -1,0 +1,62 @@
+"""``dse drive``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dse.cli.app import app
+from dse.cli.commands.serve import Listen, Port
+from dse.cli.terminal import say
+
+Bench = Annotated[str, typer.Argument(metavar="[BENCH]", help="The bench that is driven first; without it, choose.")]
+Which = Annotated[
+    str, typer.Option("--configuration", metavar="ID", help="The car, by the start of its id; without it, choose.")
+]
+Folder = Annotated[Path, typer.Option("--drives", metavar="DIR", help="Where drives are kept.")]
+Most = Annotated[int, typer.Option("--most", min=1, max=64, help="So many drive at once; others wait.")]
+Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")]
+
+
+@app.command()
+def drive(
+    bench: Bench = "",
+    configuration: Which = "",
+    drives: Folder = Path("out/drives"),
+    listen: Listen = "",
+    port: Port = 8470,
+    most: Most = 8,
+    browser: Browser = True,
+) -> None:
+    """Drive a bench yourself, in the browser, in real time.
+
+    Choose a car, drive it with keyboard, gamepad or touch, and change gains as you go. What was driven is kept: metrics
+    and verdicts as of any run, and it can be made again, bit for bit. Only this machine reaches it, unless --listen
+    says otherwise; then the address that is printed has a token in it. Ctrl-C ends it.
+    """
+    from urllib.parse import urlencode
+
+    from dse.api import Drives, open as open_workspace
+    from dse.serving import Announced, LiveDrives, Shelf, serve
+
+    workspace = open_workspace(Path())
+    on = LiveDrives(workspace, Drives(drives, workspace.files), most)
+    wanted = {name: value for name, value in (("bench", bench), ("configuration", configuration)) if value}
+    if bench:
+        on.require(bench, configuration)
+    drives.mkdir(parents=True, exist_ok=True)
+
+    def tell(announced: Announced) -> None:
+        address = announced.address + (f"#{urlencode(wanted)}" if wanted else "")
+        say(address, style="bold")
+        if announced.has_token:
+            say("whoever has this address may drive and look; nothing on the way is encrypted", stderr=True)
+        say("Ctrl-C ends it", stderr=True)
+        if browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    serve(Shelf(drives), listen=listen, port=port, tell=tell, drives=on)

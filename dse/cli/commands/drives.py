@@ -1,0 +1,91 @@
+"""``dse drives``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.api import SCORING, Drives
+from dse.cli.app import DONE, RUNS_FAILED, app
+from dse.cli.arguments import Format, Output
+from dse.cli.terminal import console, plain_table, print_json, print_table, say
+
+if TYPE_CHECKING:
+    from dse.api import Board, CheckedDrive, Score
+
+
+@app.command("drives")
+def drives(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder of drives, as 'dse drive' keeps them.")],
+    check: Annotated[
+        bool, typer.Option("--check", help="Simulate every drive again, and compare with what it gave, bit for bit.")
+    ] = False,
+    output: Format = Output.TABLE,
+) -> None:
+    """Show who drove best on each bench, and how the design does with nobody at the wheel.
+
+    Drives that are not runs yet become some: DIR/BENCH is a study, with who drove as a condition, for 'dse report',
+    'dse figure' and the rest. Recordings stay as they are.
+    """
+    kept = Drives(folder)
+    with console(stderr=True).status("") as status:
+        kept.update(tell=status.update)
+        problems = list(kept.problems)
+        checked = list(kept.check(tell=status.update)) if check else []
+    problems = list(dict.fromkeys((*problems, *kept.problems)))
+    for problem in problems:
+        say(str(problem), stderr=True)
+    boards = kept.boards()
+    if output is Output.JSON:
+        data = {"boards": [board.data() for board in boards], "problems": [str(problem) for problem in problems]}
+        print_json(data | ({"checked": [_checked_data(each) for each in checked]} if check else {}))
+    else:
+        _show(boards, checked)
+    raise typer.Exit(DONE if all(each.is_same for each in checked) else RUNS_FAILED)
+
+
+def _show(boards: tuple[Board, ...], checked: list[CheckedDrive]) -> None:
+    if not boards:
+        say("there is no drive yet")
+    for board in boards:
+        say(f"{board.bench}  ({board.folder})")
+        table = plain_table("", "driver", "drive", "configuration", "met", "worst margin", "time", "", right=("met",))
+        for score in board.scores:
+            table.add_row(*_row(score))
+        print_table(table)
+    if boards:
+        say(SCORING)
+    for each in checked:
+        say(f"{each.id} of {each.driver} on {each.bench}: {_told(each)}")
+
+
+def _row(score: Score) -> tuple[str, ...]:
+    share = f"{100 * score.worst:+.0f} % ({score.worst_requirement})" if score.worst_requirement else "–"
+    late = f"{score.overruns} of {score.steps} steps late" if score.overruns else ""
+    place = f"{score.place}." if score.place else ""
+    who = score.driver if not score.is_controller else "controller"
+    beside = "; ".join(filter(None, (score.note, late)))
+    name = "–" if score.is_controller else score.drive
+    return place, who, name, score.configuration, f"{score.met} of {score.of}", share, f"{score.seconds:g} s", beside
+
+
+def _told(checked: CheckedDrive) -> str:
+    if not checked.is_same:
+        parts = [f"in the study: {', '.join(checked.from_study)}"] if checked.from_study else []
+        parts += [f"when it was driven: {', '.join(checked.from_driving)}"] if checked.from_driving else []
+        return f"not the same as {'; '.join(parts)}"
+    return "the same bit for bit" + ("" if checked.was_noted else ", as far as the study: nobody noted what was driven")
+
+
+def _checked_data(checked: CheckedDrive) -> dict[str, object]:
+    return {
+        "drive": checked.id,
+        "bench": checked.bench,
+        "driver": checked.driver,
+        "is_same": checked.is_same,
+        "from_study": list(checked.from_study),
+        "from_driving": list(checked.from_driving),
+        "was_noted": checked.was_noted,
+    }

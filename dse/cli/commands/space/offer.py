@@ -1,0 +1,84 @@
+"""``dse space offer``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.api import Dealership, opened
+from dse.cli.arguments import Choose, Design, Format, Output
+from dse.cli.commands.space import space_app
+from dse.cli.spaces import number_text
+from dse.cli.terminal import plain_table, print_json, print_table, say
+
+if TYPE_CHECKING:
+    from dse.space import ChoicePoint, Offer, OfferedChoice
+
+_RULED_OUT = 3
+
+
+@space_app.command("offer")
+def space_offer(
+    design: Design,
+    choose: Choose = [],
+    cheapest: Annotated[bool, typer.Option("--cheapest", help="Choose the rest so that sum(cost) is least.")] = False,
+    surprise: Annotated[
+        int | None, typer.Option("--surprise", metavar="SEED", min=0, help="Have the rest drawn, each as likely.")
+    ] = None,
+    output: Format = Output.TABLE,
+) -> None:
+    """Choose like at a car dealer's: what can still be had, and why not the rest.
+
+    Tells what each choice would rule out elsewhere, what follows by itself, and what sums of properties can still be:
+    all exact. The dealership of the driving page shows the same.
+    """
+    if cheapest and surprise is not None:
+        raise typer.BadParameter("one of --cheapest and --surprise", param_hint="--surprise")
+    part = opened(design, choose)
+    dealership = Dealership(part.space)
+    chosen = dict(part.chosen)
+    if cheapest:
+        chosen = dealership.cheapest(chosen)
+    elif surprise is not None:
+        chosen = dealership.surprise(chosen, surprise)
+    offer = dealership.offer(chosen)
+    if output is Output.JSON:
+        print_json(offer.data())
+        return
+    _show(offer)
+
+
+def _show(offer: Offer) -> None:
+    say(f"{offer.title}: {number_text(offer.left)} of {number_text(offer.total)} configurations left")
+    if not offer.left:
+        say("nothing has all that is chosen: " + "; ".join(offer.texts()))
+    for total in offer.totals:
+        ends = f"{total.low:.6g}" if total.low == total.high else f"{total.low:.6g} … {total.high:.6g}"
+        say(f"  {total.title}: {ends} {total.unit}".rstrip())
+    table = plain_table("place", "", "choice", "")
+    for point in offer.points:
+        for number, choice in enumerate(point.choices):
+            table.add_row(point.path if not number else "", _mark(point, choice), choice.name, _told(point, choice))
+    if offer.points:
+        print_table(table)
+    if offer.configuration:
+        say(f"configuration {offer.configuration}")
+
+
+def _mark(point: ChoicePoint, choice: OfferedChoice) -> str:
+    if point.chosen == choice.name:
+        return "●"
+    if point.implied == choice.name:
+        return "○"
+    return "" if choice.is_possible else "✗"
+
+
+def _told(point: ChoicePoint, choice: OfferedChoice) -> str:
+    if not choice.is_possible:
+        return "; ".join(choice.texts())
+    if point.implied == choice.name:
+        return "follows"
+    gone = [f"{path}={name}" for path, name in choice.rules_out]
+    more = f" and {len(gone) - _RULED_OUT} more" if len(gone) > _RULED_OUT else ""
+    return f"rules out {', '.join(gone[:_RULED_OUT])}{more}" if gone else ""

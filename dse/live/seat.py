@@ -1,0 +1,169 @@
+"""A bench with somebody at the wheel: the component that drives is replaced by a seat, which talks while it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from dse.domain.bench import TestBench, TestComponent
+from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Type
+from dse.domain.design import Configuration, Connection
+from dse.domain.drive import TUNE
+from dse.domain.fmu import FmuModel
+from dse.domain.system import Element
+from dse.domain.udp import INHERITED, LinkMode, LinkRole, UdpSource
+from dse.errors import Problem, fail, raise_if_any
+from dse.fmu import build_all, open_component
+from dse.system import along_the_flow
+from dse.testbench import PreparedBench, prepare_bench, wire_bench
+from dse.units import coherent, parse_unit
+
+DRIVER = "driver"
+"""The interface of what can be replaced by somebody at the wheel."""
+
+ECHO, OVERRUNS, LATENESS = "echo", "link.overruns", "link.lateness"
+_OWN = (ECHO, OVERRUNS, LATENESS)
+"""What the seat shows to itself again, so that whoever talks with it knows what the run has used."""
+
+_MOST = 4000
+"""Signals that a seat sees."""
+
+
+@dataclass(frozen=True, slots=True)
+class Seat:
+    """Where somebody sits in a run of *bench*: the test component *part*, which puts out *controls*, numbers for the
+    parameters *tunables* by ``part.parameter``, and sees the signals *seen*."""
+
+    bench: TestBench
+    configuration: Configuration
+    part: str
+    controls: tuple[Port, ...]
+    tunables: Mapping[str, Parameter]
+    seen: tuple[str, ...]
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The outputs of the seat that are a drive: controls, then ``tune.<part>.<parameter>``."""
+        return (*(port.name for port in self.controls), *(f"{TUNE}.{name}" for name in self.tunables))
+
+
+def driver_of(bench: TestBench) -> TestComponent:
+    """The test component that somebody can take the place of. DseError if there is none, or several."""
+    found = [each for each in bench.test_components if each.component.interface.name == DRIVER]
+    if len(found) == 1:
+        return found[0]
+    what = f"bench '{bench.name}' cannot be driven: "
+    if found:
+        raise fail(f"{what}both {found[0].name} and {found[1].name} are a '{DRIVER}'", bench.where)
+    hint = f"give it a test component that implements '{DRIVER}', as hands_off in the bench drive_following"
+    raise fail(f"{what}none of its test components implements '{DRIVER}'", bench.where, hint)
+
+
+def can_be_driven(bench: TestBench) -> bool:
+    """Whether a test component of *bench* is a driver."""
+    return sum(each.component.interface.name == DRIVER for each in bench.test_components) == 1
+
+
+def tunables_of(bench: TestBench, configuration: Configuration, *, version: int = 2) -> dict[str, Parameter]:
+    """The numbers of the design's parts that can be set while they run, by ``part.parameter``.
+
+    None that has a source already, or that a metric, requirement, figure or derived value takes for a constant.
+    """
+    wired = wire_bench(bench, configuration)
+    archives = build_all(configuration.parts.values(), version=version)
+    models = {name: open_component(part, archives[part.name]) for name, part in configuration.parts.items()}
+    texts = [each.expression.text for each in bench.metrics] + [each.expression.text for each in bench.derived]
+    texts += [each.exercised_when.text for each in bench.requirements if each.exercised_when]
+    said = " ".join([*texts, *(each.target or "" for each in bench.figures), *(each.name for each in bench.derived)])
+    return {
+        name: each
+        for path, component in configuration.parts.items()
+        for each in component.parameters
+        if (name := f"{path}.{each.name}") not in wired.connected
+        and name not in said
+        and each.tunable
+        and each.type.kind is Kind.REAL
+        and _is_tunable(models[path], component.variable(each.name))
+    }
+
+
+def _is_tunable(model: FmuModel, name: str) -> bool:
+    variable = model.variables.get(name)
+    return variable is not None and variable.variability == "tunable" and not variable.shape
+
+
+def with_driver(bench: TestBench, component: Component, tuned: Sequence[str]) -> TestBench:
+    """*bench* driven by *component*, whose outputs ``tune.<part>.<parameter>`` go to the parameters *tuned*."""
+    part = driver_of(bench)
+    replaced = tuple(
+        TestComponent(each.name, component, {}, each.where) if each is part else each for each in bench.test_components
+    )
+    ways = tuple(Connection(f"{part.name}.{TUNE}.{name}", name, part.where) for name in tuned)
+    return replace(bench, test_components=replaced, direct=(*bench.direct, *ways))
+
+
+def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[str], *, version: int = 2) -> Seat:
+    """*bench* with a seat in the driver's place, which sees the signals *wanted*.
+
+    It talks through the socket that its process is given, in real time and SI units, and all that it puts out is kept.
+    Raises DseError if the bench cannot be driven.
+    """
+    raise_if_any(_refusals(bench))
+    part, wired = driver_of(bench), wire_bench(bench, configuration)
+    if len(wanted) > _MOST:
+        raise fail(f"bench '{bench.name}' shows {len(wanted):,} signals; a seat sees {_MOST:,} at most", bench.where)
+    ports = (port for port in part.component.interface.ports if port.causality is Causality.OUTPUT)
+    controls = tuple(replace(port, type=_si(port.type)) for port in ports)
+    tunables = tunables_of(bench, configuration, version=version)
+    given = {**{f"{TUNE}.{name}": each.type for name, each in tunables.items()}, **_own()}
+    outputs = [*controls, *(Port(name, Causality.OUTPUT, _si(type_)) for name, type_ in given.items())]
+    signals = wired.signals
+    types = {**_own(), **{name: signals[name] for name in wanted}}
+    inputs = [Port(f"sees.n{number}", Causality.INPUT, _si(type_)) for number, type_ in enumerate(types.values(), 1)]
+    line = UdpSource(0, INHERITED, LinkRole.CLIENT, LinkMode.FREE, where=part.where)
+    component = Component("seat", Interface("seat", (*inputs, *outputs)), source=line, where=part.where)
+    driven = with_driver(bench, component, tuple(tunables))
+    sources = [f"{part.name}.{name}" for name in _own()] + [wired.faces.get(name, name) for name in wanted]
+    views = (Connection(end, f"{part.name}.{port.name}") for end, port in zip(sources, inputs, strict=True))
+    shown = tuple(f"{part.name}.{port.name}" for port in outputs)
+    simulation = replace(
+        bench.simulation, record=(*bench.simulation.record, *shown), record_every=bench.simulation.step
+    )
+    seated = replace(driven, direct=(*driven.direct, *views), simulation=simulation)
+    return Seat(seated, configuration, part.name, controls, tunables, tuple(wanted))
+
+
+def prepare_seat(seat: Seat, *, version: int = 2) -> PreparedBench:
+    """The run that somebody drives, its elements in the order that they have with a record in place of the seat.
+
+    Only so a method that goes from one element to the next gives the same again. Raises DseError.
+    """
+    prepared = prepare_bench(seat.bench, [seat.configuration], version=version)[seat.configuration.id]
+    system = prepared.system
+    ranked = [*wire_bench(seat.bench, seat.configuration).parts]
+    order = along_the_flow(ranked, [wire for wire in system.wires if wire.target != seat.part])
+    elements = {each.name: each for each in system.elements}
+    elements[seat.part] = _heedless(elements[seat.part])
+    return replace(prepared, system=replace(system, elements=tuple(elements[name] for name in order)))
+
+
+def _heedless(element: Element) -> Element:
+    """A seat, whose outputs follow from no input: they are what somebody wants, from the start on."""
+    nothing: dict[str, tuple[str, ...]] = {variable.name: () for variable in element.outputs}
+    return replace(element, model=replace(element.model, depends=nothing, initially_depends=nothing))
+
+
+def _own() -> dict[str, Type]:
+    return dict(zip(_OWN, (Type(Kind.REAL), Type(Kind.REAL), Type(Kind.REAL, parse_unit("s"))), strict=True))
+
+
+def _si(type_: Type) -> Type:
+    return replace(type_, unit=coherent(type_.unit))
+
+
+def _refusals(bench: TestBench) -> Iterator[Problem]:
+    simulation, what = bench.simulation, f"bench '{bench.name}' cannot be driven: "
+    if simulation.method.adaptive is not None:
+        yield Problem(f"{what}its steps may have to be made again, and time cannot", simulation.where)
+    if simulation.check_step:
+        yield Problem(f"{what}with check_step a run is made twice", simulation.where)
