@@ -20,6 +20,7 @@ from .content.nouns import (
     Variable as Variable,
 )
 from .content.reading import content_of_run as content_of_run, read_content as read_content
+from .content.scenes import with_replays as with_replays
 from .drawing.chart import draw_chart as draw_chart
 from .drawing.road_picture import RoadPicture as RoadPicture
 from .drawing.road_plot import draw_road as draw_road
@@ -45,7 +46,12 @@ from .page.html import (
 from .page.payload import script_json as script_json
 from .page.printing import print_report as print_report
 from .roads import road_picture as road_picture, with_driven as with_driven
+from .scene.filming import VIEWS as VIEWS, Shot as Shot, film as film, require_target as require_target
 from .scene.ground import ground_of as ground_of, straight_ground as straight_ground
+<<<<<<< HEAD
+from .scene.html import scene_mark as scene_mark, scene_page as scene_page, write_scene as write_scene
+=======
 from .scene.html import scene_document as scene_document, scene_page as scene_page, write_scene as write_scene
+>>>>>>> session
 from .scene.nouns import Ground as Ground, Scene as Scene
 from .scene.telling import Told as Told

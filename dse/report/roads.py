@@ -8,13 +8,15 @@ from dataclasses import replace
 import numpy as np
 
 from dse.report.content.nouns import Floats
-from dse.report.drawing.road_picture import Along, AlongBand, Area, Driven, RoadPicture, Strip
+from dse.report.drawing.road_picture import Along, AlongBand, Area, Driven, RoadPicture, StandingLight, Strip
 from dse.world import (
     DRIVEN,
     Curve,
+    Lane,
     Network,
     Road,
     RoadPath,
+    Signal,
     borders_of,
     curve_of,
     from_cubics,
@@ -36,8 +38,13 @@ def road_picture(network: Network, title: str) -> RoadPicture:
     lines = [_Line(road) for road in network.roads.values()]
     strips = tuple(strip for line in lines for strip in line.strips())
     areas = tuple(area for line in lines for area in line.areas())
-    lights = [light for line in lines for light in line.lights()]
+    lights = [light.place[:2] for line in lines for light in line.lights()]
     return RoadPicture(title, strips, areas, np.reshape(lights, (-1, 2)), _along(road_tables(network).paths[0]))
+
+
+def standing_lights(network: Network) -> tuple[StandingLight, ...]:
+    """The traffic lights of *network*; one that several roads name is there once for each."""
+    return tuple(light for road in network.roads.values() for light in _Line(road).lights())
 
 
 def with_driven(picture: RoadPicture, network: Network, label: str, x: Floats, y: Floats) -> RoadPicture:
@@ -105,18 +112,44 @@ class _Line:
             ones = np.ones_like(stations)
             yield self._area(stations, slick.right * ones, slick.left * ones, slick.friction)
 
-    def lights(self) -> Iterator[Floats]:
-        """Where traffic lights are: beside the lanes they are for."""
+    def lights(self) -> Iterator[StandingLight]:
+        """Traffic lights, and the lines before them."""
         for signal in self._road.signals:
             section = next(each for each in reversed(self._road.sections) if each.s <= signal.s)
             at = np.array([min(signal.s, self._road.length)])
-            sides = [
-                float(value(side, at - section.s)[0])
-                for pair in borders_of(self._road, section).values()
-                for side in pair
-            ]
-            beside = max(sides) + 1.0 if signal.orientation == "-" else min(sides) - 1.0
-            yield self._xy(at, np.array([beside]))[0]
+            is_back = signal.orientation == "-"
+            borders = borders_of(self._road, section)
+            sides = {id_: [float(value(side, at - section.s)[0]) for side in borders[id_]] for id_ in section.lanes}
+            every = [t for pair in sides.values() for t in pair]
+            # Where none of the lanes is driven that way, the line is across all that are there.
+            driven = [t for id_, pair in sides.items() if self._obeys(signal, section.lanes[id_], id_) for t in pair]
+            right, left = min(driven or every), max(driven or every)
+            beside = max(every) + 1.0 if is_back else min(every) - 1.0
+            along = self._curve_at(float(at[0]))
+            yield StandingLight(
+                signal.id,
+                self._point(at, beside),
+                along + np.pi if is_back else along,
+                np.stack([self._point(at, t) for t in ((right, left) if is_back else (left, right))]),
+            )
+
+    def _obeys(self, signal: Signal, lane: Lane, id_: int) -> bool:
+        """Whether who drives on *lane* obeys *signal*."""
+        is_meant = not signal.lanes or any(min(pair) <= id_ <= max(pair) for pair in signal.lanes)
+        is_faced = signal.orientation == "none" or runs_along(self._road, lane) == (signal.orientation == "+")
+        return lane.type in DRIVEN and is_meant and is_faced
+
+    def _curve_at(self, station: float) -> float:
+        """The heading of the reference line."""
+        piece = min(max(int(np.searchsorted(self._starts, station, side="right")) - 1, 0), len(self._starts) - 1)
+        curve = self._curves[piece]
+        along = np.array([min(station - curve.geometry.s, curve.geometry.length)])
+        return float(curve.at(along).heading[0])
+
+    def _point(self, at: Floats, t: float) -> Floats:
+        """(3) *t* to the left of the line at the one station *at*."""
+        left = np.array([t])
+        return np.append(self._xy(at, left)[0], self._z(at, left))
 
     def _area(self, stations: Floats, right: Floats, left: Floats, friction: float) -> Area:
         return Area(np.concatenate([self._xy(stations, right), self._xy(stations, left)[::-1]]), friction)

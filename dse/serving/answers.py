@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock
 
@@ -37,13 +38,9 @@ def asked_point(body: bytes) -> tuple[str, dict[str, float]]:
 
 def simulated(folder: Path, configuration: str, point: Mapping[str, float]) -> dict[str, object]:
     """What came of *point*, simulated now: metrics, verdicts and waveforms. Raises DseError; also while it is busy."""
-    if not _one_at_a_time.acquire(blocking=False):
-        raise BusyError
-    try:
+    with the_only_one():
         definition = results(folder).definition
         tried = try_point(definition, configuration, point, near=folder)
-    finally:
-        _one_at_a_time.release()
     run = tried.run
     rows = metric_rows(run.noun, run.definition, run.check) if run.is_done else ()
     return {
@@ -64,6 +61,17 @@ def simulated(folder: Path, configuration: str, point: Mapping[str, float]) -> d
             for each in content_of_run(run.noun, run.definition).figures
         ],
     }
+
+
+@contextmanager
+def the_only_one() -> Iterator[None]:
+    """Within it one run is simulated for all who ask; BusyError if another one is."""
+    if not _one_at_a_time.acquire(blocking=False):
+        raise BusyError
+    try:
+        yield
+    finally:
+        _one_at_a_time.release()
 
 
 class BusyError(Exception):

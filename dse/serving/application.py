@@ -17,6 +17,7 @@ from dse.serving.drives import LiveDrives
 from dse.serving.driving import drive_routes
 from dse.serving.guard import Application, Guard, Limits
 from dse.serving.pages import problem_page, start_page
+from dse.serving.replays import Replays, run_number, waiting_page
 from dse.serving.shelf import Shelf
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ def application(
         hint = "python -m pip install 'dse-workbench[serve]'"
         raise fail("serving needs the packages starlette and uvicorn", hint=hint) from None
     desk = Desk()
+    replays = Replays()
 
     def name_of(request: Request) -> str:
         return request.query_params.get("study", "")
@@ -72,6 +74,17 @@ def application(
         folder = shelf.folder(name_of(request))
         return JSONResponse(await _aside(lambda: simulated(folder, configuration, point)))
 
+    def replay(request: Request) -> Response:
+        name, run = request.path_params["name"], run_number(request.path_params["run"])
+        page = replays.page(shelf.folder(name), run)
+        return HTMLResponse(waiting_page(name, run) if page is None else page)
+
+    async def replayed(request: Request) -> Response:
+        folder, run = shelf.folder(name_of(request)), run_number(request.query_params.get("run", ""))
+        if request.method == "POST":
+            await _aside(lambda: replays.make(folder, run))
+        return JSONResponse({"told": replays.told(folder, run)})
+
     def stopped(request: Request) -> Response:
         writer = stop(shelf.folder(name_of(request)))
         return JSONResponse({"asked": str(writer)})
@@ -84,12 +97,14 @@ def application(
         return HTMLResponse(problem_page(error), status) if is_page else JSONResponse(problem_of(error), status)
 
     def busy(_: Request, __: Exception) -> Response:
-        told = problem_of(fail("another point is being simulated", hint="wait until it has come to its end"))
+        told = problem_of(fail("another run is being simulated", hint="wait until it has come to its end"))
         return JSONResponse(told, 429, {"retry-after": "1"})
 
     routes: list[BaseRoute] = [
         Route("/", start),
         Route("/study/{name:path}/", study),
+        Route("/study/{name:path}/replay/{run}", replay),
+        Route("/replay", replayed, methods=["GET", "POST"]),
         Route("/progress", progress),
         Route("/compare", compared),
         Route("/simulate", simulate, methods=["POST"]),

@@ -66,4 +66,4 @@ def _below(root: Path) -> Iterator[Path]:
         folders[:] = () if is_deep else sorted(name for name in folders if name[:1] not in "._" and name not in _OTHERS)
 
 
-_OTHERS = frozenset({"node_modules", "waveforms", "spool", "figures", "components"})
+_OTHERS = frozenset({"node_modules", "waveforms", "spool", "figures", "components", "replays"})

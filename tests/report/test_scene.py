@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
-from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 
@@ -13,58 +12,20 @@ import numpy as np
 import pytest
 from chromium import started_chromium
 from PIL import Image
+from scenes import STEPS, made_up as scene
 
 import dse
 from dse.domain.component import Kind, Type
 from dse.domain.study import Selection
 from dse.errors import DseError
-from dse.report import Scene, Told, scene_page
-from dse.report.drawing.road_picture import Strip
-from dse.report.scene.nouns import Ground, Host, Instrument, Sensor
+from dse.loading import Workspace
+from dse.report import Told, scene_mark, scene_page, write_scene
+from dse.report.roads import standing_lights
+from dse.report.scene.nouns import COLOURS, Host
 from dse.testbench import bench_study
+from dse.world import open_roads
 
 ROOT = Path(__file__).parents[2]
-STEPS = 101
-
-
-def scene(title: str = "made up", **changed: object) -> Scene:
-    """Ten seconds at 20 m/s behind a lorry 40 m ahead, which a pedestrian takes the place of after 5 s."""
-    time = np.linspace(0.0, 10.0, STEPS)
-    zero = np.zeros(STEPS)
-    way = np.column_stack([np.linspace(-50, 400, 10), np.zeros(10)])
-    lane = Strip(
-        way + np.array([0, 1.75]),
-        way - np.array([0, 1.75]),
-        np.zeros(10),
-        np.zeros(10),
-        is_driven=True,
-        is_inside=False,
-    )
-    host = dict.fromkeys(("y", "z", "heading", "roll", "pitch", "steering"), zero)
-    late = time >= 5
-    other = {
-        "id": np.where(late, 2.0, 1.0),
-        "class": np.where(late, 5.0, 2.0),
-        "length": np.where(late, 0.5, 12.0),
-        "width": np.where(late, 0.5, 2.5),
-        "height": np.where(late, 1.8, 3.5),
-        "x": np.where(late, 300.0, 40 + 20 * time),
-        "speed": np.where(late, 0.0, 20.0),
-        **dict.fromkeys(("y", "z", "heading"), zero),
-    }
-    seen = {"valid": 1 + zero, "range": 40 + zero, "azimuth": zero}
-    made = Scene(
-        title,
-        "run 7",
-        time,
-        Ground((lane,), (), np.array([[100.0, 4.0]])),
-        Host({**host, "x": 20 * time, "speed": 20 + zero}, 4.5, 1.8, 2.3),
-        (other,),
-        (Sensor("sensor", "A radar", 2.3, 150.0, 0.5, (seen,)),),
-        {"fog": 0.02 + zero, "rain": zero, "snow": zero, "darkness": zero},
-        (Instrument("Speed", "km/h", 72 + zero, 80 + zero), Instrument("mode", "", 1 * late, items=("calm", "alarm"))),
-    )
-    return replace(made, **changed)
 
 
 @pytest.fixture(scope="module")
@@ -96,6 +57,73 @@ def test_a_minute_with_eight_others_is_below_two_megabytes() -> None:
     others = tuple({**still, **{name: next(columns) for name in names}} for _ in range(8))
     made = scene(time=time, host=Host(host, 4.5, 1.8, 2.3), others=others, sensors=(), weather={}, instruments=())
     assert len(scene_page(made)) < 2e6
+
+
+LIT = """() => { const c = document.createElement('canvas'); const s = document.querySelector('.stage');
+c.width = s.width; c.height = s.height; const pen = c.getContext('2d'); pen.drawImage(s, 0, 0);
+const d = pen.getImageData(0, 0, s.width, s.height).data; const n = { red: 0, yellow: 0, green: 0 };
+for (let i = 0; i < d.length; i += 4) {
+  const [r, g, b] = [d[i], d[i + 1], d[i + 2]];
+  if (r > 225 && g < 80 && b < 70) n.red++;
+  if (r > 225 && g > 165 && b < 80) n.yellow++;
+  if (r < 80 && g > 200 && b < 130) n.green++;
+}
+return Object.keys(n).filter((name) => n[name] > 3).join(' '); }"""
+
+
+@pytest.mark.parametrize(
+    ("colour", "lit"), [(1, ""), (2, "red"), (3, "red yellow"), (4, "yellow"), (5, "green"), (None, "")]
+)
+def test_a_light_shows_what_it_showed(shown, colour, lit):
+    told = {} if colour is None else {"L1": np.full(STEPS, float(colour))}
+    page = shown("t=4.6&view=driver", lights=told, sensors=(), others=(), weather={})
+    page.wait_for_function("() => document.documentElement.dataset.frames > 0")
+    assert page.evaluate(LIT) == lit
+
+
+def test_a_light_changes_when_it_did(shown):
+    colour = np.where(np.linspace(0, 10, STEPS) < 4.55, 2.0, 5.0)
+    page = shown("t=4.5&view=driver", lights={"L1": colour}, sensors=(), others=(), weather={})
+    page.wait_for_function("() => document.documentElement.dataset.at === '4.5'")
+    assert page.evaluate(LIT) == "red"
+    page.evaluate("location.hash = 't=4.6'")
+    page.wait_for_function("() => document.documentElement.dataset.at === '4.6'")
+    assert page.evaluate(LIT) == "green"
+    assert page.get_attribute("button[data-view=driver]", "aria-pressed") == "true"
+
+
+def test_lights_stand_beside_the_lanes_that_obey_them_and_their_line_is_across_those() -> None:
+    network = open_roads("intersection", Workspace(ROOT))
+    found = {light.id: light for light in standing_lights(network)}
+    # Two lanes each way of 3.5 m, then the crossing one with one each way.
+    main = next(light for light in found.values() if abs(light.heading) < 1e-9)
+    assert main.place.tolist() == pytest.approx([200.0, -8.0, 0.0])
+    assert main.line == pytest.approx(np.array([[200.0, 0.0, 0.0], [200.0, -7.0, 0.0]]))
+    headings = sorted(round(np.degrees(light.heading)) % 360 for light in found.values())
+    assert headings == [0, 90, 180, 270]
+
+
+def test_colours_are_told_by_the_ids_of_lights_whatever_paths_see_them() -> None:
+    colour = Type(Kind.ENUMERATION, items=COLOURS)
+    signals = {"road.actors[1].heading": Type(Kind.REAL)}
+    signals |= {f"road.light_heads[{n}].colour": colour for n in (1, 2, 3)}
+    told = Told(signals, {}, ())
+    columns = {f"road.light_heads[{n}].colour": np.array([float(n), 5.0]) for n in (1, 2, 3)}
+    assert set(columns) <= set(told.wanted)
+    lights = told.lights(columns, ["a", "b", "a"])
+    assert {name: values.tolist() for name, values in lights.items()} == {"a": [1.0, 5.0], "b": [2.0, 5.0]}
+
+
+def test_the_mark_of_a_page_is_read_again_and_of_no_other_file(tmp_path) -> None:
+    page = tmp_path / "run_7.html"
+    assert scene_mark(page) == ""
+    page.write_text("<html></html>", encoding="utf-8")
+    assert scene_mark(page) == ""
+    write_scene(scene(mark="0a1b"), page)
+    assert scene_mark(page) == "0a1b"
+    write_scene(scene(mark="--><script>"), page)
+    assert scene_mark(page) == "c"
+    assert scene_mark(tmp_path) == ""
 
 
 @pytest.mark.thorough

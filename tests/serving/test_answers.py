@@ -175,7 +175,7 @@ def test_while_one_point_is_simulated_another_one_waits_and_the_end_of_the_serve
     # The server has ended, and the point is still being simulated.
     assert not released.is_set()
     assert second.status == 429
-    assert "another point is being simulated" in second.text
+    assert "another run is being simulated" in second.text
     released.set()
     first.join()
 

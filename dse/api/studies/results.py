@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from dse.domain.definition import StudyDefinition
     from dse.errors import Problem
     from dse.exploration import Explored
+    from dse.report import Shot
     from dse.storage import RunTable, StudyFolder
 
 T = TypeVar("T")
@@ -127,18 +128,97 @@ class Results:
         return self._read(EXPORTS[kind])
 
     def write_scene(
-        self, run: int, target: str | Path, *, source: str | Path | None = None, tell: Tell | None = None
+        self, run: int, target: str | Path | None = None, *, source: str | Path | None = None, tell: Tell | None = None
     ) -> Path:
         """Write a page in which the *run* of this number is driven again in three dimensions; returns where it is.
 
-        The run is simulated once more: its study is found in the workspace around here, or in the file *source*.
-        Raises DseError if that gives something else, or if nothing in it says where a car is.
+        It is *target*, or ``replays/run_RUN.html`` in the folder. The run is simulated once more: its study is found in
+        the workspace around the folder or around here, or in the file *source*. Raises DseError if that gives something
+        else, or if nothing in it says where a car is.
         """
-        from dse.api.studies.scenes import scene_of
+        from dse.api.studies.scenes import replay_file, scene_of
         from dse.report import write_scene
+        from dse.scratch import make_folder
 
-        write_scene(scene_of(self.run(run), source=source, tell=tell), Path(target))
-        return Path(target)
+        page = Path(target) if target is not None else replay_file(self.folder, run)
+        scene = scene_of(self.run(run), source=source, near=self.folder, tell=tell)
+        make_folder(page.parent)
+        write_scene(scene, page)
+        return page
+
+    def replay_page(self, run: int, folder: str | Path | None = None, *, tell: Tell | None = None) -> Path:
+        """The page that `write_scene` writes of a *run*, below *folder* (the study's): the one that is there, if it is
+        of this run as it is now. Raises DseError."""
+        from dse.api.studies.scenes import mark_of, replay_file
+        from dse.report import scene_mark
+
+        page = replay_file(Path(folder or self.folder), run)
+        if scene_mark(page) == mark_of(self.run(run)):
+            return page
+        return self.write_scene(run, page, tell=tell)
+
+    def runs_to_replay(self, which: str | int) -> tuple[int, ...]:
+        """Numbers of the runs that came to their end: ``all`` of them, those that ``failed`` a requirement, or so many,
+        spread evenly."""
+        import numpy as np
+
+        from dse.domain.bench import VERDICTS, Verdict
+
+        table = self._read(lambda store: store.table())
+        done = np.flatnonzero(table.done)
+        if which == "failed":
+            code = VERDICTS.index(Verdict.FAIL)
+            has_failed = [table.verdicts(name) == code for name in table.header.requirements]
+            done = done[np.any(has_failed, axis=0)[done]] if has_failed else done[:0]
+        elif isinstance(which, int) and which < len(done):
+            done = done[np.linspace(0, len(done) - 1, which).astype(int)]
+        return tuple(table.numbers[done].tolist())
+
+    def film_scene(
+        self, run: int, target: str | Path, shot: Shot, *, source: str | Path | None = None, tell: Tell | None = None
+    ) -> int:
+        """Write what *shot* has of the *run* in three dimensions to *target*; returns how many frames.
+
+        A PNG, or with a rate an animated picture, a video, or a folder of PNG files. A Chromium of the machine draws.
+        Raises DseError if there is none, and as `write_scene` does.
+        """
+        from dse.report import film, require_target
+
+        require_target(Path(target), shot)
+        text = self.scene_page(run, source=source, tell=tell)
+        return film(text, shot, Path(target), tell or (lambda _: None))
+
+    def scene_page(self, run: int, *, source: str | Path | None = None, tell: Tell | None = None) -> str:
+        """The page of a *run* as text: as `replay_page` has it in the folder, else made anew and not kept."""
+        from dse.api.studies.scenes import mark_of, replay_file, scene_of
+        from dse.report import scene_mark, scene_page
+
+        stored, page = self.run(run), replay_file(self.folder, run)
+        if scene_mark(page) == mark_of(stored):
+            return page.read_text(encoding="utf-8")
+        return scene_page(scene_of(stored, source=source, near=self.folder, tell=tell))
+
+    def scene_mark(self, run: int) -> str:
+        """A digest of what a *run*'s page in three dimensions is made of: as long as it is the same, so is the page."""
+        from dse.api.studies.scenes import mark_of
+
+        return mark_of(self.run(run))
+
+    def replays(self, folder: str | Path | None = None) -> tuple[int, ...]:
+        """The runs whose pages `replay_page` would give as they are there, below *folder* (the study's)."""
+        from dse.api.studies.scenes import mark_of, replay_file, replays_in
+        from dse.report import scene_mark
+
+        place = Path(folder or self.folder)
+
+        def are_there(store: StudyFolder) -> Iterator[int]:
+            finished = store.finished()
+            for number in replays_in(place):
+                mark = scene_mark(replay_file(place, number))
+                if number in finished and mark == mark_of(_run(store, number, self.definition)):
+                    yield number
+
+        return self._read(lambda store: tuple(are_there(store)))
 
     def report(
         self,
@@ -152,10 +232,10 @@ class Results:
         It holds the waveforms of at most so many runs. Nothing is simulated. *on_problems* is told of waveforms that
         are gone or damaged and of figures that could not be drawn; by default these are warnings.
         """
-        from dse.report import read_report, write_report
+        from dse.report import read_report, with_replays, write_report
 
         page = Path(target) if target is not None else self.folder / "report.html"
-        content = read_report(self.folder, waveforms)
+        content = with_replays(read_report(self.folder, waveforms), self.replays(page.parent))
         if problems := (*content.missing, *write_report(content, page)):
             (on_problems or _warn)(problems)
         return page

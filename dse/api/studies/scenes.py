@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +13,7 @@ import numpy as np
 from dse.errors import Location, fail
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from numpy.typing import NDArray
 
@@ -26,20 +28,26 @@ _FRAMES = 25.0
 _REACH = 700.0
 
 
-def scene_of(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell: Tell | None = None) -> Scene:
+def scene_of(
+    stored: Run, *, source: str | Path | None = None, near: str | Path = "", fmi: int = 2, tell: Tell | None = None
+) -> Scene:
     """*stored* simulated again, as `replay` does, for the eye.
 
+    Its study is taken from the file *source*, else from the workspace around *near*, else from that around here.
     Raises DseError if nothing in it says where a car is, or if it does not come to the same metrics again.
     """
     from dse.api.studies.exploring import alone
     from dse.api.studies.replaying import benches_of
+    from dse.api.studies.trying import benches_near
     from dse.domain.study import TESTBENCH, Selection
+    from dse.kinds import RoadSource, tables_along
     from dse.report import Scene, Told
     from dse.testbench import bench_study, one_configuration, wire_bench, with_values
 
     on = int(stored.point.get(TESTBENCH, 0))
     point = {name: value for name, value in stored.point.items() if name != TESTBENCH}
-    bench = with_values(benches_of(stored.definition, source)[on], point)
+    found = benches_of(stored.definition, source) if source else benches_near(stored.definition, Path(near))
+    bench = with_values(found[on], point)
     chosen = one_configuration(bench.design, stored.configuration)
     wired = wire_bench(bench, chosen)
     told = Told(wired.signals, {name: setting.value for name, setting in wired.settings.items()}, bench.figures)
@@ -48,11 +56,16 @@ def scene_of(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tel
         raise fail(f"run {stored.number} of bench '{bench.name}' is no scene: {what}", Location(bench.name))
     again = replace(bench, simulation=_recording(bench, told.wanted))
     made, _ = alone(bench_study(again, Selection((chosen.id,))), fmi, tell=tell)
+    if made.problem and stored.is_done:
+        what = f"run {stored.number} failed this time: {made.problem}"
+        raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' tells what changed")
     if made.waveforms is None or not _is_same(made.metrics, stored.metrics):
         what = f"run {stored.number} did not give the same again"
         raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' tells what changed")
     columns = made.waveforms.values
     host = told.host(columns)
+    road = wired.parts[told.road].source if told.road else None
+    ids = [light.id for way in tables_along(road).paths for light in way.lights] if isinstance(road, RoadSource) else []
     titles = {path: component.title or component.name for path, component in wired.parts.items()}
     return Scene(
         stored.definition.title or stored.definition.study,
@@ -64,7 +77,33 @@ def scene_of(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tel
         tuple(told.sensors(columns, titles)),
         told.weather(columns),
         tuple(told.instruments(columns)),
+        told.lights(columns, ids),
+        mark_of(stored),
     )
+
+
+def mark_of(stored: Run) -> str:
+    """A digest of all that the scene of *stored* comes of: another run, other results or another dse have another."""
+    from dse import __version__
+    from dse.report import bundle
+
+    run, known = stored.noun, stored.definition
+    of_run = run.request.number, run.request.configuration, sorted(run.request.point.items())
+    metrics = sorted((name, float(value)) for name, value in run.metrics.items())
+    of_study = known.title, known.study, known.bench, known.simulation, known.figures, sorted(known.fmus.items())
+    of_page = __version__, bundle("scene.js"), bundle("scene.css")
+    return sha256(repr((of_run, metrics, of_study, of_page)).encode()).hexdigest()
+
+
+def replay_file(folder: Path, run: int) -> Path:
+    """Where in *folder* the replay of a run lies, if one was written."""
+    return folder / "replays" / f"run_{run}.html"
+
+
+def replays_in(folder: Path) -> Iterator[int]:
+    """Numbers of the runs whose replays lie in *folder*, in order, whatever they were made of."""
+    names = (re.fullmatch(r"run_(0|[1-9]\d{0,8})\.html", path.name) for path in (folder / "replays").glob("run_*.html"))
+    yield from sorted(int(name[1]) for name in names if name)
 
 
 def _recording(bench: TestBench, wanted: tuple[str, ...]) -> Simulation:

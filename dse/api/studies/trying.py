@@ -46,7 +46,7 @@ def try_point(
     free = {name: value for name, value in values.items() if name != TESTBENCH}
     first, *others = (
         _within_ranges(with_values(bench, free), definition, configuration, point)
-        for bench in _benches(definition, Path(near))
+        for bench in benches_near(definition, Path(near))
     )
     study = replace(bench_study(first, Selection((configuration,))), others=tuple(others))
     made, planned = alone(study, 2, on=int(values.get(TESTBENCH, 0)))
@@ -55,7 +55,7 @@ def try_point(
     return Tried(run, tuple(changed_inputs(definition, planned.definition, here)))
 
 
-def _benches(definition: StudyDefinition, near: Path) -> tuple[TestBench, ...]:
+def benches_near(definition: StudyDefinition, near: Path) -> tuple[TestBench, ...]:
     """The benches of the study as its workspace has them now. DseError for the last place that was looked at."""
     is_bench = not definition.variables
     name = definition.bench.name if is_bench else definition.study

@@ -31,7 +31,10 @@ class PictureFormat(StrEnum):
 def figure(
     folder: FolderOrRoad,
     target: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: DIR/figures; out/figures for a road.")
+        Path | None,
+        typer.Option(
+            "--output", "-o", metavar="DIR", help="Default: DIR/figures; out/figures for a road. A file for --scene."
+        ),
     ] = None,
     kind: Annotated[PictureFormat, typer.Option("--format", help="File format.")] = PictureFormat.PNG,
     x: Annotated[str | None, typer.Option("--x", help="Design variable of the horizontal axis.")] = None,
@@ -47,8 +50,18 @@ def figure(
             "--drive", metavar="SOURCE", help="On a road: the path of a run of a study, or of a waveform file."
         ),
     ] = None,
+    scene: Annotated[
+        int | None, typer.Option("--scene", metavar="RUN", min=0, help="This run in three dimensions instead.")
+    ] = None,
+    at: Annotated[str, typer.Option("--at", metavar="TIME", help="With --scene: when, or when a film begins.")] = "0 s",
+    until: Annotated[str | None, typer.Option("--until", metavar="TIME", help="When a film ends.")] = None,
+    frames: Annotated[
+        float | None, typer.Option("--frames", metavar="RATE", min=0.1, max=120, help="A film: so many a second.")
+    ] = None,
+    camera: Annotated[str, typer.Option("--view", help="Camera of --scene: chase, driver, top or side.")] = "chase",
+    size: Annotated[str, typer.Option("--size", metavar="WxH", help="Pixels of --scene.")] = "1280x720",
 ) -> None:
-    """Draw the constraint plot, the waveforms and all other figures for print; or a road.
+    """Draw the constraint plot, the waveforms and all other figures for print; or a road; or a run as it looked.
 
     PNG, SVG or PDF. The paper's figures 6 and 7 are 'constraints' and 'waveforms'.
 
@@ -57,6 +70,9 @@ def figure(
 
     A road is drawn as a map to scale, with lanes, slippery patches, lights, height, bank and curvature along the way;
     --drive adds paths that were driven.
+
+    --scene is a moment of a run in three dimensions as PNG. With --frames it is a film: WebP, GIF, with ffmpeg MP4
+    or WebM, or a folder of numbered PNG files, as -o says. A Chromium draws; the run is simulated once more.
     """
     from dataclasses import replace
 
@@ -67,6 +83,10 @@ def figure(
         return
     if driven:
         raise typer.BadParameter("paths are drawn on roads", param_hint="--drive")
+
+    if scene is not None:
+        _draw_scene(folder, scene, target, (at, until), frames, (camera, size))
+        return
 
     from dse.report import FIGURES, View, drawings, read_content, read_insight, save_drawing, uses_insight
 
@@ -112,6 +132,45 @@ def _draw_road(road: Path, target: Path | None, kind: PictureFormat, driven: lis
     written = place / f"{road.stem}.{kind}"
     save_drawing(sheet, written)
     say(str(written))
+
+
+def _draw_scene(
+    folder: Path,
+    run: int,
+    target: Path | None,
+    times: tuple[str, str | None],
+    rate: float | None,
+    seen: tuple[str, str],
+) -> None:
+    from dse.api import Results
+    from dse.report import Shot
+
+    (at, until), (view, size) = times, seen
+    sides = size.lower().split("x")
+    if len(sides) != 2 or not all(side.isascii() and side.isdecimal() and len(side) < 6 for side in sides):
+        raise typer.BadParameter(f"'{size}' is no size, as 1280x720", param_hint="--size")
+    end = None if until is None else _moment("--until", until)
+    shot = Shot(_moment("--at", at), end, rate, view, (int(sides[0]), int(sides[1])))
+    place = target or folder / "figures" / (f"run_{run}.png" if rate is None else f"run_{run}.webp")
+    if target is None:
+        make_folder(place.parent)
+    with status_line() as tell:
+        count = Results(folder).film_scene(run, place, shot, tell=tell)
+    say(f"{place}: run {run}" + ("" if rate is None else f", {count} frames"))
+
+
+def _moment(option: str, text: str) -> float:
+    from dse.units import UnitError, parse_quantity, parse_unit
+
+    try:
+        quantity = parse_quantity(text)
+    except UnitError as error:
+        raise typer.BadParameter(str(error), param_hint=option) from None
+    if quantity.unit.symbol and quantity.unit.dimension != parse_unit("s").dimension:
+        raise typer.BadParameter(f"'{text}' is no time", param_hint=option)
+    if quantity.si < 0:
+        raise typer.BadParameter(f"'{text}' is before the run", param_hint=option)
+    return float(quantity.si)
 
 
 def _configuration(content: ReportContent, wanted: str | None) -> str:

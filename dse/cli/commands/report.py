@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,15 +12,25 @@ from dse.cli.arguments import Folder
 from dse.cli.status import status_line
 from dse.cli.terminal import say, show_problems
 
+if TYPE_CHECKING:
+    from dse.api import Results
+
 ReportFile = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Default: DIR/report.html.")]
 PdfFile = Annotated[
     Path | None,
     typer.Option("--pdf", metavar="FILE", help="Print it into a PDF file instead, by a Chromium of this machine."),
 ]
-ReplayedRun = Annotated[
-    int | None,
-    typer.Option("--replay", metavar="RUN", min=0, help="Drive this run again, in DIR/run_RUN.html."),
+ReplayedRuns = Annotated[
+    list[int] | None,
+    typer.Option("--replay", metavar="RUN", min=0, help="Drive this run again, in replays/run_RUN.html beside it."),
 ]
+ManyReplays = Annotated[
+    str | None,
+    typer.Option(
+        "--replays", metavar="all|failed|N", help="Drive all runs again, those that fail a requirement, or N of all."
+    ),
+]
+Opened = Annotated[bool, typer.Option("--open", help="Open what was written in the browser.")]
 MostWaveforms = Annotated[int, typer.Option("--waveforms", min=0, help="Most runs whose waveforms go into the page.")]
 
 
@@ -30,35 +40,59 @@ def report(
     target: ReportFile = None,
     pdf: PdfFile = None,
     waveforms: MostWaveforms = 4000,
-    replay: ReplayedRun = None,
+    replay: ReplayedRuns = None,
+    replays: ManyReplays = None,
+    is_opened: Opened = False,
 ) -> None:
-    """Write the HTML report of a study, print it (--pdf), or show one run in three dimensions (--replay).
+    """Write the HTML report of a study, print it (--pdf), or drive runs again in three dimensions (--replay).
 
-    One page that works offline: constraint plot, thresholds, waveforms, run table.
+    One page that works offline: constraint plot, thresholds, waveforms, run table. It links to the replays beside it.
 
-    Reads only the study folder; nothing is simulated but the run of --replay, once more.
+    Reads only the study folder; nothing is simulated but the runs of --replay and --replays, once more.
     """
     from dse.api import Results
-    from dse.errors import DseError, Problem
+    from dse.errors import DseError, Problem, raise_if_any
 
     results = Results(folder)
-    if replay is not None:
-        if pdf:
-            raise typer.BadParameter("a replay is not printed", param_hint="--pdf")
-        with status_line() as tell:
-            page = results.write_scene(replay, target or folder / f"run_{replay}.html", tell=tell)
-        say(f"{page}: run {replay}, {page.stat().st_size / 1e6:.1f} MB")
-        return
+    if pdf and (replay or replays or is_opened):
+        raise typer.BadParameter("what is printed has no replays, and is not opened", param_hint="--pdf")
     problems: list[Problem] = []
+    refused: list[Problem] = []
     made: list[Path] = []
+    seen: list[Path] = []
     with status_line() as tell:
+        for run in dict.fromkeys([*(replay or ()), *_chosen(results, replays)]):
+            try:
+                seen.append(results.replay_page(run, (target or folder / "report.html").parent, tell=tell))
+            except DseError as error:  # the others can be driven all the same
+                refused += error.problems
         if target or not pdf:
             tell(f"reading {len(results)} runs, drawing the page")
             made.append(results.report(target, waveforms=waveforms, on_problems=problems.extend))
         if pdf:
             tell(f"reading {len(results)} runs, printing the page")
             made.append(results.print(pdf, waveforms=waveforms, on_problems=problems.extend))
-    if problems:
-        show_problems(DseError(*problems))
+    for page in seen:
+        say(f"{page}: a replay, {page.stat().st_size / 1e6:.1f} MB")
     for page in made:
         say(f"{page}: {len(results)} runs, {page.stat().st_size / 1e6:.1f} MB")
+    if problems:
+        show_problems(DseError(*problems))
+    if is_opened:
+        _open(seen[0] if len(seen) == 1 else made[0])
+    raise_if_any(refused)
+
+
+def _chosen(results: Results, which: str | None) -> tuple[int, ...]:
+    if which is None:
+        return ()
+    if which not in ("all", "failed") and not (which.isascii() and which.isdecimal() and 0 < len(which) < 10):
+        raise typer.BadParameter(f"'{which}' is neither 'all' nor 'failed' nor a number", param_hint="--replays")
+    return results.runs_to_replay(int(which) if which.isdecimal() else which)
+
+
+def _open(page: Path) -> None:
+    import webbrowser
+
+    if not webbrowser.open(page.absolute().as_uri()):
+        say(f"no browser could be started here; open {page} in one", stderr=True)

@@ -160,6 +160,14 @@ class Retried:
     runs: tuple[int, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Scenes:
+    """Runs can be seen in three dimensions: those *made* are beside the page, others ``dse report STUDY`` makes."""
+
+    study: str
+    made: tuple[int, ...] = ()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ReportContent:
     """Everything the page and the figures are made from.
@@ -168,8 +176,8 @@ class ReportContent:
     reader types in ``dse replay``; the page, which may be anywhere, leaves it out. *facts* are shown as they stand, in
     order. *missing* is what of the study could not be read, *insight* what its runs tell, for the page. *composites*
     are what objectives compute from metrics and properties, called as they are written. *notes* are what is kept with
-    the study besides its runs, None if nothing is, *retried* the tries made again. Raises ValueError for what no
-    study has. From here on the arrays cannot be written to, as many figures read them.
+    the study besides its runs, None if nothing is, *retried* the tries made again, *scenes* None where no run is one.
+    Raises ValueError for what no study has. From here on the arrays cannot be written to, as many figures read them.
     """
 
     title: str
@@ -189,6 +197,7 @@ class ReportContent:
     insight: Insight | None = None
     notes: Notes | None = None
     retried: tuple[Retried, ...] = ()
+    scenes: Scenes | None = None
 
     def __post_init__(self) -> None:
         if flaws := [*_flaws(self)]:

@@ -38,6 +38,7 @@ from dse.report.content.nouns import (
     Variable,
 )
 from dse.report.content.objectives import composites_of, objectives_of
+from dse.report.content.scenes import scenes_of
 from dse.storage import (
     CERTAINTIES,
     ERROR_IN_BARS,
@@ -126,6 +127,7 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
         composites=composites_of(definition, table),
         notes=folder.notes(),
         retried=tuple(Retried(cause, tuple(runs)) for cause, runs in folder.retried().items()),
+        scenes=scenes_of(definition),
     )
 
 

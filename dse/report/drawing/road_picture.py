@@ -36,6 +36,19 @@ class Area:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class StandingLight:
+    """A traffic light: *place* (3) in m, beside the lanes it is for, whose users drive towards *heading* in rad.
+
+    *line* (2, 3) are the ends of the line to stop at, left and right; *id* is what the road's file calls it.
+    """
+
+    id: str
+    place: Floats
+    heading: float
+    line: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class AlongBand:
     """A lane along the path: its borders, in m to the left of the middle of the own lane; NaN where it is not."""
 

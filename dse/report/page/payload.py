@@ -46,6 +46,8 @@ def payload_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> Pay
         document["insight"] = insight_json(content.insight, columns)
         document["missing"] = [problem.what for problem in content.missing]
     document |= notes_of(content)
+    if content.scenes is not None:
+        document["scenes"] = {"study": content.scenes.study, "made": content.scenes.made}
     document["columns"] = columns.directory
     document["waveforms"] = waveforms.directory
     return Payload(script_json(document), columns.text(), waveforms.text())

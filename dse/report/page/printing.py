@@ -27,21 +27,25 @@ BROWSERS = (
 PATIENCE = 180.0
 """Seconds it may take."""
 
-_OPTIONS = (
+OPTIONS = (
     "--headless",
-    "--disable-gpu",
     "--disable-extensions",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
     "--no-default-browser-check",
     "--no-first-run",
+    # The page asks for nothing, and neither may the browser.
+    "--host-resolver-rules=MAP * ~NOTFOUND",
+)
+"""How a Chromium is started that shows a page of ours to nobody."""
+
+_PRINTED = (
+    "--disable-gpu",
     "--no-pdf-header-footer",
     # What the page draws as pixels is as fine as print wants it, in a window as wide as a sheet.
     "--force-device-scale-factor=3",
     "--window-size=757,1000",
-    # The page asks for nothing, and neither may the browser.
-    "--host-resolver-rules=MAP * ~NOTFOUND",
     # Its clock goes on only while the page has nothing to do: what it is drawing is waited for.
     "--virtual-time-budget=60000",
 )
@@ -52,15 +56,21 @@ def print_report(content: ReportContent, target: Path) -> None:
 
     Raises DseError if there is no Chromium (``$CHROMIUM``, else one of `BROWSERS` on the path), or it fails.
     """
-    browser = _browser()
+    browser = browser_for("printing")
     text = page_of(content, shown_figures(content))
     with ScratchFolder() as scratch:
         page, printed = Path(scratch, "report.html"), Path(scratch, "report.pdf")
         page.write_text(text, encoding="utf-8")
         profile = f"--user-data-dir={Path(scratch, 'profile')}"
-        # For root Chromium starts without its sandbox only; the page is our own and runs no other code.
-        rights = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
-        command = [browser, *_OPTIONS, *rights, profile, f"--print-to-pdf={printed}", f"{page.as_uri()}#print=all"]
+        command = [
+            browser,
+            *OPTIONS,
+            *_PRINTED,
+            *rights(),
+            profile,
+            f"--print-to-pdf={printed}",
+            f"{page.as_uri()}#print=all",
+        ]
         where = Location(browser)
         try:
             done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=PATIENCE, check=False)
@@ -79,14 +89,20 @@ def print_report(content: ReportContent, target: Path) -> None:
 _HINT = "name another Chromium in the environment variable CHROMIUM, or print the HTML page from a browser"
 
 
-def _browser() -> str:
+def browser_for(what: str) -> str:
+    """The Chromium that *what* is done with: ``$CHROMIUM``, else one of `BROWSERS` on the path; DseError if none is."""
     named = os.environ.get("CHROMIUM")
     for name in [named] if named else BROWSERS:
         if found := shutil.which(name):
             return found
     if named:
         raise fail(f"there is no '{named}', which CHROMIUM names", hint="name a Chromium or Chrome, or unset it")
-    raise fail(f"printing needs a Chromium: none of {', '.join(BROWSERS)} is on the path", hint=_HINT)
+    raise fail(f"{what} needs a Chromium: none of {', '.join(BROWSERS)} is on the path", hint=_HINT)
+
+
+def rights() -> list[str]:
+    """For root Chromium starts without its sandbox only; the pages are our own and run no other code."""
+    return ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
 
 
 def _is_pdf(path: Path) -> bool:

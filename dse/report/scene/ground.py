@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from dse.report.content.nouns import Floats
-from dse.report.drawing.road_picture import Area, Strip
-from dse.report.roads import road_picture
+from dse.report.drawing.road_picture import Strip
+from dse.report.roads import road_picture, standing_lights
 from dse.report.scene.nouns import Ground
 from dse.world import Network
 
@@ -18,8 +18,8 @@ def ground_of(network: Network, way: Floats, reach: float) -> Ground:
     picture = road_picture(network, "")
     strips = tuple(strip for strip in picture.strips if _is_near(strip.left, way, reach))
     areas = tuple(area for area in picture.areas if _is_near(area.outline, way, reach))
-    lights = picture.lights[[_is_near(light[None], way, reach) for light in picture.lights]]
-    return Ground(strips, areas, np.reshape(lights, (-1, 2)))
+    lights = tuple(light for light in standing_lights(network) if _is_near(light.place[None, :2], way, reach))
+    return Ground(strips, areas, lights)
 
 
 def straight_ground(way: Floats, reach: float) -> Ground:
@@ -34,10 +34,7 @@ def straight_ground(way: Floats, reach: float) -> Ground:
         ]
         return Strip(sides[0], sides[1], zero, zero, is_driven=True, is_inside=False)
 
-    return Ground((strip(-_LANE / 2, _LANE / 2), strip(_LANE / 2, 1.5 * _LANE, is_back=True)), _NONE, np.empty((0, 2)))
-
-
-_NONE: tuple[Area, ...] = ()
+    return Ground((strip(-_LANE / 2, _LANE / 2), strip(_LANE / 2, 1.5 * _LANE, is_back=True)), ())
 
 
 def _is_near(points: Floats, way: Floats, reach: float) -> bool:

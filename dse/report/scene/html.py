@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import html
+import os
+import re
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
 from dse.report.content.nouns import Floats
-from dse.report.drawing.road_picture import Strip
+from dse.report.drawing.road_picture import StandingLight, Strip
 from dse.report.page.html import HEAD, ICON, bundle, hash_of
 from dse.report.page.packing import Block
 from dse.report.page.payload import script_json
-from dse.report.scene.nouns import CLASSES, Scene
+from dse.report.scene.nouns import CLASSES, COLOURS, Scene
 from dse.scratch import write_whole
 
 _PAGE = (
@@ -26,14 +28,19 @@ _PAGE = (
 <script>{script}</script>
 </body>
 </html>
+<!-- {mark} -->
 """
 )
 
 
+<<<<<<< HEAD
+_TAIL = 200
+=======
 class Columns(Protocol):
     """Takes the columns of a scene, each by its name and how exact a page needs it."""
 
     def add(self, name: str, kind: str, values: Floats) -> None: ...  # noqa: D102
+>>>>>>> session
 
 
 def write_scene(scene: Scene, target: Path) -> None:
@@ -59,16 +66,34 @@ def scene_page(scene: Scene) -> str:
         document=script_json(document),
         columns=columns.text(),
         script=script,
+        mark=re.sub(r"[^0-9a-f]", "", scene.mark),
     )
 
 
+<<<<<<< HEAD
+def scene_mark(page: Path) -> str:
+    """The mark of the scene that the file *page* shows; "" if it shows none, or is not there."""
+    try:
+        with page.open("rb") as file:
+            file.seek(max(file.seek(0, os.SEEK_END) - _TAIL, 0))
+            found = re.search(rb"<!-- ([0-9a-f]+) -->\s*$", file.read(_TAIL))
+    except OSError:
+        return ""
+    return found[1].decode("ascii") if found else ""
+
+
+def _document(scene: Scene, columns: Block) -> dict[str, object]:
+=======
 def _document(scene: Scene, columns: Columns) -> dict[str, object]:
+>>>>>>> session
     def add(stem: str, of: dict[str, Floats] | None) -> None:
         for name, values in (of or {}).items():
             columns.add(f"{stem}.{name}", "f4", values)
 
     add("host", dict(scene.host.columns))
     add("weather", dict(scene.weather))
+    for number, colour in enumerate(scene.lights.values()):
+        columns.add(f"light.{number}", "f4", colour)
     for number, other in enumerate(scene.others):
         add(f"other.{number}", dict(other))
     for number, sensor in enumerate(scene.sensors):
@@ -87,7 +112,8 @@ def _document(scene: Scene, columns: Columns) -> dict[str, object]:
         "classes": CLASSES,
         "strips": [_strip(strip) for strip in scene.ground.strips],
         "areas": [[np.round(area.outline, 2).reshape(-1).tolist(), area.friction] for area in scene.ground.areas],
-        "lights": np.round(scene.ground.lights, 2).tolist(),
+        "colours": COLOURS,
+        "lights": [_light(light, scene) for light in scene.ground.lights],
         "host": {"length": scene.host.length, "width": scene.host.width, "front": scene.host.front},
         "others": len(scene.others),
         "sensors": [
@@ -105,6 +131,16 @@ def _document(scene: Scene, columns: Columns) -> dict[str, object]:
             {"title": i.title, "unit": i.unit, "items": list(i.items), "hasTarget": i.target is not None}
             for i in scene.instruments
         ],
+    }
+
+
+def _light(light: StandingLight, scene: Scene) -> dict[str, object]:
+    """*told* is its column of what it shows, -1 where nobody told."""
+    return {
+        "place": np.round(light.place, 2).tolist(),
+        "heading": round(light.heading, 4),
+        "line": np.round(light.line, 2).reshape(-1).tolist(),
+        "told": [*scene.lights].index(light.id) if light.id in scene.lights else -1,
     }
 
 

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from dse.report.content.nouns import Floats
-from dse.report.drawing.road_picture import Area, Strip
+from dse.report.drawing.road_picture import Area, StandingLight, Strip
 
 CLASSES = ("none", "car", "truck", "motorcycle", "bicycle", "pedestrian", "obstacle")
 """The items of `actor_class`, in their order."""
 
+COLOURS = ("none", "off", "red", "red_yellow", "yellow", "green")
+"""The items of a light head's colour, in their order."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ground:
-    """What is driven on: lanes, slippery areas, and where traffic lights stand ((n, 2) in m)."""
+    """What is driven on: lanes, slippery areas, and traffic lights."""
 
     strips: tuple[Strip, ...]
     areas: tuple[Area, ...]
-    lights: Floats
+    lights: tuple[StandingLight, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +65,8 @@ class Scene:
     """A run to look at: all columns have a value for each *time* in s, which are equally far apart.
 
     *others* are columns id, class, length, width, height, x, y, z, heading, speed of one place each; class 0: nobody is
-    there. *weather* are fog (1/m), rain, snow (m/s) and darkness (0 ... 1).
+    there. *lights* are places in `COLOURS` over time, by ids of the ground's lights; of others nobody told what they
+    show. *weather* are fog (1/m), rain, snow (m/s) and darkness (0 ... 1).
     """
 
     title: str
@@ -74,3 +78,6 @@ class Scene:
     sensors: tuple[Sensor, ...]
     weather: Mapping[str, Floats]
     instruments: tuple[Instrument, ...]
+    lights: Mapping[str, Floats] = field(default_factory=dict)
+    mark: str = ""
+    """What it was made from, as a digest; "" if nobody asks later."""

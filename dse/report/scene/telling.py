@@ -85,6 +85,15 @@ class Told:
                 gap, seen = columns[f"{part}.target.gap"], columns[f"{part}.target.detected"]
                 yield self._sensor(part, titles, ({"valid": seen, "range": gap, "azimuth": np.zeros_like(gap)},))
 
+    def lights(self, columns: Mapping[str, Floats], ids: Sequence[str]) -> dict[str, Floats]:
+        """What traffic lights show, as places in `COLOURS`: *ids* are those that the road tells, in its order."""
+        places = (f"{stem}.colour" for stem in self._places(f"{self._road}.light_heads", "colour"))
+        # Who told a light first goes on telling it: all paths see the same one.
+        told: dict[str, Floats] = {}
+        for id_, place in zip(ids, places, strict=False):
+            told.setdefault(id_, columns[place])
+        return told
+
     def weather(self, columns: Mapping[str, Floats]) -> dict[str, Floats]:
         """What is to be seen of it: 0 everywhere where no part tells."""
         zero = np.zeros_like(next(iter(columns.values())))
@@ -108,6 +117,7 @@ class Told:
         yield from (name for name in self.signals if name.endswith(".steering"))
         yield from (f"{place}.height" for place in self._places(f"{self._road}.ground", "height"))
         yield from (f"{place}.{name}" for place in self._places(f"{self._road}.actors", "x") for name in _ACTOR)
+        yield from (f"{place}.colour" for place in self._places(f"{self._road}.light_heads", "colour"))
         yield from (name for name in self.signals if re.search(r"\.scan\.returns\[\d+\]\.(valid|range|azimuth)$", name))
         yield from (name for name in self.signals if name.endswith((".target.gap", ".target.detected")))
         weather = self._ending("visibility.fog_extinction")
@@ -122,6 +132,11 @@ class Told:
         """A world in which the car drives along a straight line."""
         part = self._ending("lead.speed")
         return part if part and {f"{part}.position", f"{part}.gap", f"{part}.speed"} <= self.signals.keys() else None
+
+    @property
+    def road(self) -> str:
+        """The part that tells where others are and what lights show; "" if there is none."""
+        return self._road or ""
 
     @property
     def _road(self) -> str | None:

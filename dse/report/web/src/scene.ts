@@ -1,14 +1,13 @@
 // A run in three dimensions: played, paused, wound, seen from four sides.
 import { el } from "./dom";
 import { readRecording, type Recording } from "./scene/data";
+import { Fineness } from "./scene/fineness";
 import { buildInstruments } from "./scene/instruments";
 import { sensorColour } from "./scene/sensing";
 import { buildStage, VIEWS, type View } from "./scene/stage";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 const WIND = 1; // s
-const SLOW = 33; // ms a frame
-const COARSEST = 1;
 
 async function start(): Promise<void> {
   const page = document.getElementById("scene")!;
@@ -25,12 +24,20 @@ async function start(): Promise<void> {
   }
 }
 
+/** What the address asks for: a moment, a camera, and whether it is a picture that is taken. */
+function asked(): { time: number | null; view: View | null; isPicture: boolean } {
+  const told = new URLSearchParams(location.hash.slice(1));
+  const view = VIEWS.find(([name]) => name === told.get("view"))?.[0] ?? null;
+  return { time: told.has("t") ? Number(told.get("t")) || 0 : null, view, isPicture: told.has("picture") };
+}
+
 function play(page: HTMLElement, recording: Recording): void {
-  const asked = new URLSearchParams(location.hash.slice(1));
-  let time = Math.min(Math.max(Number(asked.get("t") ?? 0) || 0, 0), recording.seconds);
-  let view: View = VIEWS.find(([name]) => name === asked.get("view"))?.[0] ?? "chase";
+  const first = asked();
+  document.documentElement.classList.toggle("picture", first.isPicture);
+  let time = Math.min(Math.max(first.time ?? 0, 0), recording.seconds);
+  let view: View = first.view ?? "chase";
   let speed = 1;
-  let isPlaying = !asked.has("t");
+  let isPlaying = first.time === null;
   let shown = -1;
 
   const canvas = el("canvas", { class: "stage", role: "img", "aria-label": `${recording.document.title}, ${recording.document.subtitle}, in three dimensions` });
@@ -78,36 +85,40 @@ function play(page: HTMLElement, recording: Recording): void {
     else return;
     event.preventDefault();
   });
+  addEventListener("hashchange", () => {
+    const { time: to, view: by } = asked();
+    if (by) choose(by);
+    if (to === null) return;
+    set(false);
+    jump(to);
+  });
   // Without a graphics card a moving picture is drawn coarser, until it moves; one that stands is drawn finely.
-  let fineness = 1;
+  const fineness = new Fineness();
   let drawn = 0;
   const resize = (): void => {
-    drawn = isPlaying ? fineness : 1;
+    drawn = isPlaying ? fineness.value : 1;
     stage.resize(canvas.clientWidth, canvas.clientHeight, drawn);
     shown = -1;
   };
   new ResizeObserver(resize).observe(canvas);
 
   let last = performance.now();
-  let pace = 1000 / 60;
   const tick = (now: number): void => {
     if (isPlaying) {
       time = Math.min(time + ((now - last) / 1000) * speed, recording.seconds);
       if (time >= recording.seconds) set(false);
     }
-    if (isPlaying) pace += 0.1 * (Math.min(now - last, 200) - pace);
+    if (isPlaying) fineness.tell(now, now - last);
     last = now;
-    if (isPlaying && pace > SLOW && fineness > COARSEST) {
-      fineness = Math.max(fineness * 0.8, COARSEST);
-      pace = SLOW;
-    }
-    if (drawn !== (isPlaying ? fineness : 1)) resize();
+    if (drawn !== (isPlaying ? fineness.value : 1)) resize();
     if (time !== shown) {
       stage.show(time, view);
       instruments.show(time);
       slider.value = String(time);
       clock.textContent = `${time.toFixed(1)} / ${recording.seconds.toFixed(0)} s`;
       document.documentElement.dataset["frames"] = String(Number(document.documentElement.dataset["frames"] ?? 0) + 1);
+      document.documentElement.dataset["at"] = String(time);
+      document.documentElement.dataset["view"] = view;
       shown = time;
     }
     requestAnimationFrame(tick);

@@ -1,11 +1,15 @@
 // The list of studies and their comparison, as the server has written them: theme, and news while something runs.
+import { answered } from "./live/asking";
 import { startTheme } from "./theme";
 
 const EVERY = 3000;
+const AGAIN = 1000; // ms until a server that is busy is asked once more
 
 document.addEventListener("DOMContentLoaded", () => {
   follow(document.getElementById("theme") as HTMLButtonElement);
   requireTwo();
+  const wanted = document.querySelector<HTMLElement>("[data-replay]");
+  if (wanted) void awaitReplay(wanted);
   if (document.querySelector("[data-running]")) setTimeout(() => void refresh(), EVERY);
 });
 let theme = startTheme();
@@ -43,6 +47,36 @@ async function refresh(): Promise<void> {
     // The server may have been stopped; the next try tells.
   }
   setTimeout(() => void refresh(), EVERY);
+}
+
+/** Has the server make a replay, says how far it is, and shows it. */
+async function awaitReplay(wanted: HTMLElement): Promise<void> {
+  const address = `/replay?${new URLSearchParams({ study: wanted.dataset["study"]!, run: wanted.dataset["replay"]! })}`;
+  const told = document.getElementById("replay-told")!;
+  const began = performance.now();
+  const seconds = (): string => `${Math.round((performance.now() - began) / 1000)} s`;
+  const looking = setInterval(() => {
+    void fetch(address)
+      .then(answered)
+      .then((now) => (told.textContent = `${(now as { told: string }).told || "waiting for the simulation to begin"} \u00b7 ${seconds()}`))
+      .catch(() => undefined);
+  }, AGAIN);
+  try {
+    let answer = await fetch(address, { method: "POST", headers: { "content-type": "application/json" }, body: "{}" });
+    while (answer.status === 429) {
+      await new Promise((done) => setTimeout(done, AGAIN));
+      answer = await fetch(address, { method: "POST", headers: { "content-type": "application/json" }, body: "{}" });
+    }
+    await answered(answer);
+    location.reload();
+  } catch (error) {
+    clearInterval(looking);
+    told.hidden = true;
+    wanted.querySelector("progress")!.hidden = true;
+    const problem = document.getElementById("replay-problem")!;
+    problem.hidden = false;
+    problem.textContent = error instanceof TypeError ? "the server does not answer" : (error as Error).message;
+  }
 }
 
 function boxes(): NodeListOf<HTMLInputElement> {

@@ -125,6 +125,8 @@ export interface Study {
   missing: string[];
   notes: Notes | null;
   retried: Retried[];
+  /** Whose runs can be seen in three dimensions, and the numbers of those that lie beside this page; null if none can. */
+  scenes: { study: string; made: ReadonlySet<number> } | null;
   waveforms: () => Promise<Map<string, Numbers>>;
 }
 
@@ -157,6 +159,7 @@ interface Document {
   missing?: string[];
   notes?: Notes | null;
   retried?: Retried[];
+  scenes?: { study: string; made: number[] };
   columns: Entry[];
   waveforms: Entry[];
 }
@@ -231,6 +234,7 @@ export async function readStudy(): Promise<Study> {
     missing: source.missing ?? [],
     notes: readNotes(source.notes),
     retried: readRetried(source.retried),
+    scenes: source.scenes ? { study: source.scenes.study, made: new Set(source.scenes.made) } : null,
     waveforms: () => (waveforms ??= unpack(source.waveforms, block("waveforms"))),
   };
 }

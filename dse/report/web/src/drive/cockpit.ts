@@ -1,5 +1,6 @@
 // The drive itself: the scene over the whole width, what a driver looks at, and who drives.
 import { el } from "../dom";
+import { Fineness } from "../scene/fineness";
 import { buildInstruments } from "../scene/instruments";
 import { sensorColour } from "../scene/sensing";
 import { buildStage, type View } from "../scene/stage";
@@ -9,8 +10,6 @@ import { buildTouch } from "./touch";
 import type { Drive, Tunable } from "./wire";
 
 const EVERY = 1000 / 30; // ms between two messages
-const SLOW = 33;
-const COARSEST = 0.4;
 const CAMERAS: [View, string][] = [["chase", "Chase"], ["driver", "Driver"], ["top", "Top"]];
 
 /** Shows the drive in *page*; what it gives back ends the showing. */
@@ -41,11 +40,18 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
   page.replaceChildren(el("main", { class: "drive" }, canvas,
     el("div", { class: "over" }, el("header", {}, el("h1", {}, title), el("span", {}, subtitle)), legend || null), tools, aside, gauges.element, buildTouch(controls), help));
 
-  const isTyping = (event: KeyboardEvent): boolean => event.target instanceof HTMLElement && event.target.matches("input:not([type=checkbox]), select, summary, button:focus-visible");
+  // A key that means something where the focus is does not drive.
+  const isTaken = ({ target, code }: KeyboardEvent): boolean =>
+    target instanceof HTMLElement && (target.matches("input[type=range]") ? code.startsWith("Arrow") : target.matches(":focus-visible:is(button, summary, input)") && code === "Space");
+  // Whoever clicks with a mouse goes on driving with the keys.
+  const leave = ({ detail, target }: MouseEvent): void => {
+    const button = detail && target instanceof Element && target.closest<HTMLElement>("button, summary, input[type=checkbox]");
+    if (button && !help.contains(button)) button.blur();
+  };
   const key = (event: KeyboardEvent): void => {
     if (event.ctrlKey || event.altKey || event.metaKey || help.open) return;
     const isDown = event.type === "keydown";
-    if (isDown && isTyping(event) && /^(Arrow|Space|Enter)/.test(event.code)) return;
+    if (isDown && isTaken(event)) return;
     if (isDown && event.repeat && !/^(Equal|Minus|Numpad|Slash|Bracket)/.test(event.code)) {
       if (/^(Arrow|Space)/.test(event.code)) event.preventDefault();
       return;
@@ -61,6 +67,7 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
   const wires = new AbortController();
   document.addEventListener("keydown", key, { signal: wires.signal });
   document.addEventListener("keyup", key, { signal: wires.signal });
+  page.addEventListener("click", leave, { signal: wires.signal });
   window.addEventListener("blur", release, { signal: wires.signal });
 
   let said: Record<string, number> = {};
@@ -79,22 +86,16 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
     spoken = now;
   }, EVERY);
 
-  let fineness = 1;
-  let pace = 1000 / 60;
-  const resize = (): void => stage.resize(canvas.clientWidth, canvas.clientHeight, fineness);
+  const fineness = new Fineness();
+  const resize = (): void => stage.resize(canvas.clientWidth, canvas.clientHeight, fineness.value);
   const watching = new ResizeObserver(resize);
   watching.observe(canvas);
   let last = performance.now();
   let frame = 0;
   let pictures = 0;
   const tick = (now: number): void => {
-    pace += 0.1 * (Math.min(now - last, 200) - pace);
+    if (fineness.tell(now, now - last)) resize();
     last = now;
-    if (pace > SLOW && fineness > COARSEST) {
-      fineness = Math.max(fineness * 0.8, COARSEST);
-      pace = 0.8 * SLOW;
-      resize();
-    }
     if (stream.version) {
       const time = stream.moment(now);
       stage.show(time, view);

@@ -92,8 +92,8 @@ export function showDealership(page: HTMLElement, benches: Bench[], order: Order
   page.replaceChildren(
     el("header", { class: "top" }, el("h1", {}, "Test drive"), about, el("span", { class: "spring" }), el("a", { href: "/" }, "All studies")),
     el("main", { class: "dealership" },
-      el("div", {}, el("label", { class: "field road", for: "bench" }, el("span", {}, "Road and traffic"), bench), points, boards),
-      side));
+      el("div", {}, el("label", { class: "field road", for: "bench" }, el("span", {}, "Road and traffic"), bench), points),
+      side, boards));
   draw();
   void choose(order.chosen);
 }

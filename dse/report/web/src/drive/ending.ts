@@ -5,7 +5,7 @@ import { ask, type Ended } from "./wire";
 interface Board {
   title: string;
   scoring: string;
-  scores: { place: number; driver: string; met: number; of: number; worst: number | null; seconds: number; overruns: number; note: string }[];
+  scores: { place: number | null; driver: string; met: number; of: number; worst: { share: number | null; requirement: string | null }; seconds: number; overruns: number; note: string }[];
 }
 
 const HEADS = { finished: "Driven to the end", crashed: "The drive broke down", limit: "The drive was ended", lost: "The drive broke off" };
@@ -19,7 +19,7 @@ export function showEnding(page: HTMLElement, ended: Ended, again: () => void, o
     el("header", { class: "top" }, heading),
     el("main", { class: "ending" },
       el("section", { class: "card" },
-        el("p", { class: ended.why === "finished" ? "" : "problem", role: "status" }, `${ended.text}.`),
+        el("p", { class: ended.why === "finished" ? "" : "problem", role: "status" }, `${ended.text.slice(0, 1).toUpperCase()}${ended.text.slice(1)}.`),
         verdicts.length ? el("ul", { class: "verdicts", "aria-label": "Verdicts" }, ...verdicts) : el("p", { class: "muted" }, "No requirement was judged."),
         el("p", { class: "next" }, link || null,
           el("button", { type: "button", click: again }, "Drive again"),
@@ -46,7 +46,7 @@ const COLUMNS = ["Place", "Driver", "Requirements met", "Worst margin", "Time", 
 
 function draw({ title, scoring, scores }: Board): HTMLElement {
   const rows = scores.map(({ place, driver, met, of, worst, seconds, overruns, note }) =>
-    [place ? String(place) : "\u2013", driver, `${met} of ${of}`, worst === null ? "\u2013" : `${(100 * worst).toFixed(0)} %`, `${seconds.toFixed(0)} s`, String(overruns), note]);
+    [place ? String(place) : "\u2013", driver, `${met} of ${of}`, worst.share === null ? "\u2013" : `${(100 * worst.share).toFixed(0)} %`, `${seconds.toFixed(0)} s`, String(overruns), note]);
   const table = el("table", {},
     el("thead", {}, el("tr", {}, ...COLUMNS.map((each) => el("th", { scope: "col" }, each)))),
     el("tbody", {}, ...rows.map((row) => el("tr", {}, ...row.map((cell) => el("td", {}, cell))))));

@@ -1,6 +1,7 @@
 // The selected run: its parameters, its metrics against the thresholds, and its parameters as YAML.
 import { el } from "../dom";
 import { checked, count, number, withUnit } from "../format";
+import { replaying } from "./replaying";
 import type { Store } from "../store";
 import { copyText } from "../save";
 import type { Study } from "../study";
@@ -28,6 +29,7 @@ export function createSelected(store: Store): { box: HTMLElement; name: HTMLElem
       ...(problem === undefined ? [] : [el("p", { class: "problem" }, problem)]),
       parameters(study, run),
       el("div", { class: "folds" }, metrics, ...yaml),
+      ...replaying(study, run),
     );
   };
   draw();

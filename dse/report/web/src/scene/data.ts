@@ -8,6 +8,15 @@ export interface Strip {
   isInside: boolean;
 }
 
+/** A traffic light beside the lanes of those who drive towards `heading`; `told` is its column, -1 for none. */
+export interface Light {
+  place: [number, number, number];
+  heading: number;
+  /** The line to stop at: x, y, z of both ends. */
+  line: number[];
+  told: number;
+}
+
 export interface Document {
   title: string;
   subtitle: string;
@@ -16,7 +25,8 @@ export interface Document {
   classes: string[];
   strips: Strip[];
   areas: [number[], number][];
-  lights: [number, number][];
+  colours: string[];
+  lights: Light[];
   host: { length: number; width: number; front: number };
   others: number;
   sensors: { name: string; title: string; mount: number; reach: number; angle: number; returns: number }[];

@@ -1,14 +1,12 @@
-// Lanes with their markings, slippery areas, lights: few meshes, whatever the road is like.
+// Lanes with their markings, slippery areas: few meshes, whatever the road is like.
 import {
   BufferGeometry,
-  CylinderGeometry,
   Float32BufferAttribute,
   Group,
   Mesh,
   MeshBasicMaterial,
   Shape,
   ShapeGeometry,
-  SphereGeometry,
   type Object3D,
 } from "three";
 import type { Document, Strip } from "./data";
@@ -27,7 +25,6 @@ export function buildRoad(document: Document): Object3D {
   group.add(surface(document.strips.filter((strip) => !strip.isDriven), VERGE, 0));
   group.add(markings(document.strips));
   for (const [outline, friction] of document.areas) group.add(slippery(outline, friction));
-  for (const [x, y] of document.lights) group.add(light(x, y));
   return group;
 }
 
@@ -50,7 +47,7 @@ function surface(strips: Strip[], colour: number, lift: number): Mesh {
 }
 
 /** Lit from above, whichever way round it is. */
-function laid(points: number[], corners: number[], colour: number): Mesh {
+export function laid(points: number[], corners: number[], colour: number): Mesh {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
   geometry.setAttribute("normal", new Float32BufferAttribute(points.map((_, i) => (i % 3 === 2 ? 1 : 0)), 3));
@@ -121,17 +118,4 @@ function slippery(outline: number[], friction: number): Mesh {
   const mesh = new Mesh(new ShapeGeometry(shape), ice);
   mesh.position.z = 0.04;
   return mesh;
-}
-
-function light(x: number, y: number): Object3D {
-  const group = new Group();
-  const pole = new Mesh(painted(new CylinderGeometry(0.08, 0.08, 4, 6).rotateX(Math.PI / 2), 0x777777, 0, 0, 2), LIT);
-  group.add(pole);
-  [0xff3020, 0xffc020, 0x30d040].forEach((colour, i) => {
-    const lamp = new Mesh(new SphereGeometry(0.16, 8, 6), new MeshBasicMaterial({ color: colour }));
-    lamp.position.z = 4.6 - 0.4 * i;
-    group.add(lamp);
-  });
-  group.position.set(x, y, 0);
-  return group;
 }

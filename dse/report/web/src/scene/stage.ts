@@ -2,6 +2,7 @@
 import { LinearSRGBColorSpace, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import type { Source } from "./data";
 import { isDrawnByProgram } from "./light";
+import { buildLights } from "./lights";
 import { buildRoad } from "./road";
 import { buildSensing, type Sensing } from "./sensing";
 import { buildSurroundings } from "./surroundings";
@@ -37,7 +38,8 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
   const camera = new PerspectiveCamera(50, 16 / 9, 0.3, 3000);
   camera.up.set(0, 0, 1);
   const { length, width, front } = source.document.host;
-  scene.add(buildRoad(source.document));
+  const lights = buildLights(source);
+  scene.add(buildRoad(source.document), lights.group);
   const surroundings = buildSurroundings(scene, source);
   const host = buildHost(length, width, front - length / 2);
   const sensing = buildSensing(source, !isSlow);
@@ -72,6 +74,7 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
       if (!isInside) fleet.add(host);
       for (const other of others) other.show(time, fleet);
       fleet.finish();
+      lights.show(time);
       sensing.show(time);
       look(camera, view, host.body.position, heading);
       surroundings.show(time, camera.position, view === "top");
