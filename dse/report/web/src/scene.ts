@@ -1,14 +1,13 @@
 // A run in three dimensions: played, paused, wound, seen from four sides.
 import { el } from "./dom";
 import { readRecording, type Recording } from "./scene/data";
+import { Fineness } from "./scene/fineness";
 import { buildInstruments } from "./scene/instruments";
 import { sensorColour } from "./scene/sensing";
 import { buildStage, VIEWS, type View } from "./scene/stage";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 const WIND = 1; // s
-const SLOW = 33; // ms a frame
-const COARSEST = 0.4;
 
 async function start(): Promise<void> {
   const page = document.getElementById("scene")!;
@@ -94,29 +93,24 @@ function play(page: HTMLElement, recording: Recording): void {
     jump(to);
   });
   // Without a graphics card a moving picture is drawn coarser, until it moves; one that stands is drawn finely.
-  let fineness = 1;
+  const fineness = new Fineness();
   let drawn = 0;
   const resize = (): void => {
-    drawn = isPlaying ? fineness : 1;
+    drawn = isPlaying ? fineness.value : 1;
     stage.resize(canvas.clientWidth, canvas.clientHeight, drawn);
     shown = -1;
   };
   new ResizeObserver(resize).observe(canvas);
 
   let last = performance.now();
-  let pace = 1000 / 60;
   const tick = (now: number): void => {
     if (isPlaying) {
       time = Math.min(time + ((now - last) / 1000) * speed, recording.seconds);
       if (time >= recording.seconds) set(false);
     }
-    if (isPlaying) pace += 0.1 * (Math.min(now - last, 200) - pace);
+    if (isPlaying) fineness.tell(now, now - last);
     last = now;
-    if (isPlaying && pace > SLOW && fineness > COARSEST) {
-      fineness = Math.max(fineness * 0.8, COARSEST);
-      pace = SLOW;
-    }
-    if (drawn !== (isPlaying ? fineness : 1)) resize();
+    if (drawn !== (isPlaying ? fineness.value : 1)) resize();
     if (time !== shown) {
       stage.show(time, view);
       instruments.show(time);

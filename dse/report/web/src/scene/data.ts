@@ -1,5 +1,5 @@
-// What dse/report/scene/html.py wrote: a document and columns over time.
-import { unpack, type Entry, type Numbers } from "../packing";
+// What a scene is drawn from: a recorded run, or one that is being driven (stream.ts).
+import { unpack, type Entry } from "../packing";
 
 export interface Strip {
   left: number[];
@@ -34,44 +34,64 @@ export interface Document {
   columns: Entry[];
 }
 
-export interface Recording {
+export interface Source {
   document: Document;
-  seconds: number;
+  /** Changes when there is more to see than before. */
+  version: number;
+  /** The first and the last moment there is, in s. */
+  span(): [number, number];
   /** A column's value at a moment, straight between two frames. */
   at(name: string, time: number): number;
   /** The same for an angle, the short way round. */
   angle(name: string, time: number): number;
   /** The last frame's value: for numbers that stand for something. */
   held(name: string, time: number): number;
-  column(name: string): Numbers | undefined;
+  /** The way the host's wheels have rolled, in m. */
+  rolled(time: number): number;
+  /** Every frame of a column there is. */
+  each(name: string, use: (time: number, value: number) => void): void;
 }
 
+export interface Recording extends Source {
+  seconds: number;
+}
+
+/** From `start` to `end`, `share` of the way; for angles the short way round. */
+export function between(start: number, end: number, share: number, isAngle: boolean): number {
+  let change = end - start;
+  if (isAngle) change -= 2 * Math.PI * Math.round(change / (2 * Math.PI));
+  return start + share * change;
+}
+
+/** What dse/report/scene/html.py wrote: a document and columns over time. */
 export async function readRecording(): Promise<Recording> {
   const text = (id: string): string => document.getElementById(id)!.textContent!;
   const read = JSON.parse(text("document")) as Document;
   const columns = await unpack(read.columns, text("columns"));
   const last = read.steps - 1;
   const step = read.step || 1;
-  const place = (time: number): [number, number] => {
-    const exact = Math.min(Math.max(time / step, 0), last);
-    const frame = Math.min(Math.floor(exact), Math.max(last - 1, 0));
-    return [frame, exact - frame];
-  };
-  const between = (name: string, time: number, wrap: boolean): number => {
+  const at = (name: string, time: number, isAngle: boolean): number => {
     const values = columns.get(name);
     if (!values) return 0;
-    const [frame, share] = place(time);
-    const start = values[frame]!;
-    let change = (values[frame + 1] ?? start) - start;
-    if (wrap) change -= 2 * Math.PI * Math.round(change / (2 * Math.PI));
-    return start + share * change;
+    const exact = Math.min(Math.max(time / step, 0), last);
+    const frame = Math.min(Math.floor(exact), Math.max(last - 1, 0));
+    return between(values[frame]!, values[frame + 1] ?? values[frame]!, exact - frame, isAngle);
   };
+  const speed = columns.get("host.speed");
+  const sums = new Float64Array(read.steps);
+  for (let i = 1; i < read.steps; i++) sums[i] = sums[i - 1]! + (step * ((speed?.[i - 1] ?? 0) + (speed?.[i] ?? 0))) / 2;
   return {
     document: read,
+    version: 0,
     seconds: last * step,
-    at: (name, time) => between(name, time, false),
-    angle: (name, time) => between(name, time, true),
-    held: (name, time) => columns.get(name)?.[Math.min(Math.floor(time / step + 1e-6), last)] ?? 0,
-    column: (name) => columns.get(name),
+    span: () => [0, last * step],
+    at: (name, time) => at(name, time, false),
+    angle: (name, time) => at(name, time, true),
+    held: (name, time) => columns.get(name)?.[Math.min(Math.max(Math.floor(time / step + 1e-6), 0), last)] ?? 0,
+    rolled: (time) => {
+      const frame = Math.min(Math.max(Math.floor(time / step), 0), last);
+      return sums[frame]! + (speed?.[frame] ?? 0) * (time - frame * step);
+    },
+    each: (name, use) => columns.get(name)?.forEach((value, frame) => use(frame * step, value)),
   };
 }

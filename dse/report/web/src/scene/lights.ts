@@ -1,8 +1,10 @@
 // Traffic lights with what they show, and the lines to stop at before them.
-import { BoxGeometry, BufferGeometry, CircleGeometry, CylinderGeometry, DoubleSide, Float32BufferAttribute, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, type Material } from "three";
-import type { Light, Recording } from "./data";
+import { type BufferGeometry, CircleGeometry, CylinderGeometry, Group, Mesh, MeshBasicMaterial, type Material } from "three";
+import type { Light, Source } from "./data";
+import { box, joined, LIT, painted } from "./light";
+import { laid } from "./road";
 
-const LIT: Record<string, [boolean, boolean, boolean]> = {
+const SHOWN: Record<string, [boolean, boolean, boolean]> = {
   red: [true, false, false],
   red_yellow: [true, true, false],
   yellow: [false, true, false],
@@ -21,24 +23,17 @@ export interface Lights {
   show(time: number): void;
 }
 
-export function buildLights(recording: Pick<Recording, "document" | "held">): Lights {
+export function buildLights(source: Pick<Source, "document" | "held">): Lights {
   const group = new Group();
-  const pole = new CylinderGeometry(0.07, 0.07, HEIGHT - 0.5, 8);
-  const box = new BoxGeometry(0.24, 0.42, 1.15);
+  const pole = new CylinderGeometry(0.07, 0.07, HEIGHT - 0.5, 8).rotateX(Math.PI / 2);
+  const body = joined([painted(pole, 0x7a828c, 0, 0, (HEIGHT - 0.5) / 2), box([0.24, 0.42, 1.15], 0x20242a, [0, 0, HEIGHT])]);
   const lens = new CircleGeometry(0.145, 16);
-  const grey = new MeshLambertMaterial({ color: 0x5a6068 });
-  const black = new MeshLambertMaterial({ color: 0x15181c });
   // Lamps are seen through fog and by night, as far as the fog lets anything through.
   const lamps = LAMPS.map(([on, off]) => [new MeshBasicMaterial({ color: on }), new MeshBasicMaterial({ color: off })] as const);
   const shown: { light: Light; lenses: Mesh<BufferGeometry, Material>[] }[] = [];
-  for (const light of recording.document.lights) {
+  for (const light of source.document.lights) {
     const head = new Group();
-    const mast = new Mesh(pole, grey);
-    mast.rotation.x = Math.PI / 2;
-    mast.position.z = (HEIGHT - 0.5) / 2;
-    const housing = new Mesh(box, black);
-    housing.position.z = HEIGHT;
-    head.add(mast, housing);
+    head.add(new Mesh(body, LIT));
     const lenses = [0.36, 0, -0.36].map((above, i) => {
       const mesh = new Mesh<BufferGeometry, Material>(lens, lamps[i]![1]);
       // A circle looks along z; lamps look at who comes.
@@ -52,13 +47,13 @@ export function buildLights(recording: Pick<Recording, "document" | "held">): Li
     group.add(head);
     shown.push({ light, lenses });
   }
-  if (shown.length) group.add(lines(recording.document.lights));
+  if (shown.length) group.add(lines(source.document.lights));
   return {
     group,
     show: (time) => {
       for (const { light, lenses } of shown) {
-        const colour = light.told < 0 ? "" : recording.document.colours[recording.held(`light.${light.told}`, time)];
-        const lit = LIT[colour ?? ""];
+        const colour = light.told < 0 ? "" : source.document.colours[source.held(`light.${light.told}`, time)];
+        const lit = SHOWN[colour ?? ""];
         lenses.forEach((lens, i) => (lens.material = lamps[i]![lit?.[i] ? 0 : 1]));
       }
     },
@@ -75,8 +70,5 @@ function lines(lights: Light[]): Mesh {
     }
     corners.push(first, first + 1, first + 2, first + 1, first + 3, first + 2);
   }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
-  geometry.setIndex(corners);
-  return new Mesh(geometry, new MeshBasicMaterial({ color: 0xf2f2ee, side: DoubleSide }));
+  return laid(points, corners, 0xf2f2ee);
 }

@@ -1,20 +1,19 @@
 // Lanes with their markings, slippery areas: few meshes, whatever the road is like.
 import {
   BufferGeometry,
-  DoubleSide,
   Float32BufferAttribute,
   Group,
   Mesh,
   MeshBasicMaterial,
-  MeshLambertMaterial,
   Shape,
   ShapeGeometry,
   type Object3D,
 } from "three";
 import type { Document, Strip } from "./data";
+import { LIT, painted } from "./light";
 
-const ASPHALT = 0x4a4d52;
-const VERGE = 0x8a8f7a;
+const ASPHALT = 0x70747a;
+const VERGE = 0xa2a68e;
 const WHITE = 0xf2f2ee;
 const LINE = 0.15;
 const DASH = 6;
@@ -44,12 +43,16 @@ function surface(strips: Strip[], colour: number, lift: number): Mesh {
       }
     }
   }
+  return laid(points, corners, colour);
+}
+
+/** Lit from above, whichever way round it is. */
+export function laid(points: number[], corners: number[], colour: number): Mesh {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
-  geometry.setIndex(corners);
-  // Lit from above, whichever way round a lane is driven.
   geometry.setAttribute("normal", new Float32BufferAttribute(points.map((_, i) => (i % 3 === 2 ? 1 : 0)), 3));
-  return new Mesh(geometry, new MeshLambertMaterial({ color: colour, side: DoubleSide }));
+  geometry.setIndex(corners);
+  return new Mesh(painted(geometry, colour), LIT);
 }
 
 /** Solid lines at edges of what is driven on, dashes between lanes; none in junctions. */
@@ -67,10 +70,7 @@ function markings(strips: Strip[]): Mesh {
     drawn.add(name);
     ribbon(border, shared.get(ends(border)[0]!)! > 1 && shared.get(ends(border)[1]!)! > 1, points, corners);
   }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
-  geometry.setIndex(corners);
-  return new Mesh(geometry, new MeshBasicMaterial({ color: WHITE, side: DoubleSide }));
+  return laid(points, corners, WHITE);
 }
 
 // Two lanes side by side have a border in common, in either direction.

@@ -4,16 +4,20 @@ import {
   DoubleSide,
   Float32BufferAttribute,
   Group,
+  InstancedMesh,
+  LineBasicMaterial,
+  LineSegments,
+  Matrix4,
   Mesh,
   MeshBasicMaterial,
   OctahedronGeometry,
-  type Object3D,
 } from "three";
-import type { Recording } from "./data";
+import type { Source } from "./data";
 
 const COLOURS = [0xffb21f, 0x35c7ff, 0xd070ff, 0x7be06a];
 const ABOVE = 0.55;
 const PIECES = 24;
+const RAYS = 6;
 
 export interface Sensing {
   group: Group;
@@ -21,52 +25,75 @@ export interface Sensing {
   set(shown: boolean): void;
 }
 
-/** In the axes of the car. */
-export function buildSensing(recording: Recording): Sensing {
+/** In the axes of the car. What is filled covers half the picture, which a program in place of a card draws slowly. */
+export function buildSensing(source: Source, isFilled: boolean): Sensing {
   const group = new Group();
-  const marks: { mark: Object3D; stem: string; mount: number }[] = [];
-  recording.document.sensors.forEach((sensor, number) => {
+  const parts = source.document.sensors.map((sensor, number) => {
     const colour = COLOURS[number % COLOURS.length]!;
     if (sensor.reach > 0 && sensor.angle > 0) {
-      const area = fan(sensor.mount, sensor.reach, sensor.angle, colour);
-      area.position.z = ABOVE - 0.03 * number;
-      group.add(area);
+      const points = rim(sensor.mount, sensor.reach, sensor.angle);
+      const area = isFilled ? [filled(points, colour)] : [];
+      for (const each of [...area, rays(points, colour)]) {
+        each.position.z = ABOVE - 0.03 * number;
+        group.add(each);
+      }
     }
-    for (let i = 0; i < sensor.returns; i++) {
-      const mark = new Mesh(new OctahedronGeometry(0.45), new MeshBasicMaterial({ color: colour, depthTest: false, fog: false, transparent: true }));
-      mark.renderOrder = 2;
-      group.add(mark);
-      marks.push({ mark, stem: `sensor.${number}.${i}`, mount: sensor.mount });
-    }
+    const material = new MeshBasicMaterial({ color: colour, depthTest: false, fog: false, transparent: true });
+    const marks = new InstancedMesh(new OctahedronGeometry(0.45), material, Math.max(sensor.returns, 1));
+    marks.renderOrder = 2;
+    marks.frustumCulled = false;
+    group.add(marks);
+    return { marks, sensor, number };
   });
   return {
     group,
     set: (shown) => (group.visible = shown),
     show: (time) => {
-      for (const { mark, stem, mount } of marks) {
-        mark.visible = recording.held(`${stem}.valid`, time) > 0.5;
-        const [range, azimuth] = [recording.held(`${stem}.range`, time), recording.held(`${stem}.azimuth`, time)];
-        mark.position.set(mount + range * Math.cos(azimuth), range * Math.sin(azimuth), 1);
+      for (const { marks, sensor, number } of parts) {
+        marks.count = 0;
+        for (let i = 0; i < sensor.returns; i++) {
+          const held = (name: string): number => source.held(`sensor.${number}.${i}.${name}`, time);
+          if (held("valid") < 0.5) continue;
+          const [range, azimuth] = [held("range"), held("azimuth")];
+          marks.setMatrixAt(marks.count++, place.makeTranslation(sensor.mount + range * Math.cos(azimuth), range * Math.sin(azimuth), 1));
+        }
+        marks.instanceMatrix.needsUpdate = true;
       }
     },
   };
 }
 
+const place = new Matrix4();
+
 export function sensorColour(number: number): string {
   return `#${COLOURS[number % COLOURS.length]!.toString(16).padStart(6, "0")}`;
 }
 
-function fan(mount: number, reach: number, angle: number, colour: number): Mesh {
+/** The sensor, then the border of what it reaches. */
+function rim(mount: number, reach: number, angle: number): number[] {
   const points = [mount, 0, 0];
-  const corners: number[] = [];
   for (let i = 0; i <= PIECES; i++) {
     const turned = Math.min(angle, 2 * Math.PI) * (i / PIECES - 0.5);
     points.push(mount + reach * Math.cos(turned), reach * Math.sin(turned), 0);
-    if (i > 0) corners.push(0, i, i + 1);
   }
+  return points;
+}
+
+function filled(points: number[], colour: number): Mesh {
+  const corners = Array.from({ length: PIECES }, (_, i) => [0, i + 1, i + 2]).flat();
+  const material = new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.13, side: DoubleSide, depthWrite: false, fog: false });
+  return new Mesh(shape(points, corners), material);
+}
+
+function rays(points: number[], colour: number): LineSegments {
+  const corners = Array.from({ length: PIECES }, (_, i) => [i + 1, i + 2]).flat();
+  for (let i = 0; i <= RAYS; i++) corners.push(0, 1 + (i * PIECES) / RAYS);
+  return new LineSegments(shape(points, corners), new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.55, depthWrite: false, fog: false }));
+}
+
+function shape(points: number[], corners: number[]): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
   geometry.setIndex(corners);
-  const material = new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.13, side: DoubleSide, depthWrite: false, fog: false });
-  return new Mesh(geometry, material);
+  return geometry;
 }

@@ -1,11 +1,12 @@
 // The scene at a moment, seen by one of the cameras.
-import { PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
-import type { Recording } from "./data";
+import { LinearSRGBColorSpace, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import type { Source } from "./data";
+import { isDrawnByProgram } from "./light";
 import { buildLights } from "./lights";
 import { buildRoad } from "./road";
 import { buildSensing, type Sensing } from "./sensing";
 import { buildSurroundings } from "./surroundings";
-import { buildHost, buildOther, type Vehicle } from "./vehicles";
+import { buildHost, buildOther, Fleet, type Vehicle } from "./vehicles";
 
 export type View = "chase" | "driver" | "top" | "side";
 
@@ -24,28 +25,33 @@ export interface Stage {
   /** In CSS pixels; `fineness` 1 draws each of the screen's. */
   resize(width: number, height: number, fineness: number): void;
   sensing: Sensing;
+  /** Gives back what the browser has only few of. */
+  close(): void;
 }
 
-export function buildStage(canvas: HTMLCanvasElement, recording: Recording): Stage {
-  const renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
+  const isSlow = isDrawnByProgram();
+  const renderer = new WebGLRenderer({ canvas, antialias: !isSlow, powerPreference: "high-performance" });
+  renderer.outputColorSpace = LinearSRGBColorSpace; // as light.ts says
   const scene = new Scene();
   scene.up.set(0, 0, 1);
   const camera = new PerspectiveCamera(50, 16 / 9, 0.3, 3000);
   camera.up.set(0, 0, 1);
-  scene.add(buildRoad(recording.document));
-  const lights = buildLights(recording);
-  scene.add(lights.group);
-  const surroundings = buildSurroundings(scene, recording);
-  const host = buildHost(recording.document.host.length, recording.document.host.width);
-  // Bodies are drawn around their middles, the car is told where its centre of gravity is.
-  for (const child of host.group.children) child.position.x += recording.document.host.front - recording.document.host.length / 2;
-  const sensing = buildSensing(recording);
-  host.group.add(sensing.group);
-  scene.add(host.group);
-  const others = Array.from({ length: recording.document.others }, (_, number) => new Place(number, recording, scene));
-  const turned = distances(recording);
+  const { length, width, front } = source.document.host;
+  const lights = buildLights(source);
+  scene.add(buildRoad(source.document), lights.group);
+  const surroundings = buildSurroundings(scene, source);
+  const host = buildHost(length, width, front - length / 2);
+  const sensing = buildSensing(source, !isSlow);
+  scene.add(host.body, sensing.group);
+  const fleet = new Fleet(scene, source.document.others + 1);
+  const others = Array.from({ length: source.document.others }, (_, number) => new Place(number, source, scene));
   return {
     sensing,
+    close: () => {
+      renderer.dispose();
+      renderer.forceContextLoss();
+    },
     resize: (width, height, fineness) => {
       renderer.setPixelRatio(Math.min(devicePixelRatio, 2) * fineness);
       renderer.setSize(width, height, false);
@@ -53,18 +59,24 @@ export function buildStage(canvas: HTMLCanvasElement, recording: Recording): Sta
       camera.updateProjectionMatrix();
     },
     show: (time, view) => {
-      const at = (name: string): number => recording.at(`host.${name}`, time);
-      const heading = recording.angle("host.heading", time);
-      host.group.position.set(at("x"), at("y"), at("z"));
-      host.group.rotation.set(at("roll"), -at("pitch"), heading, "ZYX");
-      host.wheels(turned(time) / WHEEL, at("steering"));
-      host.brake(slows(recording, "host", time));
-      for (const other of others) other.show(time);
+      const at = (name: string): number => source.at(`host.${name}`, time);
+      const heading = source.angle("host.heading", time);
+      const isInside = view === "driver";
+      host.body.position.set(at("x"), at("y"), at("z"));
+      host.body.rotation.set(at("roll"), -at("pitch"), heading, "ZYX");
+      host.body.visible = !isInside;
+      sensing.group.position.copy(host.body.position);
+      sensing.group.rotation.copy(host.body.rotation);
+      host.spun = source.rolled(time) / WHEEL;
+      host.steered = at("steering");
+      host.brakes = slows(source, "host", time);
+      fleet.clear();
+      if (!isInside) fleet.add(host);
+      for (const other of others) other.show(time, fleet);
+      fleet.finish();
       lights.show(time);
       sensing.show(time);
-      look(camera, view, host.group.position, heading);
-      host.group.traverse((each) => each.layers.set(view === "driver" ? 1 : 0));
-      sensing.group.traverse((each) => each.layers.set(0));
+      look(camera, view, host.body.position, heading);
       surroundings.show(time, camera.position, view === "top");
       renderer.render(scene, camera);
     },
@@ -80,52 +92,44 @@ class Place {
 
   constructor(
     private readonly number: number,
-    private readonly recording: Recording,
+    private readonly source: Source,
     private readonly scene: Scene,
   ) {}
 
-  show(time: number): void {
+  show(time: number, fleet: Fleet): void {
     const stem = `other.${this.number}`;
-    const held = (name: string): number => this.recording.held(`${stem}.${name}`, time);
-    const kind = this.recording.document.classes[held("class")] ?? "none";
+    const held = (name: string): number => this.source.held(`${stem}.${name}`, time);
+    const kind = this.source.document.classes[held("class")] ?? "none";
     const who = `${kind} ${held("id")}`;
     if (who !== this.who) this.replace(kind, held);
     this.who = who;
     if (!this.vehicle) return;
     // Who comes into the place at the next frame is not drawn on the way there.
-    const isLast = this.recording.held(`${stem}.id`, time + this.recording.document.step) !== held("id");
-    const at = (name: string): number => (isLast ? held(name) : this.recording.at(`${stem}.${name}`, time));
-    this.vehicle.group.position.set(at("x"), at("y"), at("z"));
-    this.vehicle.group.rotation.z = isLast ? held("heading") : this.recording.angle(`${stem}.heading`, time);
+    const isLast = this.source.held(`${stem}.id`, time + this.source.document.step) !== held("id");
+    const at = (name: string): number => (isLast ? held(name) : this.source.at(`${stem}.${name}`, time));
+    this.vehicle.body.position.set(at("x"), at("y"), at("z"));
+    this.vehicle.body.rotation.z = isLast ? held("heading") : this.source.angle(`${stem}.heading`, time);
     this.way += at("speed") * (time - this.last);
     this.last = time;
-    this.vehicle.wheels(this.way / WHEEL, 0);
-    this.vehicle.brake(slows(this.recording, stem, time));
+    this.vehicle.spun = this.way / WHEEL;
+    this.vehicle.brakes = slows(this.source, stem, time);
+    fleet.add(this.vehicle);
   }
 
   private replace(kind: string, held: (name: string) => number): void {
-    if (this.vehicle) this.scene.remove(this.vehicle.group);
+    if (this.vehicle) {
+      this.scene.remove(this.vehicle.body);
+      this.vehicle.body.geometry.dispose();
+    }
     this.vehicle = kind === "none" ? null : buildOther(kind, held("id"), held("length"), held("width"), held("height"));
-    if (this.vehicle) this.scene.add(this.vehicle.group);
+    if (this.vehicle) this.scene.add(this.vehicle.body);
   }
 }
 
-function slows(recording: Recording, stem: string, time: number): boolean {
-  const step = recording.document.step || 1;
-  const change = recording.at(`${stem}.speed`, time) - recording.at(`${stem}.speed`, time - 4 * step);
-  return time >= 4 * step && change / (4 * step) < BRAKES;
-}
-
-/** The way the host's wheels have rolled, at any time. */
-function distances(recording: Recording): (time: number) => number {
-  const { steps, step } = recording.document;
-  const speed = recording.column("host.speed");
-  const sums = new Float64Array(steps);
-  for (let i = 1; i < steps; i++) sums[i] = sums[i - 1]! + (step * ((speed?.[i - 1] ?? 0) + (speed?.[i] ?? 0))) / 2;
-  return (time) => {
-    const frame = Math.min(Math.max(Math.floor(time / (step || 1)), 0), steps - 1);
-    return sums[frame]! + (speed?.[frame] ?? 0) * (time - frame * step);
-  };
+function slows(source: Source, stem: string, time: number): boolean {
+  const past = 4 * (source.document.step || 1);
+  const change = source.at(`${stem}.speed`, time) - source.at(`${stem}.speed`, time - past);
+  return time - past >= source.span()[0] && change / past < BRAKES;
 }
 
 const looked = new Vector3();

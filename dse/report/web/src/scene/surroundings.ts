@@ -2,25 +2,25 @@
 import {
   BufferGeometry,
   Color,
-  DirectionalLight,
   Float32BufferAttribute,
   FogExp2,
-  HemisphereLight,
   LineBasicMaterial,
   LineSegments,
   Mesh,
-  MeshLambertMaterial,
   PlaneGeometry,
   Points,
   PointsMaterial,
   type Scene,
   type Vector3,
 } from "three";
-import type { Recording } from "./data";
+import type { Source } from "./data";
+import { LIT, painted } from "./light";
 
 const DAY = new Color(0xa9c8e8);
 const MIST = new Color(0xc9d0d4);
 const NIGHT = new Color(0x0b1018);
+const NOON = new Color(0xffffff);
+const MOON = new Color(0x2c3240);
 const MANY = 1500;
 const SPREAD = 24;
 const HEAVY = 20e-3 / 3600; // m/s: 20 mm/h
@@ -30,32 +30,30 @@ export interface Surroundings {
   show(time: number, eye: Vector3, above: boolean): void;
 }
 
-export function buildSurroundings(scene: Scene, recording: Recording): Surroundings {
-  const sky = new HemisphereLight(0xffffff, 0x8a9070, 2.2);
-  const sun = new DirectionalLight(0xffffff, 1.6);
-  sun.position.set(-40, -50, 80);
-  const land = new Mesh(new PlaneGeometry(20000, 20000), new MeshLambertMaterial({ color: 0x6f8f58 }));
+export function buildSurroundings(scene: Scene, source: Source): Surroundings {
+  const land = new Mesh(painted(new PlaneGeometry(20000, 20000), 0x8fb070), LIT);
+  // Drawn last, so that only what is seen of it costs anything.
+  land.renderOrder = 1;
   const fog = new FogExp2(0xffffff, 0);
   scene.fog = fog;
   scene.background = new Color();
-  scene.add(sky, sun, land);
+  scene.add(land);
   const rain = drops(true);
   const snow = drops(false);
   scene.add(rain, snow);
   return {
     show: (time, eye, above) => {
-      const dark = recording.at("weather.darkness", time);
-      const haze = recording.at("weather.fog", time);
+      const dark = source.at("weather.darkness", time);
+      const haze = source.at("weather.fog", time);
       const colour = DAY.clone().lerp(MIST, Math.min(1, haze / 0.01)).lerp(NIGHT, dark);
       (scene.background as Color).copy(colour);
       fog.color.copy(colour);
       // exp(-(d s)^2) and exp(-a d) are equal at the meteorological visibility 3 / a.
       fog.density = above ? 0 : Math.max(haze / Math.sqrt(3), 0.0012);
-      sky.intensity = 2.2 - 1.95 * dark;
-      sun.intensity = (1.6 - 1.55 * dark) * Math.exp(-haze * 60);
+      LIT.color.copy(NOON).lerp(MOON, dark);
       land.position.set(eye.x, eye.y, -0.06 + Math.min(0, eye.z - 40));
-      fall(rain, recording.at("weather.rain", time), time, eye, 9);
-      fall(snow, recording.at("weather.snow", time), time, eye, 1.5);
+      fall(rain, source.at("weather.rain", time), time, eye, 9);
+      fall(snow, source.at("weather.snow", time), time, eye, 1.5);
     },
   };
 }

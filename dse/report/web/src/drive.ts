@@ -1,0 +1,62 @@
+// A test drive: choose a car and a road, drive it, see what came of it.
+import { el } from "./dom";
+import { showDrive } from "./drive/cockpit";
+import { showDealership, type Bench, type Order } from "./drive/dealership";
+import { buildBoards, showEnding } from "./drive/ending";
+import { ask, connect, readChoices, type Ended } from "./drive/wire";
+import { startTheme } from "./theme";
+
+const page = document.getElementById("drive")!;
+const { benches } = JSON.parse(document.getElementById("document")!.textContent!) as { benches: Bench[] };
+
+startTheme();
+const order = ordered();
+if (benches.length) choose();
+else page.replaceChildren(el("p", { class: "problem" }, "There is no road to drive on: no bench has a component that implements the interface 'driver'."));
+window.addEventListener("hashchange", () => {
+  if (!page.querySelector(".dealership")) return;
+  Object.assign(order, ordered(), { driver: order.driver });
+  choose();
+});
+
+/** What a shared link says. */
+function ordered(): Order {
+  const asked = new URLSearchParams(location.hash.slice(1));
+  const named = benches.find(({ name }) => name === asked.get("bench")) ?? benches[0];
+  return { bench: named?.name ?? "", chosen: readChoices(asked.get("chosen") ?? ""), driver: "" };
+}
+
+function choose(): void {
+  show("dealership");
+  showDealership(page, benches, order, drive, buildBoards());
+}
+
+async function drive(): Promise<void> {
+  const { drive: token } = await ask<{ drive: string }>("/drive/start", order);
+  let stop = (): void => undefined;
+  const driven = await connect(token, (ended) => {
+    stop();
+    finished(ended);
+  });
+  show("drive");
+  try {
+    stop = showDrive(page, driven);
+  } catch (error) {
+    driven.leave();
+    const canWebGl = Boolean(document.createElement("canvas").getContext("webgl2"));
+    finished({ why: "lost", text: canWebGl ? `The scene cannot be shown: ${String(error)}` : "This browser or machine has no WebGL", drive: null, verdicts: [] });
+  }
+}
+
+function finished(ended: Ended): void {
+  show("ending");
+  const again = (): void => {
+    drive().catch((error: Error) => finished({ why: "crashed", text: error.message, drive: null, verdicts: [] }));
+  };
+  showEnding(page, ended, again, choose);
+}
+
+function show(what: string): void {
+  document.documentElement.dataset["shows"] = what;
+  window.scrollTo(0, 0);
+}

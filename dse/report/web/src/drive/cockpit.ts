@@ -1,0 +1,162 @@
+// The drive itself: the scene over the whole width, what a driver looks at, and who drives.
+import { el } from "../dom";
+import { Fineness } from "../scene/fineness";
+import { buildInstruments } from "../scene/instruments";
+import { sensorColour } from "../scene/sensing";
+import { buildStage, type View } from "../scene/stage";
+import { Controls, GAPS, KEYS } from "./controls";
+import { buildGauges } from "./gauges";
+import { buildTouch } from "./touch";
+import type { Drive, Tunable } from "./wire";
+
+const EVERY = 1000 / 30; // ms between two messages
+const CAMERAS: [View, string][] = [["chase", "Chase"], ["driver", "Driver"], ["top", "Top"]];
+
+/** Shows the drive in *page*; what it gives back ends the showing. */
+export function showDrive(page: HTMLElement, drive: Drive): () => void {
+  const { stream, first } = drive;
+  const { title, subtitle, sensors, instruments } = stream.document;
+  const controls = new Controls(Boolean(first["cruise"]), first["set_speed"] ?? 80 / 3.6, first["gap_setting"] ?? 2);
+  const canvas = el("canvas", { class: "stage", role: "img", "aria-label": `${title}, in three dimensions` });
+  const stage = buildStage(canvas, stream);
+  const gauges = buildGauges(drive);
+  const signals = buildInstruments(stream);
+  let view: View = "chase";
+  const cameras = CAMERAS.map(([name, text]) => el("button", { type: "button", "data-view": name, click: () => look(name) }, text));
+  const look = (name: View): void => {
+    view = name;
+    for (const each of cameras) each.setAttribute("aria-pressed", String(each.dataset["view"] === name));
+  };
+  look(view);
+  const rays = el("input", { type: "checkbox", checked: true, change: () => stage.sensing.set(rays.checked) });
+  const help = buildHelp();
+  const finish = el("button", { type: "button", class: "finish", click: () => drive.finish() }, "Finish");
+  const legend = sensors.length && el("div", { class: "legend" }, el("label", {}, rays, "Sensors"), el("ul", {}, ...sensors.map((each, number) => el("li", {}, mark(sensorColour(number)), each.title))));
+  const tools = el("div", { class: "tools" },
+    el("div", { class: "cameras", role: "group", "aria-label": "Camera" }, ...cameras),
+    el("button", { type: "button", "aria-label": "Keys", click: () => help.showModal() }, "?"), finish);
+  const shown = el("details", { class: "panel signals" }, el("summary", {}, "Signals"), signals.element);
+  const aside = el("div", { class: "panels" }, drive.tunables.length ? buildTuning(drive) : null, instruments.length ? shown : null);
+  page.replaceChildren(el("main", { class: "drive" }, canvas,
+    el("div", { class: "over" }, el("header", {}, el("h1", {}, title), el("span", {}, subtitle)), legend || null), tools, aside, gauges.element, buildTouch(controls), help));
+
+  // A key that means something where the focus is does not drive.
+  const isTaken = ({ target, code }: KeyboardEvent): boolean =>
+    target instanceof HTMLElement && (target.matches("input[type=range]") ? code.startsWith("Arrow") : target.matches(":focus-visible:is(button, summary, input)") && code === "Space");
+  // Whoever clicks with a mouse goes on driving with the keys.
+  const leave = ({ detail, target }: MouseEvent): void => {
+    const button = detail && target instanceof Element && target.closest<HTMLElement>("button, summary, input[type=checkbox]");
+    if (button && !help.contains(button)) button.blur();
+  };
+  const key = (event: KeyboardEvent): void => {
+    if (event.ctrlKey || event.altKey || event.metaKey || help.open) return;
+    const isDown = event.type === "keydown";
+    if (isDown && isTaken(event)) return;
+    if (isDown && event.repeat && !/^(Equal|Minus|Numpad|Slash|Bracket)/.test(event.code)) {
+      if (/^(Arrow|Space)/.test(event.code)) event.preventDefault();
+      return;
+    }
+    const camera = /^Digit([1-3])$/.exec(event.code);
+    if (controls.key(event.code, isDown)) event.preventDefault();
+    else if (!isDown) return;
+    else if (camera) look(CAMERAS[Number(camera[1]) - 1]![0]);
+    else if (event.code === "KeyH") help.showModal();
+    else if (event.code === "Escape") drive.finish();
+  };
+  const release = (): void => controls.release();
+  const wires = new AbortController();
+  document.addEventListener("keydown", key, { signal: wires.signal });
+  document.addEventListener("keyup", key, { signal: wires.signal });
+  page.addEventListener("click", leave, { signal: wires.signal });
+  window.addEventListener("blur", release, { signal: wires.signal });
+
+  let said: Record<string, number> = {};
+  const say = (passed: number): void => {
+    const values = controls.values(passed);
+    const changed = Object.entries(values).filter(([name, value]) => drive.controls.includes(name) && said[name] !== value);
+    if (!changed.length) return;
+    drive.send("control", Object.fromEntries(changed));
+    said = { ...said, ...Object.fromEntries(changed) };
+  };
+  // In a clock of its own: who drives is heard also while pictures come slowly.
+  let spoken = performance.now();
+  const speaking = window.setInterval(() => {
+    const now = performance.now();
+    say(Math.min((now - spoken) / 1000, 0.2));
+    spoken = now;
+  }, EVERY);
+
+  const fineness = new Fineness();
+  const resize = (): void => stage.resize(canvas.clientWidth, canvas.clientHeight, fineness.value);
+  const watching = new ResizeObserver(resize);
+  watching.observe(canvas);
+  let last = performance.now();
+  let frame = 0;
+  let pictures = 0;
+  const tick = (now: number): void => {
+    if (fineness.tell(now, now - last)) resize();
+    last = now;
+    if (stream.version) {
+      const time = stream.moment(now);
+      stage.show(time, view);
+      gauges.show(time, controls);
+      if (shown.open) signals.show(time);
+      document.documentElement.dataset["frames"] = String(++pictures);
+    }
+    frame = requestAnimationFrame(tick);
+  };
+  frame = requestAnimationFrame(tick);
+  return () => {
+    cancelAnimationFrame(frame);
+    clearInterval(speaking);
+    watching.disconnect();
+    wires.abort();
+    help.close();
+    stage.close();
+  };
+}
+
+function buildTuning(drive: Drive): HTMLElement {
+  const row = ({ name, title, unit, min, max, value }: Tunable): HTMLElement => {
+    const output = el("output", {});
+    const slider = el("input", { type: "range", min, max, step: "any", value, "aria-label": title || name, input: () => {
+      tell();
+      waiting = true;
+    } });
+    const tell = (): void => { output.textContent = `${Number(Number(slider.value).toPrecision(3))} ${unit === "1" ? "" : unit}`.trim(); };
+    let waiting = false;
+    tell();
+    sliders.push(() => {
+      if (!waiting) return {};
+      waiting = false;
+      return { [name]: Number(slider.value) };
+    });
+    return el("label", {}, el("span", { title: name }, title || name), output, slider);
+  };
+  const sliders: (() => Record<string, number>)[] = [];
+  const rows = drive.tunables.map(row);
+  const panel = el("details", { class: "panel tuning" }, el("summary", {}, "Tuning"), ...rows);
+  let timer = 0;
+  panel.addEventListener("input", () => {
+    timer ||= window.setTimeout(() => {
+      timer = 0;
+      const values: Record<string, number> = Object.assign({}, ...sliders.map((each) => each()));
+      if (Object.keys(values).length) drive.send("tune", values);
+    }, EVERY);
+  });
+  return panel;
+}
+
+function buildHelp(): HTMLDialogElement {
+  const rows = KEYS.map(([key, what]) => el("div", {}, el("dt", {}, key), el("dd", {}, what)));
+  const dialog = el("dialog", { class: "help", "aria-label": "Keys" }, el("h2", {}, "Keys"), el("dl", {}, ...rows),
+    el("p", { class: "muted" }, `Gamepad: triggers for the pedals, left stick to steer, A cruise control, B gap (${GAPS.join(", ")}), bumpers for the set speed. Hands off the wheel leave it to lane keeping, if the car has it.`),
+    el("button", { type: "button", click: () => dialog.close() }, "Go on"));
+  return dialog;
+}
+
+function mark(colour: string): HTMLElement {
+  const node = el("span", { class: "mark", "aria-hidden": "true" });
+  node.style.background = colour;
+  return node;
+}

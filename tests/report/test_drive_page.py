@@ -1,0 +1,238 @@
+"""The page of the test drive in a browser: choosing a car, driving it, what comes of it; the server is a fake."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+
+import pytest
+from chromium import started_chromium
+from fake_drives import EVIL, FakeDrives, served
+
+pytestmark = pytest.mark.thorough
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[object]:
+    with started_chromium() as started:
+        yield started
+
+
+@pytest.fixture
+def opened(browser):
+    contexts, servers = [], []
+
+    def open_page(fragment: str = "", drives: FakeDrives | None = None, **context):
+        serving = served(drives or FakeDrives())
+        servers.append(serving)
+        shown = serving.__enter__()
+        contexts.append(browser.new_context(**({"viewport": {"width": 900, "height": 640}} | context)))
+        page = contexts[-1].new_page()
+        problems: list[str] = []
+        page.on("pageerror", lambda error: problems.append(str(error)))
+        page.on("console", lambda told: problems.append(told.text) if "Content Security" in told.text else None)
+        page.goto(f"{shown.address}#{fragment}")
+        page.wait_for_selector(".alternative")
+        return SimpleNamespace(page=page, drives=shown, problems=problems)
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    for serving in servers:
+        serving.__exit__(None, None, None)
+
+
+CAR = "bench=drive_following&chosen=drive:small,sensor:radar"
+
+
+def begin(it) -> None:
+    it.page.click("button.go:not([disabled])")
+    it.page.wait_for_function("() => document.documentElement.dataset.frames > 2")
+
+
+def heard(it, name: str, kind: str = "control") -> list[float]:
+    return [told["values"][name] for told in it.drives.heard if told["type"] == kind and name in told["values"]]
+
+
+def wait_for(it, that) -> None:
+    for _ in range(100):
+        if that():
+            return
+        it.page.wait_for_timeout(50)
+    pytest.fail(f"not within 5 s; heard {it.drives.heard[-5:]}")
+
+
+def test_only_what_can_be_built_can_be_chosen_and_the_page_says_why(opened):
+    it = opened()
+    page = it.page
+    assert "rules out Lidar" in page.get_by_role("button", name="One motor").text_content()
+    assert page.locator(".go").is_disabled()
+    page.get_by_role("button", name="One motor").click()
+    page.wait_for_selector(".alternative.out")
+    lidar = page.get_by_role("button", name="Lidar", exact=False)
+    assert lidar.get_attribute("aria-disabled") == "true"
+    assert "a lidar needs the power of two motors" in lidar.text_content()
+    lidar.click(force=True)
+    page.get_by_role("button", name="Long-range radar").click()
+    page.wait_for_selector(".go:not([disabled])")
+    assert page.locator(".count").text_content() == "1 car is left of 49,400"
+    assert page.locator(".totals dd").all_text_contents() == ["21,400 EUR", "1,480 kg"]
+    assert "sensor%3Aradar" in page.locator("a.share").get_attribute("href")
+    page.get_by_role("button", name="Long-range radar").click()  # not any more
+    page.wait_for_selector(".go[disabled]")
+    assert it.problems == []
+
+
+def test_a_shared_link_has_the_same_car_on_the_same_road(opened):
+    it = opened(CAR.replace("drive_following", "town"))
+    it.page.wait_for_selector(".go:not([disabled])")
+    assert it.page.input_value("#bench") == "town"
+    assert it.page.locator("[aria-pressed=true] .name").all_text_contents() == [
+        "One motor",
+        "Long-range radar, 77 GHz",
+        "Four discs",
+    ]
+
+
+def test_the_rest_is_chosen_for_those_who_only_want_to_drive(opened):
+    it = opened()
+    it.page.get_by_role("button", name="Choose the rest for me").click()
+    it.page.wait_for_selector(".go:not([disabled])")
+
+
+def test_a_car_is_chosen_driven_braked_and_its_result_opened(opened):
+    it = opened(CAR)
+    page = it.page
+    page.fill("#driver", EVIL)
+    begin(it)
+    assert it.drives.orders[-1]["driver"] == EVIL
+    assert it.drives.orders[-1]["bench"] == "drive_following"
+    page.keyboard.press("c")
+    page.get_by_text("cruise", exact=True).wait_for()
+    page.keyboard.press("+")
+    page.keyboard.press("g")
+    page.keyboard.down("ArrowUp")
+    wait_for(it, lambda: heard(it, "accelerator")[-1:] == [1])
+    page.keyboard.up("ArrowUp")
+    page.keyboard.down("a")
+    wait_for(it, lambda: heard(it, "steering")[-1] > 0.3)
+    page.keyboard.up("a")
+    wait_for(it, lambda: heard(it, "steering")[-1] == 0 and heard(it, "hands_on")[-1] == 0)
+    page.keyboard.down("Space")
+    page.get_by_text("override", exact=True).wait_for()
+    wait_for(it, lambda: heard(it, "brake")[-1] == 1)
+    page.wait_for_function("() => Number(document.querySelector('.digits b').textContent) < 20")
+    page.keyboard.up("Space")
+    # Gently, and the hands stay on the wheel while it turns back.
+    assert len({value for value in heard(it, "accelerator") if 0 < value < 1}) > 5
+    assert heard(it, "set_speed")[-1] == pytest.approx(115 / 3.6)
+    assert heard(it, "gap_setting")[-1] == 3
+    assert "echo" in page.text_content(".pace")
+    page.keyboard.press("Escape")
+    page.wait_for_selector(".ending")
+    assert page.locator(".verdicts .badge").all_text_contents() == ["pass", "fail", "not exercised"]
+    page.wait_for_selector(".boards td")
+    assert page.locator("img").count() == 0
+    assert it.problems == []
+    page.get_by_role("link", name="Open the report").click()
+    page.wait_for_url("**/drive/results/17")
+
+
+def test_what_is_said_in_a_second_is_bounded_and_nothing_is_said_while_nothing_changes(opened):
+    it = opened(CAR)
+    begin(it)
+    it.page.wait_for_timeout(500)
+    before = len(it.drives.heard)
+    it.page.wait_for_timeout(500)
+    assert len(it.drives.heard) == before
+    it.page.keyboard.down("ArrowRight")
+    it.page.wait_for_timeout(300)
+    it.page.keyboard.up("ArrowRight")
+    wait_for(it, lambda: heard(it, "steering")[-1] == 0)
+    assert len(it.drives.heard) - before < 60
+    assert {"type", "n", "values"} == set(it.drives.heard[-1])
+    assert [told["n"] for told in it.drives.heard] == [*range(1, len(it.drives.heard) + 1)]
+
+
+def test_gains_are_tuned_while_driving_and_arrows_on_a_slider_do_not_steer(opened):
+    it = opened(CAR)
+    begin(it)
+    it.page.click(".tuning summary")
+    slider = it.page.get_by_role("slider", name="Speed gain")
+    slider.fill("2.5")
+    wait_for(it, lambda: heard(it, "controller.kp", "tune") == [2.5])
+    slider.focus()
+    it.page.keyboard.press("ArrowLeft")
+    wait_for(it, lambda: len(heard(it, "controller.kp", "tune")) == 2)
+    assert set(heard(it, "steering")) == {0}
+
+
+def test_a_drive_that_dies_says_so_in_words_and_the_page_can_go_on(opened):
+    it = opened(CAR, FakeDrives(dies_at=0.5))
+    it.page.click("button.go:not([disabled])")
+    it.page.wait_for_selector(".ending")
+    assert it.page.text_content(".ending [role=status]") == "Chassis: its process ended by SIGSEGV at 2 s."
+    assert it.page.get_by_role("link", name="Open the report").count() == 0
+    it.drives.dies_at = 1e9
+    it.page.get_by_role("button", name="Drive again").click()
+    it.page.wait_for_selector(".gauges")
+    it.page.get_by_role("button", name="Finish").click()
+    it.page.wait_for_selector(".ending")
+    it.page.get_by_role("button", name="Same car, other road").click()
+    it.page.wait_for_selector(".go:not([disabled])")
+    assert it.problems == []
+
+
+def test_a_server_that_refuses_a_drive_is_heard(opened):
+    it = opened(CAR, FakeDrives(refuses="8 drives are on already"))
+    it.page.click("button.go:not([disabled])")
+    it.page.get_by_text("That did not work: 8 drives are on already").wait_for()
+    it.page.wait_for_selector("button.go:not([disabled])")
+
+
+def test_a_gamepad_drives(opened):
+    it = opened(CAR)
+    pad = """{ const button = (value) => ({ pressed: value > 0, value });
+      const buttons = Array.from({ length: 17 }, (_, i) => button(i === 7 ? 0.6 : i === 0 ? 1 : 0));
+      navigator.getGamepads = () => [null, { mapping: "standard", axes: [-0.54, 0, 0, 0], buttons }]; }"""
+    it.page.evaluate(pad)
+    begin(it)
+    wait_for(it, lambda: heard(it, "accelerator")[-1:] == [pytest.approx(0.6)])
+    assert heard(it, "steering")[-1] == pytest.approx(0.25)
+    assert heard(it, "cruise")[-1] == 1  # pressed once, however long
+
+
+def test_fingers_drive_where_there_is_no_keyboard(opened):
+    it = opened(CAR, has_touch=True, is_mobile=True, viewport={"width": 400, "height": 800})
+    begin(it)
+    pedal = it.page.get_by_role("button", name="Go")
+    for kind, what in (("pointerdown", 1), ("pointerup", 0)):
+        box = pedal.bounding_box()
+        at = {"clientX": box["x"] + 5, "clientY": box["y"] + 5}
+        pedal.evaluate("node => { node.setPointerCapture = () => {}; }")
+        pedal.dispatch_event(kind, {"pointerId": 1, "bubbles": True, **at})
+        wait_for(it, lambda what=what: heard(it, "accelerator")[-1:] == [what])
+    assert it.page.locator(".touch .wheel").is_visible()
+
+
+@pytest.mark.parametrize("width", [1440, 900, 400])
+def test_nothing_reaches_beyond_the_window_and_no_two_panels_meet(opened, width):
+    it = opened(CAR, viewport={"width": width, "height": 800}, has_touch=width == 400, is_mobile=width == 400)
+    page = it.page
+    page.wait_for_selector(".boards td")
+    fits = "() => document.documentElement.scrollWidth <= innerWidth"
+    assert page.evaluate(fits)
+    begin(it)
+    assert page.evaluate(fits)
+    boxes = [page.locator(each).bounding_box() for each in (".tools", ".panels", ".gauges", ".touch", ".drive header")]
+    boxes = [box for box in boxes if box and box["height"]]
+    assert len(boxes) == (5 if width == 400 else 4)
+    for number, one in enumerate(boxes):
+        assert one["x"] >= 0
+        assert one["x"] + one["width"] <= width
+        for other in boxes[:number]:
+            apart_x = one["x"] + one["width"] <= other["x"] or other["x"] + other["width"] <= one["x"]
+            assert apart_x or one["y"] + one["height"] <= other["y"] or other["y"] + other["height"] <= one["y"]
+    page.locator(".finish").click()
+    page.wait_for_selector(".boards td")
+    assert page.evaluate(fits)
