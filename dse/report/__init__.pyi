@@ -48,10 +48,11 @@ from .page.printing import print_report as print_report
 from .roads import road_picture as road_picture, with_driven as with_driven
 from .scene.filming import VIEWS as VIEWS, Shot as Shot, film as film, require_target as require_target
 from .scene.ground import ground_of as ground_of, straight_ground as straight_ground
-<<<<<<< HEAD
-from .scene.html import scene_mark as scene_mark, scene_page as scene_page, write_scene as write_scene
-=======
-from .scene.html import scene_document as scene_document, scene_page as scene_page, write_scene as write_scene
->>>>>>> session
+from .scene.html import (
+    scene_document as scene_document,
+    scene_mark as scene_mark,
+    scene_page as scene_page,
+    write_scene as write_scene,
+)
 from .scene.nouns import Ground as Ground, Scene as Scene
 from .scene.telling import Told as Told

@@ -33,14 +33,13 @@ _PAGE = (
 )
 
 
-<<<<<<< HEAD
 _TAIL = 200
-=======
+
+
 class Columns(Protocol):
     """Takes the columns of a scene, each by its name and how exact a page needs it."""
 
     def add(self, name: str, kind: str, values: Floats) -> None: ...  # noqa: D102
->>>>>>> session
 
 
 def write_scene(scene: Scene, target: Path) -> None:
@@ -70,7 +69,6 @@ def scene_page(scene: Scene) -> str:
     )
 
 
-<<<<<<< HEAD
 def scene_mark(page: Path) -> str:
     """The mark of the scene that the file *page* shows; "" if it shows none, or is not there."""
     try:
@@ -82,10 +80,7 @@ def scene_mark(page: Path) -> str:
     return found[1].decode("ascii") if found else ""
 
 
-def _document(scene: Scene, columns: Block) -> dict[str, object]:
-=======
 def _document(scene: Scene, columns: Columns) -> dict[str, object]:
->>>>>>> session
     def add(stem: str, of: dict[str, Floats] | None) -> None:
         for name, values in (of or {}).items():
             columns.add(f"{stem}.{name}", "f4", values)
