@@ -25,11 +25,12 @@ class Conversion:
 class Element:
     """One FMU instance in a system.
 
-    *inputs* are the connected inputs and tunable parameters, *outputs* those that are wired or recorded. *start* sets unconnected inputs and
-    parameters before initialization, by the label of one value (``name`` or ``name[2]``): numbers as they are outside
-    of the FMU (SI), 0/1 for Booleans, the number of an enumeration's item. *texts* does so for strings and binaries.
-    *conversions* are by variable name; a variable without one has the same value inside and outside. Structural
-    parameters in *start* have gone into the shapes of *model*'s variables already (``dse.system.shapes.resized``).
+    *inputs* are the connected inputs and tunable parameters, *outputs* those that are wired or recorded. *start*
+    sets unconnected inputs and parameters before initialization, by the label of one value (``name`` or
+    ``name[2]``): numbers as they are outside of the FMU (SI), 0/1 for Booleans, the number of an enumeration's
+    item. *texts* does so for strings and binaries. *conversions* are by variable name; a variable without one has
+    the same value inside and outside. Structural parameters in *start* have gone into the shapes of *model*'s
+    variables already (``dse.system.shapes.resized``).
     """
 
     name: str

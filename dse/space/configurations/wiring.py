@@ -1,9 +1,10 @@
 """Connections of containers → connections between single ports of components.
 
 A connection end is a port or a group of ports, the second one also a tunable parameter of a component. Inside a
-compound an end without a part's name belongs to the compound's own interface; from outside a compound with an interface
-shows only that, one without shows its parts. Groups connect port by port, each signal from the side that gives it, so that one arrow can carry
-a shaft's torque forth and its speed back. A connection with an end on a part that is left out vanishes.
+compound an end without a part's name belongs to the compound's own interface; from outside a compound with an
+interface shows only that, one without shows its parts. Groups connect port by port, each signal from the side that
+gives it, so that one arrow can carry a shaft's torque forth and its speed back. A connection with an end on a part
+that is left out vanishes.
 """
 
 from __future__ import annotations
