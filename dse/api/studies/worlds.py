@@ -110,7 +110,7 @@ def serve_bench(
 
 
 def write_world(layout: WorldLayout, folder: Path) -> tuple[Path, Path]:
-    """Write the component that stands for the world, and its interface, into *folder*, whose name is theirs; returns both.
+    """Write the component that stands for the world, and its interface, into *folder*, which names them; returns both.
 
     Raises DseError if one of them is there.
     """
