@@ -1,4 +1,4 @@
-"""Components that are somebody outside: datagrams instead of code (docs/udp.md)."""
+"""Components that are somebody outside: datagrams instead of code (`dse docs udp`)."""
 
 from __future__ import annotations
 

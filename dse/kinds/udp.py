@@ -1,4 +1,4 @@
-"""``source: {kind: udp}``: somebody outside, asked by datagrams (docs/udp.md)."""
+"""``source: {kind: udp}``: somebody outside, asked by datagrams (`dse docs udp`)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The world's side against a client that somebody wrote: does it ask as docs/udp.md wants, and mend what is lost?"""
+"""The world's side against a client that somebody wrote: does it ask as `dse docs udp` wants, and mend what is lost?"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The client's side against a world that somebody wrote: does it answer as docs/udp.md wants?"""
+"""The client's side against a world that somebody wrote: does it answer as `dse docs udp` wants?"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The datagram of docs/udp.md: a head, the time, values, and the sequence once more."""
+"""The datagram of `dse docs udp`: a head, the time, values, and the sequence once more."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A bench in two halves that are simulated in two places: the car here, the world there (docs/two_machines.md).
+"""A bench in two halves that are simulated in two places: the car here, the world there (`dse docs two_machines`).
 
 Each half has one generated component of the kind ``udp`` in the place of the other half.
 """

@@ -66,7 +66,7 @@ MISTAKES = [
     ("component", "files: [pd_acc.c, ../acc/acc.c]", "file: pd_acc.c"),
     ("component", "header: pd_acc.h", "header: [pd_acc.h]"),
     ("component", "start: 1.2 1/s, min: 0 1/s", "start: 1.2 1/s, minimum: 0 1/s"),
-    ("component", "tunable: false", "tunable: no"),
+    ("component", "max: 0.05}", "max: 0.05, tunable: no}"),
     ("interfaces", "    inputs:\n", "    input:\n"),
     ("interfaces", "      speed: m/s\n", "      speed: [m/s]\n"),
     ("design", "{optional: camera_mono}", "{option: camera_mono}"),

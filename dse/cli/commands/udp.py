@@ -16,7 +16,7 @@ from dse.cli.terminal import plain_table, print_json, print_table, say
 if TYPE_CHECKING:
     from dse.live import Checked, Datagram, Layout
 
-udp_app = group("udp", "Check, record and describe the datagrams of a world outside (docs/udp_clients.md).")
+udp_app = group("udp", "Check, record and describe the datagrams of a world outside (`dse docs udp_clients`).")
 
 _PORTS = 65535
 Seconds = Annotated[float, typer.Option("--seconds", min=0.0, help="Stop after so many seconds; 0: at Ctrl-C.")]
