@@ -40,7 +40,7 @@ def run_dse(
     with tempfile.TemporaryDirectory() as scratch:
         outputs = [Path(scratch, "out"), Path(scratch, "err")]
         job = {"folder": str(folder), "arguments": arguments, "environment": environment, "scratch": scratch}
-        server = _server(more.get("LD_PRELOAD", ""))
+        server = _server(more.get("LD_PRELOAD", ""), threading.get_ident())
         assert server.stdin
         assert server.stdout
         server.stdin.write(json.dumps({**job, "longest": longest}) + "\n")
@@ -51,7 +51,8 @@ def run_dse(
 
 
 @cache
-def _server(preload: str) -> subprocess.Popen[str]:
+def _server(preload: str, _thread: int) -> subprocess.Popen[str]:
+    """One a thread, as it does one job after the other."""
     environment = {**os.environ, **_START} | ({"LD_PRELOAD": preload} if preload else {})
     pipe = subprocess.PIPE
     started = subprocess.Popen([sys.executable, __file__], env=environment, stdin=pipe, stdout=pipe, encoding="utf-8")

@@ -165,6 +165,11 @@ def world_of_study(world: str | None, parts: str | None, study: Study) -> WorldP
     return world_of_bench(world, parts, min(0.9 * study.bench.simulation.timeout, 3600.0))
 
 
+Listen = Annotated[
+    str,
+    typer.Option("--listen", metavar="ADDRESS", help="Listen on this address instead of loopback, with a token."),
+]
+ServerPort = Annotated[int, typer.Option("--port", min=0, max=65535, help="The port; 0: any free one.")]
 Minimize = Annotated[
     list[str] | None,
     typer.Option("--minimize", metavar="VALUE", help="What to make small, as 'sum(cost)'."),

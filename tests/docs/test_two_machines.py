@@ -48,6 +48,7 @@ def test_the_car_and_the_world_find_each_other(cache):
     asks.start()
     served = run_dse(ROOT, *world, "--port", port, "--once", cache=cache)
     asks.join()
+    assert found[0].returncode == 0, found[0].stderr
     assert served.returncode == 0, served.stderr
     assert "6000 exchanges" in served.stdout
     assert found[0].stdout == run_dse(ROOT, "simulate", "acc_following", cache=cache).stdout

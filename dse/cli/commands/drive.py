@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
-from dse.cli.commands.serve import Listen, Port
+from dse.cli.arguments import Listen, ServerPort
 from dse.cli.terminal import say
 
 Bench = Annotated[str, typer.Argument(metavar="[BENCH]", help="The bench that is driven first; without it, choose.")]
@@ -26,7 +26,7 @@ def drive(
     configuration: Which = "",
     drives: Folder = Path("out/drives"),
     listen: Listen = "",
-    port: Port = 8470,
+    port: ServerPort = 8470,
     most: Most = 8,
     browser: Browser = True,
 ) -> None:

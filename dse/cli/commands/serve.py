@@ -8,18 +8,14 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
+from dse.cli.arguments import Listen, ServerPort
 from dse.cli.terminal import say
 
 Place = Annotated[Path, typer.Argument(metavar="DIR", help="A study folder, a folder that holds some, or a workspace.")]
-Listen = Annotated[
-    str,
-    typer.Option("--listen", metavar="ADDRESS", help="Listen on this address instead of loopback, with a token."),
-]
-Port = Annotated[int, typer.Option("--port", min=0, max=65535, help="The port; 0: any free one.")]
 
 
 @app.command()
-def serve(folder: Place = Path(), listen: Listen = "", port: Port = 8470) -> None:
+def serve(folder: Place = Path(), listen: Listen = "", port: ServerPort = 8470) -> None:
     """Show studies in the browser, also while they are explored.
 
     The same report as 'dse report', with new runs as they come, progress, a button that stops the exploration, points
