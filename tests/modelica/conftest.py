@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from modelica_components import Built, MakeModel, component
+from modelica_components import Built, MakeModel, Opened, component
 
+from dse.domain.component import Component
 from dse.domain.fmu import FmuModel
 from dse.fmu.building import build
 from dse.fmu.toolchain import compilation
@@ -26,29 +27,34 @@ def cache(tmp_path_factory: pytest.TempPathFactory, worker_id: str, built_before
 
 
 @pytest.fixture(scope="session")
-def without_optimization() -> Iterator[None]:
-    """Hundreds of FMUs in a minute: a test of its own shows that the optimizer changes no bit."""
-    with pytest.MonkeyPatch.context() as patch:
+def opened(cache: Path) -> Opened:
+    """Builds and opens a component's FMU without the optimizer, of which a test of its own shows that it changes no bit
+    of a model: hundreds in a minute."""
+
+    def make(component: Component, version: int = 2) -> FmuModel:
         quick = tuple("-O0" if option == "-O2" else option for option in compilation.LANGUAGE_OPTIONS)
-        patch.setattr(compilation, "LANGUAGE_OPTIONS", quick)
-        yield
-
-
-@pytest.fixture(scope="session")
-def built(cache: Path, without_optimization: None) -> Built:
-    """Builds and opens the FMU of a model file, for FMI 2 or 3."""
-
-    def make(file: Path, version: int, structural: Mapping[str, float] | None = None) -> FmuModel:
-        return open_fmu(build(component(file, structural), version=version, cache=cache), cache=cache)
+        with pytest.MonkeyPatch.context() as patch:  # of C that others write the last bit may depend on it
+            patch.setattr(compilation, "LANGUAGE_OPTIONS", quick)
+            return open_fmu(build(component, version=version, cache=cache), cache=cache)
 
     return make
 
 
-@pytest.fixture
-def made(cache: Path, without_optimization: None) -> MakeModel:
+@pytest.fixture(scope="session")
+def built(opened: Opened) -> Built:
+    """Builds and opens the FMU of a model file, for FMI 2 or 3."""
+
+    def make(file: Path, version: int, structural: Mapping[str, float] | None = None) -> FmuModel:
+        return opened(component(file, structural), version)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def made(opened: Opened) -> MakeModel:
     """Builds and opens the FMU of a model file that needs libraries of these folders."""
 
     def make(file: Path, roots: tuple[Path, ...]) -> FmuModel:
-        return open_fmu(build(component(file, roots=roots), cache=cache), cache=cache)
+        return opened(component(file, roots=roots))
 
     return make

@@ -12,6 +12,7 @@ from dse.domain.fmu import FmuModel
 
 Built = Callable[..., FmuModel]
 MakeModel = Callable[[Path, tuple[Path, ...]], FmuModel]
+Opened = Callable[..., FmuModel]
 
 
 def component(file: Path, structural: Mapping[str, float] | None = None, roots: tuple[Path, ...] = ()) -> Component:

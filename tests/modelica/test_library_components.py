@@ -9,9 +9,6 @@ import pytest
 from slaves import instance, run_cs, run_master
 
 from dse.domain.component import Causality, Component, Kind, ModelicaSource
-from dse.domain.fmu import FmuModel
-from dse.fmu.building import build
-from dse.fmu.unpack import open_fmu
 from dse.loading.workspace import Workspace
 
 LIBRARY = Workspace.around(Path(__file__).parents[2] / "components")
@@ -25,14 +22,6 @@ every_part = pytest.mark.parametrize("part", PARTS, indirect=True)
 @pytest.fixture
 def part(request: pytest.FixtureRequest) -> Component:
     return LIBRARY.component(request.param)
-
-
-@pytest.fixture(scope="session")
-def opened(cache: Path, without_optimization: None):
-    def make(part: Component, version: int) -> FmuModel:
-        return open_fmu(build(part, version=version, cache=cache), cache=cache)
-
-    return make
 
 
 def outputs_of(part: Component) -> list[str]:
