@@ -1,36 +1,42 @@
 // Without a graphics card what moves is drawn coarser until it moves, and finer again once there is time for it.
-const SLOW = 31; // ms a frame
+const SLOW = 31; // ms a picture, in the mean
 const WANTED = 27;
-const QUICK = 24;
-const LATE = 2 * SLOW; // what one picture counts at most: a single one that came late says nothing
+const QUICK = 25;
+const LATE = 100; // ms that one picture counts at most: others have the machine, too
 const COARSEST = 0.4;
-const SETTLED = 12; // pictures
-const PATIENCE = 2000; // ms; doubled each time that finer was too fine
+const WATCHED = 600; // ms before it is drawn coarser
+const PATIENCE = 1500; // ms before it is drawn finer; doubled each time that this was too fine
 
 export class Fineness {
   value = 1;
-  private pace = WANTED;
-  private since = 0;
+  private since = -1;
   private pictures = 0;
+  private took = 0;
   private patience = PATIENCE;
   private grew = false;
 
   /** A picture came at *now*, *passed* ms after the one before. Whether the next is to be of another fineness. */
   tell(now: number, passed: number): boolean {
-    this.pace += 0.1 * (Math.min(passed, LATE) - this.pace);
-    if (this.pace > QUICK) this.since = now;
-    if (++this.pictures < SETTLED) return false;
+    if (this.since < 0) this.since = now;
+    this.pictures++;
+    this.took += Math.min(passed, LATE);
+    const watched = now - this.since;
+    if (watched < WATCHED) return false;
+    const pace = this.took / this.pictures;
     // The time goes with the number of pixels.
-    const share = Math.min(Math.max(Math.sqrt(WANTED / this.pace), 0.7), 1.25);
-    if (this.pace > SLOW && this.value > COARSEST) {
+    const share = Math.sqrt(WANTED / pace);
+    if (pace > SLOW && this.value > COARSEST) {
       if (this.grew) this.patience *= 2;
-      return this.set(Math.max(this.value * share, COARSEST), false);
+      return this.set(now, Math.max(this.value * Math.max(share, 0.7), COARSEST), false);
     }
-    return now - this.since > this.patience && this.value < 1 && this.set(Math.min(this.value * share, 1), true);
+    if (watched < this.patience) return false;
+    if (pace < QUICK && this.value < 1) return this.set(now, Math.min(this.value * Math.min(share, 1.25), 1), true);
+    return this.set(now, this.value, this.grew);
   }
 
-  private set(value: number, grew: boolean): boolean {
-    [this.value, this.grew, this.pictures, this.pace] = [value, grew, 0, WANTED];
-    return true;
+  private set(now: number, value: number, grew: boolean): boolean {
+    const isOther = value !== this.value;
+    [this.value, this.grew, this.since, this.pictures, this.took] = [value, grew, now, 0, 0];
+    return isOther;
   }
 }

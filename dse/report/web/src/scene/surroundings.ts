@@ -1,6 +1,6 @@
 // Sky, light, fog, rain and snow as the weather of the run has them.
 import { type BufferGeometry, CircleGeometry, Color, FogExp2, Mesh, RingGeometry, type Scene, type Vector3 } from "three";
-import type { Source } from "./data";
+import type { Source, Strip } from "./data";
 import { Falling } from "./falling";
 import { joined, LIT, painted } from "./light";
 
@@ -12,6 +12,7 @@ const NOON = new Color(0xffffff);
 const DULL = new Color(0xd6dade);
 const MOON = new Color(0x434c5c);
 const CLEAR = 0.0006; // 1/m of air without fog
+const DEEP = 40; // m below the eye at most, where the road has hills
 const OUTSKIRTS = [40, 120, 360, 1100, 3300, 10000]; // m
 
 export interface Surroundings {
@@ -27,6 +28,7 @@ export function buildSurroundings(scene: Scene, source: Source): Surroundings {
   scene.fog = fog;
   scene.background = new Color();
   scene.add(land);
+  const lowest = lowestOf(source.document.strips);
   const rain = new Falling(true, 9);
   const snow = new Falling(false, 1.5);
   scene.add(rain.mesh, snow.mesh);
@@ -42,7 +44,7 @@ export function buildSurroundings(scene: Scene, source: Source): Surroundings {
       fog.color.copy(colour);
       fog.density = above ? 0 : Math.max(air, CLEAR);
       LIT.color.copy(NOON).lerp(DULL, dull).lerp(MOON, dark);
-      land.position.set(eye.x, eye.y, -0.06 + Math.min(0, eye.z - 40));
+      land.position.set(eye.x, eye.y, (above ? lowest : Math.max(lowest, eye.z - DEEP)) - 0.06);
       rain.show(above ? 0 : falls[0], time, eye, 1 - dark);
       snow.show(above ? 0 : falls[1], time, eye, 1 - dark);
     },
@@ -52,6 +54,12 @@ export function buildSurroundings(scene: Scene, source: Source): Surroundings {
 /** What falls takes from the sight, in 1/m: heavy rain lets one see 1.5 km, snow of as much water a tenth of that. */
 function veil(rate: number, share: number): number {
   return share * (Math.max(rate, 0) * 3.6e6) ** 0.63;
+}
+
+function lowestOf(strips: Strip[]): number {
+  let lowest = Infinity;
+  for (const { left, right } of strips) for (const border of [left, right]) for (let i = 2; i < border.length; i += 3) lowest = Math.min(lowest, border[i]!);
+  return Number.isFinite(lowest) ? lowest : 0;
 }
 
 /** Finer the nearer: over one large triangle fog is not told exactly. */
