@@ -77,12 +77,24 @@ class FakeDrives:
         return JSONResponse(offer(chosen))
 
     def _boards(self, _: Request) -> Response:
-        score = {"driver": EVIL, "met": 3, "of": 3, "seconds": 60.0, "overruns": 2, "note": ""}
+        verdicts = [{"requirement": "R1", "verdict": "pass"}, {"requirement": "R2", "verdict": "fail"}]
+        score = {
+            "driver": EVIL,
+            "drive": "17",
+            "verdicts": verdicts,
+            "against": "#run=1&pins=0",
+            "met": 3,
+            "of": 3,
+            "seconds": 60.0,
+            "overruns": 2,
+            "note": "",
+        }
         first = {**score, "place": 1, "worst": {"share": 0.31, "requirement": "R1"}}
         last = {
             **score,
             "place": None,
             "driver": "Ann",
+            "drive": "18",
             "worst": {"share": None, "requirement": None},
             "note": "ended at 8 s",
         }

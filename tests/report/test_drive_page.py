@@ -133,9 +133,29 @@ def test_a_car_is_chosen_driven_braked_and_its_result_opened(opened):
     assert page.locator(".verdicts .badge").all_text_contents() == ["pass", "fail", "not exercised"]
     page.wait_for_selector(".boards td")
     assert page.locator("img").count() == 0
+    assert page.locator(".boards tr.mine .badge").all_text_contents() == ["R1 pass ", "R2 fail "]
+    against = page.locator(".boards tr.mine").get_by_role("link", name="against the controller")
+    assert against.get_attribute("href") == "/study/drive_following/#run=1&pins=0"
     assert it.problems == []
     page.get_by_role("link", name="Open the report").click()
     page.wait_for_url("**/drive/results/17")
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (1280, 720), (1000, 700), (900, 700), (400, 800)])
+def test_modes_pedals_and_numbers_have_each_a_place_of_their_own(opened, size):
+    it = opened(CAR, viewport={"width": size[0], "height": size[1]})
+    begin(it)
+    each = it.page.locator(".gauges > *, .modes dt, .modes dd").evaluate_all(
+        "nodes => nodes.filter(node => node.getClientRects().length && !node.matches('.modes')).map(node => {"
+        " const {x, y, width, height} = node.getBoundingClientRect(); return [x, y, x + width, y + height]; })"
+    )
+    assert len(each) > 6
+    for number, (left, top, right, bottom) in enumerate(each):
+        assert left >= 0
+        assert right <= size[0]
+        for other in each[:number]:
+            beside = right <= other[0] + 0.5 or other[2] <= left + 0.5
+            assert beside or bottom <= other[1] + 0.5 or other[3] <= top + 0.5
 
 
 def test_what_is_said_in_a_second_is_bounded_and_nothing_is_said_while_nothing_changes(opened):

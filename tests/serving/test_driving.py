@@ -16,6 +16,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from dse.api import Drives, open as open_workspace
+from dse.domain.drive import Drive
+from dse.errors import fail
 from dse.serving.application import application
 from dse.serving.drives import LiveDrives
 from dse.serving.driving import MOST_MISTAKES
@@ -86,6 +88,37 @@ def test_a_drive_from_its_start_to_its_report(client) -> None:
     assert (link.status, link.headers["location"]) == (303, "/study/field/")
     assert "Ada" in client.get("/study/field/").text
     assert json.loads(client.get("/drive/boards").text)["boards"][0]["bench"] == "field"
+
+
+def driven(client) -> str:
+    with sits(client, opened(client)) as socket:
+        while frame(socket)[0] < 0.05:
+            pass
+        socket.send(json.dumps({"type": "finish"}))
+        return until(socket, "ended")["drive"]
+
+
+def test_a_drive_that_could_not_be_kept_says_why_until_a_later_one_brings_it_along(field, served, tmp_path) -> None:
+    class Full(Drives):
+        is_full = True
+
+        def add(self, drive: Drive, **options) -> str:
+            if self.is_full:
+                raise fail("the disk is full")
+            return super().add(drive, **options)
+
+    folder = tmp_path / "kept"
+    folder.mkdir()
+    kept = Full(folder, field.files)
+    with LiveDrives(field, kept, 2) as on, served(application(Shelf(folder), drives=on)) as client:
+        first = driven(client)
+        answer = client.get(f"/drive/results/{first}")
+        assert (answer.status, json.loads(answer.text)["problems"][0]["what"]) == (409, "the disk is full")
+        kept.is_full = False
+        second = driven(client)
+        assert [client.get(f"/drive/results/{each}").status for each in (second, first)] == [303, 303]
+        found = json.loads(client.get("/drive/boards").text)["boards"][0]["scores"]
+        assert {first, second} <= {score["drive"] for score in found}
 
 
 @pytest.mark.thorough

@@ -2,12 +2,30 @@
 import { el } from "../dom";
 import { ask, type Ended } from "./wire";
 
-interface Board {
-  title: string;
-  scoring: string;
-  scores: { place: number | null; driver: string; met: number; of: number; worst: { share: number | null; requirement: string | null }; seconds: number; overruns: number; note: string }[];
+interface Score {
+  place: number | null;
+  driver: string;
+  drive: string | null;
+  met: number;
+  of: number;
+  worst: { share: number | null; requirement: string | null };
+  seconds: number;
+  overruns: number;
+  verdicts: { requirement: string; verdict: string }[];
+  note: string;
+  /** Where the report shows the drive over the run that nobody drove. */
+  against?: string;
 }
 
+interface Board {
+  bench: string;
+  title: string;
+  scoring: string;
+  scores: Score[];
+}
+
+const AGAIN = 2000; // ms between two looks for a drive that is not on its board yet
+const LOOKS = 60;
 const HEADS = { finished: "Driven to the end", crashed: "The drive broke down", limit: "The drive was ended", lost: "The drive broke off" };
 
 export function showEnding(page: HTMLElement, ended: Ended, again: () => void, others: () => void): void {
@@ -24,7 +42,7 @@ export function showEnding(page: HTMLElement, ended: Ended, again: () => void, o
         el("p", { class: "next" }, link || null,
           el("button", { type: "button", click: again }, "Drive again"),
           el("button", { type: "button", click: others }, "Same car, other road"))),
-      buildBoards()));
+      buildBoards(ended.drive)));
   heading.focus();
 }
 
@@ -32,23 +50,40 @@ function classOf(verdict: string): string {
   return { pass: "pass", fail: "fail", "failed to run": "broken" }[verdict] ?? "open";
 }
 
-/** The score boards, once the server has told them; nothing if there are none. */
-export function buildBoards(): HTMLElement {
+/** The score boards, once the server has told them; nothing if there are none. The one with the drive `mine` comes first. */
+export function buildBoards(mine: string | null = null): HTMLElement {
   const box = el("section", { class: "boards", "aria-label": "Score boards" });
-  ask<{ boards: Board[] }>("/drive/boards").then(
-    ({ boards }) => box.replaceChildren(...boards.filter(({ scores }) => scores.length).map(draw)),
-    (error: Error) => box.replaceChildren(el("p", { class: "muted" }, `The score boards cannot be shown: ${error.message}.`)),
-  );
+  const show = async (looks: number): Promise<void> => {
+    try {
+      const { boards } = await ask<{ boards: Board[] }>("/drive/boards");
+      const has = ({ scores }: Board): boolean => scores.some(({ drive }) => mine !== null && drive === mine);
+      const isThere = mine === null || boards.some(has);
+      const shown = boards.filter(({ scores }) => scores.length).sort((a, b) => Number(has(b)) - Number(has(a)));
+      box.replaceChildren(...shown.map((board) => draw(board, mine)));
+      if (isThere) return;
+      box.prepend(el("p", { class: "muted", role: "status" }, looks ? "Your drive is simulated again for its score board \u2026" : "Your drive is on no score board; its report says why."));
+      if (looks && box.isConnected) setTimeout(() => void show(looks - 1), AGAIN);
+    } catch (error) {
+      box.replaceChildren(el("p", { class: "muted" }, `The score boards cannot be shown: ${(error as Error).message}.`));
+    }
+  };
+  void show(LOOKS);
   return box;
 }
 
-const COLUMNS = ["Place", "Driver", "Requirements met", "Worst margin", "Time", "Overruns", ""];
+const COLUMNS = ["Place", "Driver", "Requirements met", "Verdicts", "Worst margin", "Time", "Overruns", ""];
 
-function draw({ title, scoring, scores }: Board): HTMLElement {
-  const rows = scores.map(({ place, driver, met, of, worst, seconds, overruns, note }) =>
-    [place ? String(place) : "\u2013", driver, `${met} of ${of}`, worst.share === null ? "\u2013" : `${(100 * worst.share).toFixed(0)} %`, `${seconds.toFixed(0)} s`, String(overruns), note]);
+function draw({ bench, title, scoring, scores }: Board, mine: string | null): HTMLElement {
+  const row = ({ place, driver, drive, met, of, verdicts, worst, seconds, overruns, note, against }: Score): HTMLElement => {
+    const margin = worst.share === null ? "\u2013" : `${(100 * worst.share).toFixed(0)} % (${worst.requirement})`;
+    const badges = verdicts.map(({ requirement, verdict }) => el("span", { class: `badge ${classOf(verdict)}`, title: verdict }, requirement, el("span", { class: "unseen" }, ` ${verdict} `)));
+    const compare = against && el("a", { href: `/study/${encodeURIComponent(bench)}/${against}` }, "against the controller");
+    const cells = [place ? String(place) : "\u2013", driver, `${met} of ${of}`, el("span", { class: "badges" }, ...badges), margin, `${seconds.toFixed(0)} s`, String(overruns),
+      el("span", { class: "notes" }, compare || null, note ? el("span", { class: "muted" }, note) : null)];
+    return el("tr", { class: mine !== null && drive === mine ? "mine" : "" }, ...cells.map((cell) => el("td", {}, cell)));
+  };
   const table = el("table", {},
     el("thead", {}, el("tr", {}, ...COLUMNS.map((each) => el("th", { scope: "col" }, each)))),
-    el("tbody", {}, ...rows.map((row) => el("tr", {}, ...row.map((cell) => el("td", {}, cell))))));
+    el("tbody", {}, ...scores.map(row)));
   return el("section", { class: "card" }, el("h2", {}, title), el("div", { class: "scroll", tabindex: 0 }, table), el("p", { class: "hint" }, scoring));
 }
