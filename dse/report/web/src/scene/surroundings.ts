@@ -11,7 +11,7 @@ const NIGHT = new Color(0x101724);
 const NOON = new Color(0xffffff);
 const DULL = new Color(0xd6dade);
 const MOON = new Color(0x434c5c);
-const CLEAR = 0.0006; // 1/m of air without fog
+const CLEAR = 0.0014; // 1/m without fog: where the land ends nothing must be seen
 const DEEP = 40; // m below the eye at most, where the road has hills
 const OUTSKIRTS = [40, 120, 360, 1100, 3300, 10000]; // m
 
