@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from dse.api.studies.run import Run
     from dse.domain.bench import Simulation, TestBench
     from dse.domain.component import Component
-    from dse.report import Ground, Scene
+    from dse.report import Ground, Scene, Told
+    from dse.testbench import WiredBench
 
 _FRAMES = 25.0
 """In a second: what moves between them is drawn in between."""
@@ -72,7 +73,6 @@ def _driven_bench(stored: Run, near: Path) -> TestBench:
 def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Scene:
     from dse.api.studies.exploring import alone
     from dse.domain.study import Selection
-    from dse.kinds import RoadSource, tables_along
     from dse.report import Scene, Told
     from dse.testbench import bench_study, one_configuration, wire_bench
 
@@ -92,8 +92,6 @@ def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Sce
         raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' tells what changed")
     columns = made.waveforms.values
     host = told.host(columns)
-    road = wired.parts[told.road].source if told.road else None
-    ids = [light.id for way in tables_along(road).paths for light in way.lights] if isinstance(road, RoadSource) else []
     titles = {path: component.title or component.name for path, component in wired.parts.items()}
     return Scene(
         stored.definition.title or stored.definition.study,
@@ -105,9 +103,20 @@ def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Sce
         tuple(told.sensors(columns, titles)),
         told.weather(columns),
         tuple(told.instruments(columns)),
-        told.lights(columns, ids),
+        lights_of(wired, told, columns),
         mark_of(stored),
     )
+
+
+def lights_of(
+    wired: WiredBench, told: Told, columns: Mapping[str, NDArray[np.float64]]
+) -> dict[str, NDArray[np.float64]]:
+    """What the lights of the road show, by their ids."""
+    from dse.kinds import RoadSource, tables_along
+
+    road = wired.parts[told.road].source if told.road else None
+    ids = [light.id for way in tables_along(road).paths for light in way.lights] if isinstance(road, RoadSource) else []
+    return told.lights(columns, ids)
 
 
 def mark_of(stored: Run) -> str:
