@@ -46,7 +46,7 @@ class LiveDrives:
         self._lock, self._asking, self._keeping = threading.RLock(), threading.RLock(), threading.Lock()
         self._opening = 0
         self._pending: list[threading.Thread] = []
-        self._problem: DseError | None = None
+        self._problems: dict[str, DseError] = {}  # by bench: why its drives are not in its study
         self._closed = threading.Event()
         self._dealerships: dict[str, Dealership] = {}
 
@@ -110,8 +110,8 @@ class LiveDrives:
         found = self._kept.recorded().get(drive) if self._kept else None
         if found is None:
             raise fail("there is no such drive")
-        if self._problem is not None:
-            raise self._problem
+        if found.bench in self._problems:
+            raise self._problems[found.bench]
         return found.bench
 
     def enter(self, token: str) -> Held | None:
@@ -169,9 +169,10 @@ class LiveDrives:
     def _keep(self, kept: Drives, drive: Drive) -> None:
         with self._keeping:
             try:
-                kept.add(drive)
+                kept.add(drive)  # and with it all that were driven on its bench before
+                self._problems.pop(drive.bench, None)
             except DseError as error:
-                self._problem = error
+                self._problems[drive.bench] = error
 
     def _settle(self) -> None:
         """Wait until what was driven is in its study."""

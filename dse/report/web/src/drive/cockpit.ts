@@ -10,6 +10,7 @@ import { buildTouch } from "./touch";
 import type { Drive, Tunable } from "./wire";
 
 const EVERY = 1000 / 30; // ms between two messages
+const FEW = 8; // sliders that are shown at once
 const CAMERAS: [View, string][] = [["chase", "Chase"], ["driver", "Driver"], ["top", "Top"]];
 
 /** Shows the drive in *page*; what it gives back ends the showing. */
@@ -119,7 +120,8 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
 function buildTuning(drive: Drive): HTMLElement {
   const row = ({ name, title, unit, min, max, value }: Tunable): HTMLElement => {
     const output = el("output", {});
-    const slider = el("input", { type: "range", min, max, step: "any", value, "aria-label": title || name, input: () => {
+    const text = name.slice(name.indexOf(".") + 1).replaceAll("_", " ");
+    const slider = el("input", { type: "range", min, max, step: "any", value, "aria-label": title ? `${text}: ${title}` : text, input: () => {
       tell();
       waiting = true;
     } });
@@ -131,11 +133,17 @@ function buildTuning(drive: Drive): HTMLElement {
       waiting = false;
       return { [name]: Number(slider.value) };
     });
-    return el("label", {}, el("span", { title: name }, title || name), output, slider);
+    return el("label", {}, el("span", { title: `${name} ${title}`.trim() }, text), output, slider);
   };
   const sliders: (() => Record<string, number>)[] = [];
-  const rows = drive.tunables.map(row);
-  const panel = el("details", { class: "panel tuning" }, el("summary", {}, "Tuning"), ...rows);
+  const parts = new Map<string, Tunable[]>();
+  for (const each of drive.tunables) {
+    const part = each.name.split(".")[0]!;
+    parts.set(part, [...(parts.get(part) ?? []), each]);
+  }
+  const isOpen = drive.tunables.length <= FEW;
+  const groups = [...parts].map(([part, each]) => el("details", { open: isOpen }, el("summary", {}, part.replaceAll("_", " ")), ...each.map(row)));
+  const panel = el("details", { class: "panel tuning" }, el("summary", {}, "Tuning"), ...groups);
   let timer = 0;
   panel.addEventListener("input", () => {
     timer ||= window.setTimeout(() => {

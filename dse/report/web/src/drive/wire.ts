@@ -147,7 +147,9 @@ function begun(socket: WebSocket, { document, columns, rate, tunables, controls,
     pace: { lateness: 0, overruns: 0, echoes: [] },
     send: (type, values) => {
       if (socket.readyState !== WebSocket.OPEN) return;
-      times.set(++number, performance.now());
+      // While a drive begins nothing answers.
+      if (drive.stream.version) times.set(++number, performance.now());
+      else number++;
       socket.send(JSON.stringify({ type, n: number, values }));
     },
     finish: () => {

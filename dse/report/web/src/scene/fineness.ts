@@ -1,29 +1,42 @@
 // Without a graphics card what moves is drawn coarser until it moves, and finer again once there is time for it.
-const SLOW = 31; // ms a frame
-const QUICK = 20;
+const SLOW = 31; // ms a picture, in the mean
+const WANTED = 27;
+const QUICK = 25;
+const LATE = 100; // ms that one picture counts at most: others have the machine, too
 const COARSEST = 0.4;
-const PATIENCE = 4000; // ms; doubled each time that finer was too fine
+const WATCHED = 600; // ms before it is drawn coarser
+const PATIENCE = 1500; // ms before it is drawn finer; doubled each time that this was too fine
 
 export class Fineness {
   value = 1;
-  private pace = 1000 / 60;
-  private since = 0;
+  private since = -1;
+  private pictures = 0;
+  private took = 0;
   private patience = PATIENCE;
   private grew = false;
 
   /** A picture came at *now*, *passed* ms after the one before. Whether the next is to be of another fineness. */
   tell(now: number, passed: number): boolean {
-    this.pace += 0.1 * (Math.min(passed, 200) - this.pace);
-    if (this.pace > SLOW && this.value > COARSEST) {
+    if (this.since < 0) this.since = now;
+    this.pictures++;
+    this.took += Math.min(passed, LATE);
+    const watched = now - this.since;
+    if (watched < WATCHED) return false;
+    const pace = this.took / this.pictures;
+    // The time goes with the number of pixels.
+    const share = Math.sqrt(WANTED / pace);
+    if (pace > SLOW && this.value > COARSEST) {
       if (this.grew) this.patience *= 2;
-      return this.set(now, Math.max(this.value * 0.8, COARSEST), false);
+      return this.set(now, Math.max(this.value * Math.max(share, 0.7), COARSEST), false);
     }
-    if (this.pace > QUICK) this.since = now;
-    return now - this.since > this.patience && this.value < 1 && this.set(now, Math.min(this.value * 1.25, 1), true);
+    if (watched < this.patience) return false;
+    if (pace < QUICK && this.value < 1) return this.set(now, Math.min(this.value * Math.min(share, 1.25), 1), true);
+    return this.set(now, this.value, this.grew);
   }
 
   private set(now: number, value: number, grew: boolean): boolean {
-    [this.value, this.grew, this.since, this.pace] = [value, grew, now, (SLOW + QUICK) / 2];
-    return true;
+    const isOther = value !== this.value;
+    [this.value, this.grew, this.since, this.pictures, this.took] = [value, grew, now, 0, 0];
+    return isOther;
   }
 }

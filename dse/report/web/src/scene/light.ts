@@ -9,13 +9,38 @@ import {
   Float32BufferAttribute,
   Matrix4,
   MeshBasicMaterial,
+  ShaderChunk,
 } from "three";
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 
 // Colours are those of the screen throughout: a conversion for each pixel is the dearest part of drawing it.
 ColorManagement.enabled = false;
 
+// Fog takes exp(-a d), as air does; the one at hand is clear up close and a wall behind.
+ShaderChunk.fog_fragment = ShaderChunk.fog_fragment.replace("- fogDensity * fogDensity * vFogDepth * vFogDepth", "- fogDensity * vFogDepth");
+
 export const LIT = new MeshBasicMaterial({ vertexColors: true, side: DoubleSide });
+
+/** The host's headlamps: how bright (0 by day), and what turns places before the camera into those before the lamps. */
+export const HEADLAMPS = { lit: { value: 0 }, from: { value: new Matrix4() } };
+
+// Low beam: broader the farther, little above the lamps.
+LIT.onBeforeCompile = (shader) => {
+  Object.assign(shader.uniforms, { headlampsLit: HEADLAMPS.lit, headlampsFrom: HEADLAMPS.from });
+  shader.vertexShader = shader.vertexShader
+    .replace("#include <common>", "#include <common>\nuniform mat4 headlampsFrom;\nvarying vec3 vBefore;")
+    .replace("#include <project_vertex>", "#include <project_vertex>\nvBefore = (headlampsFrom * mvPosition).xyz;");
+  shader.fragmentShader = shader.fragmentShader
+    .replace("#include <common>", "#include <common>\nuniform float headlampsLit;\nvarying vec3 vBefore;")
+    .replace("#include <color_fragment>", `#include <color_fragment>
+      if (headlampsLit > 0.0) {
+        float ahead = max(vBefore.x, 0.0);
+        float side = vBefore.y / (1.2 + 0.2 * ahead);
+        float above = max(vBefore.z - 0.4, 0.0);
+        float beam = smoothstep(0.0, 5.0, ahead) * exp(-side * side - above) / (1.0 + ahead * ahead / 1600.0);
+        diffuseColor.rgb += headlampsLit * beam * vColor * vec3(0.85, 0.82, 0.74);
+      }`);
+};
 
 const moved = new Matrix4();
 

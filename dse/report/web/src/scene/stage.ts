@@ -1,7 +1,7 @@
 // The scene at a moment, seen by one of the cameras.
-import { LinearSRGBColorSpace, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { LinearSRGBColorSpace, Matrix4, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import type { Source } from "./data";
-import { isDrawnByProgram } from "./light";
+import { HEADLAMPS, isDrawnByProgram } from "./light";
 import { buildLights } from "./lights";
 import { buildRoad } from "./road";
 import { buildSensing, type Sensing } from "./sensing";
@@ -19,6 +19,8 @@ export const VIEWS: [View, string][] = [
 
 const WHEEL = 0.31;
 const BRAKES = -0.8; // m/s2 at which brake lights are lit
+const DUSK = 0.15; // the darkness at which lamps are lit
+const LAMPS = 0.65; // m over the ground
 
 export interface Stage {
   show(time: number, view: View): void;
@@ -45,6 +47,7 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
   const sensing = buildSensing(source, !isSlow);
   scene.add(host.body, sensing.group);
   const fleet = new Fleet(scene, source.document.others + 1);
+  const lamps = new Matrix4().makeTranslation(-front, 0, -LAMPS);
   const others = Array.from({ length: source.document.others }, (_, number) => new Place(number, source, scene));
   return {
     sensing,
@@ -70,7 +73,8 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
       host.spun = source.rolled(time) / WHEEL;
       host.steered = at("steering");
       host.brakes = slows(source, "host", time);
-      fleet.clear();
+      const dark = source.at("weather.darkness", time);
+      fleet.clear(dark > DUSK);
       if (!isInside) fleet.add(host);
       for (const other of others) other.show(time, fleet);
       fleet.finish();
@@ -78,6 +82,10 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
       sensing.show(time);
       look(camera, view, host.body.position, heading);
       surroundings.show(time, camera.position, view === "top");
+      HEADLAMPS.lit.value = Math.min(Math.max((dark - DUSK) / 0.5, 0), 1);
+      host.body.updateMatrixWorld();
+      camera.updateMatrixWorld();
+      HEADLAMPS.from.value.copy(host.body.matrixWorld).invert().multiply(camera.matrixWorld).premultiply(lamps);
       renderer.render(scene, camera);
     },
   };

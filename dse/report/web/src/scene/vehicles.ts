@@ -22,6 +22,8 @@ const TYRE = 0x1c1e22;
 const COLOURS = [0xd25040, 0xe6e6e0, 0x8e99a4, 0x56906c, 0xdcb44c, 0x6779cc, 0x9b648c, 0x4a5058];
 const LIT_LAMP = new Color(0xff2a1c);
 const DARK_LAMP = new Color(0x7a1a16);
+const TAIL_LAMP = new Color(0xc01c14);
+const HEAD_LAMP = new Color(0xfff6dc);
 
 interface Wheel {
   x: number;
@@ -35,7 +37,9 @@ export interface Vehicle {
   /** In the axes of the road user, around its middle. */
   body: Mesh;
   wheels: Wheel[];
+  /** At the back, and in front. */
   lamps: Vector3[];
+  heads: Vector3[];
   shade: [number, number];
   /** Wheels turned about their axles (rad), and the front ones to the left. */
   spun: number;
@@ -47,7 +51,7 @@ export function buildHost(length: number, width: number, forward: number): Vehic
   const host = car(0x3a72e8, length, width, 1.5);
   // Bodies are built around their middles, the car is told where its centre of gravity is.
   host.body.geometry.translate(forward, 0, 0);
-  for (const part of [...host.wheels, ...host.lamps]) part.x += forward;
+  for (const part of [...host.wheels, ...host.lamps, ...host.heads]) part.x += forward;
   return host;
 }
 
@@ -61,7 +65,8 @@ export function buildOther(kind: string, id: number, length: number, width: numb
 }
 
 function vehicle(parts: BufferGeometry[], wheels: Wheel[], lamps: Vector3[], shade: [number, number]): Vehicle {
-  return { body: new Mesh(joined(parts), LIT), wheels, lamps, shade, spun: 0, steered: 0, brakes: false };
+  const heads = lamps.map(({ x, y, z }) => new Vector3(-x, y, z));
+  return { body: new Mesh(joined(parts), LIT), wheels, lamps, heads, shade, spun: 0, steered: 0, brakes: false };
 }
 
 function car(colour: number, length: number, width: number, height: number): Vehicle {
@@ -114,13 +119,14 @@ export class Fleet {
   private readonly wheels: InstancedMesh;
   private readonly lamps: InstancedMesh;
   private readonly shades: InstancedMesh;
+  private isDark = false;
 
   constructor(scene: Scene, most: number) {
     const tyre = painted(new CylinderGeometry(1, 1, 1, 14), TYRE);
     const spoke = painted(new BoxGeometry(1.3, 1.06, 0.3), 0xb0b6bd);
     const across = painted(new BoxGeometry(0.3, 1.06, 1.3), 0xb0b6bd);
     this.wheels = new InstancedMesh(joined([tyre, spoke, across]), LIT, 4 * most);
-    this.lamps = new InstancedMesh(new BoxGeometry(0.06, 0.34, 0.15), new MeshBasicMaterial(), 2 * most);
+    this.lamps = new InstancedMesh(new BoxGeometry(0.06, 0.34, 0.15), new MeshBasicMaterial(), 4 * most);
     // A dark patch below costs nothing; shadows that are computed halve the frames without a graphics card.
     const dark = new MeshBasicMaterial({ color: 0x000000, transparent: true, opacity: 0.35, depthWrite: false });
     this.shades = new InstancedMesh(new BoxGeometry(1, 1, 0.01), dark, most);
@@ -129,30 +135,37 @@ export class Fleet {
       scene.add(mesh);
     }
     this.lamps.setColorAt(0, DARK_LAMP);
-    this.clear();
+    this.clear(false);
   }
 
-  clear(): void {
+  /** Whether it *isDark* decides on the lamps of those who come. */
+  clear(isDark: boolean): void {
+    this.isDark = isDark;
     for (const mesh of [this.wheels, this.lamps, this.shades]) mesh.count = 0;
   }
 
-  add({ body, wheels, lamps, shade, spun, steered, brakes }: Vehicle): void {
+  add({ body, wheels, lamps, heads, shade, spun, steered, brakes }: Vehicle): void {
     body.updateMatrix();
     for (const { x, y, radius, width, isSteered } of wheels) {
       turn.setFromEuler(angles.set(0, spun, isSteered ? steered : 0, "ZYX"));
       this.put(this.wheels, body, place.set(x, y, radius), size.set(radius, width, radius));
     }
     turn.identity();
-    for (const lamp of lamps) {
-      this.lamps.setColorAt(this.lamps.count, brakes ? LIT_LAMP : DARK_LAMP);
-      this.put(this.lamps, body, lamp, size.set(1, 1, 1));
-    }
+    this.light(body, lamps, brakes ? LIT_LAMP : this.isDark ? TAIL_LAMP : DARK_LAMP);
+    if (this.isDark) this.light(body, heads, HEAD_LAMP);
     this.put(this.shades, body, place.set(0, 0, 0.07), size.set(1.04 * shade[0], 1.1 * shade[1], 1));
   }
 
   finish(): void {
     for (const mesh of [this.wheels, this.lamps, this.shades]) mesh.instanceMatrix.needsUpdate = true;
     this.lamps.instanceColor!.needsUpdate = true;
+  }
+
+  private light(body: Mesh, lamps: Vector3[], colour: Color): void {
+    for (const lamp of lamps) {
+      this.lamps.setColorAt(this.lamps.count, colour);
+      this.put(this.lamps, body, lamp, size.set(1, 1, 1));
+    }
   }
 
   private put(mesh: InstancedMesh, body: Mesh, at: Vector3, scale: Vector3): void {
