@@ -1,5 +1,5 @@
-# Everything starts from here: `make demo`, `make test`, `make check`, `make nightly`, `make bench`. Needs Python 3.11+;
-# with uv on PATH, set-up is quicker. LOCKED=1 sets up the versions of requirements.lock, and nothing with another hash.
+# Everything starts from here: `make demo`, `make drive`, `make test`, `make check`, `make nightly`, `make bench`. Needs
+# Python 3.11+; with uv on PATH, set-up is quicker. LOCKED=1 sets up the versions of requirements.lock, and nothing with another hash.
 
 PYTHON ?= python3
 VENV ?= .venv
@@ -15,7 +15,7 @@ PIP := $(if $(UV),$(UV) pip install --quiet --python $(VENV),$(BIN)/python -m pi
 # A machine without a C compiler gets one as a wheel.
 EXTRA := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo "[toolchain]")
 
-.PHONY: demo test thorough rest check nightly bench faults setup clean lint types layers web plugin lock sbom audit
+.PHONY: demo drive test thorough rest check nightly bench faults setup clean lint types layers web plugin lock sbom audit
 
 setup: $(VENV)/.ready
 
@@ -44,6 +44,11 @@ demo: setup
 	$(BIN)/python -m dse report out/acc_gains
 	$(BIN)/python -m dse figure out/acc_gains -o out/figures
 	@echo "Open out/acc_gains/report.html"
+
+# A test drive in the browser, on a bench to begin with: BENCH=drive_motorway is another.
+BENCH ?= drive_following
+drive: setup
+	$(BIN)/python -m dse drive $(BENCH)
 
 # Workers take whole stretches of the list, so that what tests share is made once; who is done early takes of the rest.
 PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal

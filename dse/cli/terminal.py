@@ -55,6 +55,14 @@ def say(text: str, *, style: str | None = None, stderr: bool = False) -> None:
     console(stderr=stderr).print(plain(text), style=style, soft_wrap=True)
 
 
+def show_page(address: str) -> None:
+    """Open *address* in the browser of this machine, if it has one."""
+    import webbrowser
+
+    if not webbrowser.open(address):
+        say(f"no browser could be started here; open {address} in one", stderr=True)
+
+
 def say_some(kind: str, told: Sequence[object]) -> None:
     """The first of *told*, each as a line that begins with *kind*, and how many there are besides."""
     for one in told[:_MOST_NOTES]:

@@ -104,9 +104,12 @@ class LiveDrives:
         """The score boards, as plain data."""
         return [each.data() for each in self._kept.boards()] if self._kept else []
 
+    def is_keeping(self, drive: str) -> bool:
+        """Whether the drive with this id is being made a run."""
+        return any(each.name == drive and each.is_alive() for each in self._pending)
+
     def study_of(self, drive: str) -> str:
-        """The name of the study that has the drive with this id, once it is there. DseError if there is none."""
-        self._settle()
+        """The name of the study that has the drive with this id. DseError if there is none."""
         found = self._kept.recorded().get(drive) if self._kept else None
         if found is None:
             raise fail("there is no such drive")
@@ -204,11 +207,11 @@ class LiveDrives:
             ]
             if self._kept is not None and len(result.time) > 1:
                 try:
-                    told["drive"] = self._kept.record(result)
+                    told["drive"] = drive = self._kept.record(result)
                     # As a run it is made again, which takes its time: who wants to see it waits, nobody else.
-                    work = threading.Thread(target=self._keep, args=(self._kept, result))
-                    self._pending.append(work)
+                    work = threading.Thread(target=self._keep, args=(self._kept, result), name=drive)
                     work.start()
+                    self._pending.append(work)
                 except DseError as error:
                     told["text"] = f"{ended.text}; it could not be kept: {error}"
         if ended.pace is not None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from dse.errors import DseError, fail
 from dse.serving.drives import Held, LiveDrives
-from dse.serving.pages import drive_page, study_address
+from dse.serving.pages import document, drive_page, study_address
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -28,6 +28,16 @@ MOST_MISTAKES = 20
 """Messages that are none, after which a page is hung up on."""
 _MOST_TEXT = 20_000
 _MOST_CONTROLS = 4000
+
+
+def _keeping_page() -> str:
+    """What is seen until a drive is a run."""
+    body = (
+        '<section class="card"><p>The drive is simulated once more as a run of its study, and so is the car with '
+        "nobody at the wheel, unless it was before. Then the report opens by itself.</p>"
+        '<progress aria-label="The drive is simulated"></progress></section>'
+    )
+    return document("The drive becomes a run", body, '<a href="/drive">Test drive</a>')
 
 
 def drive_routes(drives: LiveDrives, aside: Aside) -> list[BaseRoute]:
@@ -48,6 +58,8 @@ def drive_routes(drives: LiveDrives, aside: Aside) -> list[BaseRoute]:
 
     async def results(request: Request) -> Response:
         name = request.path_params["name"]
+        if drives.is_keeping(name):
+            return HTMLResponse(_keeping_page(), headers={"Refresh": "1"})
         return RedirectResponse(study_address(await aside(lambda: drives.study_of(name))), 303)
 
     async def start(request: Request) -> Response:

@@ -16,6 +16,7 @@ from small_drive import drive_workspace
 from dse.api import Drives, Results, open as open_workspace, open_drive
 from dse.api.drives.boards import board_of
 from dse.api.drives.keeping import drive_again
+from dse.api.studies.scenes import scene_of
 from dse.domain.drive import Drive, Pace, bits_of
 from dse.errors import DseError
 from dse.storage import drive_id, read_drive, write_drive
@@ -280,6 +281,21 @@ def test_a_board_tells_what_to_lay_over_what(driven):
     told = {each["drive"]: each.get("against") for each in board.data()["scores"]}
     assert told[anna] == f"#run={runs[anna]}&pins={runs['nobody']}"
     assert told[None] is None
+
+
+@pytest.mark.thorough
+def test_what_somebody_drove_is_seen_again_in_three_dimensions(driven, shop, monkeypatch, tmp_path):
+    kept, names = driven
+    monkeypatch.chdir(shop.files.root)
+    study = Results(kept.study("field"))
+    for number in range(1 + len(names)):
+        run = study.run(number)
+        x, y = (scene_of(run, near=study.folder).host.columns[name][-1] for name in "xy")
+        assert (run.metrics["way"] > 0) == (number > 0)
+        assert float(np.hypot(x, y)) == pytest.approx(run.metrics["way"], rel=0.01)
+    shutil.copytree(study.folder, tmp_path / "field")
+    with pytest.raises(DseError, match=f"no recording of the drive {names[0]}"):
+        scene_of(study.run(1), near=tmp_path / "field")
 
 
 @pytest.mark.thorough

@@ -99,6 +99,7 @@ def test_the_next_study_can_be_read_and_lies_within_the_last(varied, towards, mo
     assert (narrowed.sampler.name == "boundary") == (towards is Towards.BAND)
 
 
+@pytest.mark.thorough
 def test_a_point_of_every_configuration_can_be_tried_again(varied):
     _, results = varied
     units = {each.name: parse_unit(each.unit) for each in results.definition.variables}
@@ -128,6 +129,7 @@ QUICK = """constraints:
 """
 
 
+@pytest.mark.thorough
 def test_a_search_over_the_whole_space_goes_on_where_it_was(folder, tmp_path):
     """What it looks for is known only when configurations are."""
     place = shutil.copytree(folder, tmp_path / "work")

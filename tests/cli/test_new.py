@@ -17,6 +17,7 @@ from dse.errors import DseError
 from dse.loading import Workspace as Files
 
 
+@pytest.mark.thorough
 def test_a_workspace_can_be_made_of_starts_alone_and_runs(dse_in, tmp_path):
     for line in (
         "new component cruise",

@@ -6,6 +6,7 @@ import pytest
 from defusedxml import ElementTree
 
 
+@pytest.mark.thorough
 def test_a_road_is_started_drawn_and_written(dse_in, tmp_path):
     done = dse_in(tmp_path, "new", "road", "mine")
     assert done.returncode == 0, done.stderr

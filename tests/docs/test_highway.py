@@ -32,6 +32,7 @@ def carried_out(folder: Path, commands: list[str]) -> list[str]:
     return said
 
 
+@pytest.mark.thorough
 def test_the_space_has_the_configurations_that_the_page_tells(tmp_path: Path) -> None:
     light = [line for line in COMMANDS if line.startswith(("dse init", "cd", "dse enumerate"))]
     assert len(light) >= 4

@@ -17,6 +17,7 @@ BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 FILE = re.compile(r"(?:# |/\* )([\w./]+?)(?: \*/)?\n")
 
 
+@pytest.mark.thorough
 def test_the_page_leads_from_an_empty_folder_to_a_world(tmp_path: Path, built_before: Callable[[Path], Path]) -> None:
     here, said = followed(TEXT.replace(BY_SUMO, ""), tmp_path, built_before(tmp_path / "cache"))
     assert "out/figures/home.png" in said

@@ -35,6 +35,7 @@ def test_a_shaft_between_two_inertias_swings_as_the_matrix_exponential_says(cach
     assert np.abs(balance).max() < 1e-6 * work[-1]
 
 
+@pytest.mark.thorough
 def test_a_clutch_slips_holds_and_lets_go_when_coulomb_says_so(cache: Path) -> None:
     bench = Bench(opened("Combustion.ClutchBench", cache), 1e-9)
     caught, released = 0.5, 7.75  # 100 - 620/3 t + 40/3 t2 = 0; 120 - 10 t = 20 + 1.5 * (50 - 20)/2
@@ -68,6 +69,7 @@ def test_a_clutch_slips_holds_and_lets_go_when_coulomb_says_so(cache: Path) -> N
     assert lost == pytest.approx(start + moved - 0.25 * one**2 - 0.75 * other**2, rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_a_pair_of_gears_loses_a_part_of_its_torque_either_way_it_turns(cache: Path) -> None:
     times = np.linspace(0.0, 3.0, 61)
     found = run(opened("Combustion.FixedRatioBench", cache), ("gear.speed", "loss"), times, 1e-9)

@@ -161,6 +161,7 @@ def test_a_powertrain_that_starts_in_motion_is_at_rest_inside(cache: Path) -> No
     assert max(abs(torque) for torque in torques) < 50  # drag of the gears only
 
 
+@pytest.mark.thorough
 def test_wheels_that_spin_freely_do_not_make_ten_millisecond_steps_unstable(cache: Path) -> None:
     bench = Bench(opened("AdasPowertrain.Powertrains.BatteryElectric", cache), 1e-6)
     spin, inertia, torques = 0.0, 2.0, []

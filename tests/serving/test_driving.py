@@ -85,6 +85,9 @@ def test_a_drive_from_its_start_to_its_report(client) -> None:
         ended = until(socket, "ended")
     assert (ended["why"], ended["verdicts"][0]["verdict"]) == ("finished", "pass")
     link = client.get(f"/drive/results/{ended['drive']}")
+    while link.status == 200:
+        assert link.headers["refresh"] == "1"
+        link = client.get(f"/drive/results/{ended['drive']}")
     assert (link.status, link.headers["location"]) == (303, "/study/field/")
     assert "Ada" in client.get("/study/field/").text
     assert json.loads(client.get("/drive/boards").text)["boards"][0]["bench"] == "field"

@@ -129,6 +129,7 @@ def test_waveforms_end_with_their_bench_and_have_its_target(explored: Path) -> N
     assert figure.target.tolist() == [2.0 if is_short else 5.0 for is_short in short]
 
 
+@pytest.mark.thorough
 def test_a_run_on_the_second_bench_is_replayed_bit_for_bit(
     root: Path, explored: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -138,6 +139,7 @@ def test_a_run_on_the_second_bench_is_replayed_bit_for_bit(
         assert (again.different, again.changed) == ((), ())
 
 
+@pytest.mark.thorough
 def test_a_point_on_either_bench_and_of_any_item_can_be_tried(root: Path, explored: Path) -> None:
     results = dse.results(explored)
     for number in range(len(results)):
@@ -158,6 +160,7 @@ def test_the_runs_of_a_bench_are_those_of_a_study_of_that_bench_alone(root: Path
     assert shown(rows(root / "alone")) == shown([row for row in rows(explored) if row["testbench"] == "long"])
 
 
+@pytest.mark.thorough
 def test_fused_or_with_error_bars_the_benches_give_the_same(root: Path, explored: Path) -> None:
     dse.open(root).studies["both"].explore(root / "fused", workers=1, fuse=True, fresh=True)
     assert rows(root / "fused") == rows(explored)

@@ -87,6 +87,7 @@ def test_the_design_space_counts_as_a_list_of_all_combinations_does() -> None:
     assert 0 < design.count(on=["by_rule"]) < design.count()
 
 
+@pytest.mark.thorough
 def test_who_never_brakes_hits_with_the_speed_it_drives(folder: Path) -> None:
     """The least speed of the brake is beyond that of the car."""
     rows = explored(
@@ -164,6 +165,7 @@ def test_with_a_sensor_without_faults_an_early_brake_avoids_every_standing_car(f
     assert cars["least_gap"].min() > 0
 
 
+@pytest.mark.thorough
 def test_fog_blinds_a_camera_and_no_radar(folder: Path) -> None:
     rows = explored(
         folder,

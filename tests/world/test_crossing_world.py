@@ -26,6 +26,7 @@ RECORD = ["road.lane.station", "road.actors[1].station", "road.actors[1].speed",
           "road.conflicts[3].entry", "road.conflicts[3].exit", "road.conflicts[3].other_entry"]  # fmt: skip
 
 
+@pytest.mark.thorough
 def test_a_crossing_is_the_same_bits_fused_or_not_and_the_assistant_sees_who_comes(tmp_path: Path) -> None:
     workshop = Workshop(tmp_path, tmp_path / "cache", method=Method(Algorithm.GAUSS_SEIDEL))
     models = {part: workshop.built(WORKSPACE.component(name)) for part, name in PARTS.items()}

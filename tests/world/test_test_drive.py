@@ -13,6 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 import dse
+from dse.api.driving.view import View
 from dse.domain.design import Configuration
 from dse.domain.drive import Drive, Pace
 from dse.domain.run import Run, RunRequest
@@ -28,9 +29,18 @@ ROOT = Path(__file__).parents[2]
 BENCHES = ("drive_following", "drive_motorway", "drive_town")
 MANUAL, STANDBY, CRUISE, OVERRIDE, EMERGENCY = range(5)
 MIDDLE = 2
+RED = 2
 Columns = dict[str, NDArray[np.float64]]
 SEEN = ("chassis.speed", "chassis.acceleration", "road.lane.offset", "road.lane.on_road", "scene.gap")
-SEEN = (*SEEN, "scene.collision", "controls.mode", "controls.steered_by", "chassis.motion.lateral_acceleration")
+SEEN = (
+    *SEEN,
+    "road.light.colour",
+    "road.light.distance",
+    "scene.collision",
+    "controls.mode",
+    "controls.steered_by",
+    "chassis.motion.lateral_acceleration",
+)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -54,9 +64,10 @@ def driven(
     does: Mapping[str, list[tuple[float, float]]],
     chassis: str = "single_track",
     aeb: bool = True,
+    on: str = "drive_following",
 ) -> tuple[Run, Columns]:
     """A run that somebody drove who *does* that: from each time in s on, each control has a value."""
-    bench, car = Workspace(ROOT).bench("drive_following"), chosen(chassis, aeb)
+    bench, car = Workspace(ROOT).bench(on), chosen(chassis, aeb)
     step = bench.simulation.step
     time = np.arange(round(stop / step) + 1) * step
     ports = ("accelerator", "brake", "steering", "hands_on", "cruise", "set_speed", "gap_setting")
@@ -67,7 +78,9 @@ def driven(
             inputs[name][(time >= begin - 1e-6) & (time < end - 1e-6)] = value
     drive = Drive(bench.name, car.id, "me", step, time, inputs, Pace(len(time) - 1, 0, 0.0, 0.0))
     again = bench_of_drive(drive, bench, car, folder)
-    again = replace(again, simulation=replace(again.simulation, record=SEEN))
+    again = replace(
+        again, simulation=replace(again.simulation, record=(*SEEN, "road.light.colour", "road.light.distance"))
+    )
     with Runner(prepare_bench(again, [car])[car.id]) as runner:
         run = runner.run(RunRequest(0, car.id, {}), keep=True)
     assert run.waveforms is not None, run.problem
@@ -154,6 +167,33 @@ def test_off_the_road_nothing_breaks(tmp_path: Path, chassis: str) -> None:
     run, seen = driven(tmp_path, 60.0, does, chassis)
     assert run.metrics["off_road"] > 5
     assert abs(seen["chassis.motion.lateral_acceleration"]).max() < 10
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("brakes", "crosses"), [([(0, 1), (28, 0)], True), ([(0, 1), (28, 0), (36, 1)], False)])
+def test_who_drives_over_the_line_at_red_is_told_to_have(
+    tmp_path: Path, brakes: list[tuple[float, float]], crosses: bool
+) -> None:
+    """The light of the main road is yellow from 30 s and red from 33 s on; of it the car is some 50 m away then."""
+    does = {"brake": brakes, "accelerator": [(28, 1), (36, 1 if crosses else 0)]}
+    run, seen = driven(tmp_path, 42.0, does, on="drive_town")
+    colour, distance = seen["road.light.colour"], seen["road.light.distance"]
+    assert set(colour[3310:3600]) == {RED}
+    assert (colour[-1] != RED) == crosses  # there is no second light
+    assert (run.metrics["red_light"] > 0) == crosses
+    if not crosses:
+        assert 1 < distance[-1] < 60
+        assert seen["chassis.speed"][-1] < 0.1
+
+
+def test_the_lights_of_a_town_show_their_colours_while_it_is_driven() -> None:
+    view = View(wire_bench(Workspace(ROOT).bench("drive_town"), chosen("single_track")), 80.0)
+    lights = view.document["lights"]
+    assert isinstance(lights, list)
+    assert sorted(f"light.{light['told']}" for light in lights) == [c for c in view.columns if c.startswith("light.")]
+    place = view.wanted.index("road.light_heads[1].colour")
+    shown = [dict(zip(view.columns, view.of(np.eye(len(view.wanted))[place] * k), strict=True)) for k in (RED, 5)]
+    assert [each["light.0"] for each in shown] == [RED, 5]
 
 
 @pytest.mark.thorough

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.api.drives.boards import Board, board_of
-from dse.api.drives.keeping import drive_again, drive_name, is_drives, keep_drives, thinned
+from dse.api.drives.keeping import drive_again, keep_drives, thinned
 from dse.api.naming import workspace_of
+from dse.api.studies.driven import RECORDINGS, drive_name, is_drives
 from dse.api.studies.run import Run
 from dse.domain.drive import Drive, bits_of
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
@@ -20,9 +21,6 @@ from dse.storage import StudyFolder, changed_results, drive_id, read_drive, writ
 if TYPE_CHECKING:
     from dse.api.studies.exploring import Tell
     from dse.loading import Workspace as Files
-
-RECORDINGS = "recordings"
-"""Where the drives themselves lie in their folder; the studies lie beside, named by their benches."""
 
 _MOST = 10_000
 

@@ -7,21 +7,20 @@ there keep their numbers and rows.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dse.api.studies.driven import DRIVE, DRIVER, DRIVES, NOBODY, Kept, bench_driven, drive_name, is_drives, kept_drives
 from dse.api.studies.exploring import Tell, alone, ready
 from dse.api.studies.noting import note_sources
-from dse.api.studies.replaying import DRIVES
 from dse.domain.definition import DefinedSampler, DefinedVariable, StudyDefinition
 from dse.domain.drive import Drive
 from dse.domain.run import Run, RunRequest, Waveforms
 from dse.domain.study import Selection
 from dse.errors import DseError, Problem, fail
-from dse.live import bench_of_drive
 from dse.scratch import ScratchFolder
 from dse.storage import StudyFolder, block_of, waveform_file, write_waveforms
 from dse.testbench import bench_study, one_configuration
@@ -29,52 +28,8 @@ from dse.testbench import bench_study, one_configuration
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
 
-DRIVE, DRIVER = "drive", "driver"
-"""The conditions of such a study."""
-
-NOBODY = "nobody"
-"""The drive that is none, and who made it: the bench as it is, with the design at the wheel."""
 CONTROLLER = "controller"
-
-
-@dataclass(frozen=True, slots=True)
-class Kept:
-    """What a study knows of a drive without its recording: who drove for how long (s), and how real time was kept."""
-
-    driver: str
-    configuration: str
-    seconds: float
-    steps: int
-    overruns: int
-
-
-def is_drives(definition: StudyDefinition) -> bool:
-    """Whether a study is one of drives."""
-    return definition.sampler.kind == DRIVES
-
-
-def kept_drives(definition: StudyDefinition) -> dict[str, Kept]:
-    """The drives that a study knows, by id, in the order of their numbers; `NOBODY` is not among them."""
-    options: Mapping[str, Any] = definition.sampler.options.get("drives", {})
-    # What is stored as JSON is sorted: the order is that of the labels.
-    names = next((each.labels[1:] for each in definition.variables if each.name == DRIVE), ())
-    return {name: _kept(options[name]) for name in names if name in options}
-
-
-def drive_name(definition: StudyDefinition, point: Mapping[str, object]) -> str:
-    """The id of the drive that a run of such a study is; `NOBODY` for the run that nobody drove."""
-    number = int(float(str(point[DRIVE])))
-    return NOBODY if number == 0 else list(kept_drives(definition))[number - 1]
-
-
-def _kept(told: Mapping[str, Any]) -> Kept:
-    numbers = float(told["seconds"]), int(told["steps"]), int(told["overruns"])
-    return Kept(str(told["driver"]), str(told["configuration"]), *numbers)
-
-
-def bench_driven(drive: Drive, bench: TestBench, folder: Path) -> TestBench:
-    """*bench* as it was driven; its tables lie in *folder*. Raises DseError for a drive of another bench."""
-    return bench_of_drive(drive, bench, one_configuration(bench.design, drive.configuration), folder)
+"""Who drove the drive that is none."""
 
 
 def drive_again(drive: Drive, bench: TestBench, *, tell: Tell | None = None) -> Run:

@@ -62,6 +62,7 @@ class _Columns:
 
 
 def _scene(wired: WiredBench, told: Told, probe: NDArray[np.float64], length: float) -> Scene:
+    from dse.api.studies.scenes import lights_of
     from dse.kinds import RoadSource, roads_of
     from dse.report import Scene, ground_of, straight_ground
 
@@ -80,6 +81,7 @@ def _scene(wired: WiredBench, told: Told, probe: NDArray[np.float64], length: fl
         sensors=tuple(told.sensors(columns, _titles(wired))),
         weather=told.weather(columns),
         instruments=tuple(told.instruments(columns)),
+        lights=lights_of(wired, told, columns),
     )
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.api.naming import workspace_of
+from dse.api.studies.driven import is_drives
 from dse.api.studies.run import Run
 from dse.errors import DseError, Location, fail
 
@@ -14,9 +15,6 @@ if TYPE_CHECKING:
     from dse.api.studies.exploring import Tell
     from dse.domain.bench import TestBench
     from dse.domain.definition import StudyDefinition
-
-DRIVES = "drives"
-"""What the sampler of a study of drives is called in its definition; it cannot be asked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +71,7 @@ def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell:
 
 def benches_of(definition: StudyDefinition, source: str | Path | None) -> tuple[TestBench, ...]:
     """The benches of the study, found by its name in the workspace around the current folder, or in *source*."""
-    if definition.sampler.kind == DRIVES:
+    if is_drives(definition):
         what = f"'{definition.title}' is a study of drives: who drove is in its recordings"
         raise fail(what, Location(definition.study), "make them again and compare: dse drives DIR --check")
     is_bench = not definition.variables

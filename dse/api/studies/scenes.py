@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -10,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dse.errors import Location, fail
+from dse.errors import DseError, Location, fail
+from dse.scratch import ScratchFolder
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -21,7 +23,8 @@ if TYPE_CHECKING:
     from dse.api.studies.run import Run
     from dse.domain.bench import Simulation, TestBench
     from dse.domain.component import Component
-    from dse.report import Ground, Scene
+    from dse.report import Ground, Scene, Told
+    from dse.testbench import WiredBench
 
 _FRAMES = 25.0
 """In a second: what moves between them is drawn in between."""
@@ -36,18 +39,43 @@ def scene_of(
     Its study is taken from the file *source*, else from the workspace around *near*, else from that around here.
     Raises DseError if nothing in it says where a car is, or if it does not come to the same metrics again.
     """
-    from dse.api.studies.exploring import alone
+    with ScratchFolder() as scratch:
+        return _scene_on(_bench_of(stored, source, Path(near), Path(scratch)), stored, fmi, tell)
+
+
+def _bench_of(stored: Run, source: str | Path | None, near: Path, scratch: Path) -> TestBench:
+    """The bench as it was simulated for *stored*; what was driven by somebody lies as a table in *scratch*."""
+    from dse.api.studies.driven import NOBODY, bench_driven, drive_name, is_drives, recording
     from dse.api.studies.replaying import benches_of
     from dse.api.studies.trying import benches_near
-    from dse.domain.study import TESTBENCH, Selection
-    from dse.kinds import RoadSource, tables_along
-    from dse.report import Scene, Told
-    from dse.testbench import bench_study, one_configuration, wire_bench, with_values
+    from dse.domain.study import TESTBENCH
+    from dse.testbench import with_values
 
+    if is_drives(stored.definition):
+        name, bench = drive_name(stored.definition, stored.point), _driven_bench(stored, near)
+        return bench if name == NOBODY else bench_driven(recording(near, name), bench, scratch)
     on = int(stored.point.get(TESTBENCH, 0))
     point = {name: value for name, value in stored.point.items() if name != TESTBENCH}
-    found = benches_of(stored.definition, source) if source else benches_near(stored.definition, Path(near))
-    bench = with_values(found[on], point)
+    found = benches_of(stored.definition, source) if source else benches_near(stored.definition, near)
+    return with_values(found[on], point)
+
+
+def _driven_bench(stored: Run, near: Path) -> TestBench:
+    from dse.api.naming import workspace_of
+    from dse.loading import Workspace
+
+    name = stored.definition.bench.name
+    with suppress(DseError):
+        return Workspace.around(near).bench(name)
+    return workspace_of("").bench(name)
+
+
+def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Scene:
+    from dse.api.studies.exploring import alone
+    from dse.domain.study import Selection
+    from dse.report import Scene, Told
+    from dse.testbench import bench_study, one_configuration, wire_bench
+
     chosen = one_configuration(bench.design, stored.configuration)
     wired = wire_bench(bench, chosen)
     told = Told(wired.signals, {name: setting.value for name, setting in wired.settings.items()}, bench.figures)
@@ -64,8 +92,6 @@ def scene_of(
         raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' tells what changed")
     columns = made.waveforms.values
     host = told.host(columns)
-    road = wired.parts[told.road].source if told.road else None
-    ids = [light.id for way in tables_along(road).paths for light in way.lights] if isinstance(road, RoadSource) else []
     titles = {path: component.title or component.name for path, component in wired.parts.items()}
     return Scene(
         stored.definition.title or stored.definition.study,
@@ -77,9 +103,20 @@ def scene_of(
         tuple(told.sensors(columns, titles)),
         told.weather(columns),
         tuple(told.instruments(columns)),
-        told.lights(columns, ids),
+        lights_of(wired, told, columns),
         mark_of(stored),
     )
+
+
+def lights_of(
+    wired: WiredBench, told: Told, columns: Mapping[str, NDArray[np.float64]]
+) -> dict[str, NDArray[np.float64]]:
+    """What the lights of the road show, by their ids."""
+    from dse.kinds import RoadSource, tables_along
+
+    road = wired.parts[told.road].source if told.road else None
+    ids = [light.id for way in tables_along(road).paths for light in way.lights] if isinstance(road, RoadSource) else []
+    return told.lights(columns, ids)
 
 
 def mark_of(stored: Run) -> str:

@@ -9,7 +9,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Listen, ServerPort
-from dse.cli.terminal import say
+from dse.cli.terminal import say, show_page
 
 Bench = Annotated[str, typer.Argument(metavar="[BENCH]", help="The bench that is driven first; without it, choose.")]
 Which = Annotated[
@@ -17,6 +17,10 @@ Which = Annotated[
 ]
 Folder = Annotated[Path, typer.Option("--drives", metavar="DIR", help="Where drives are kept.")]
 Most = Annotated[int, typer.Option("--most", min=1, max=64, help="So many drive at once; others wait.")]
+Replayed = Annotated[
+    tuple[Path, int] | None,
+    typer.Option("--replay", metavar="DIR RUN", help="Show this run of a study, or of drives, and drive nothing."),
+]
 Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")]
 
 
@@ -28,6 +32,7 @@ def drive(
     listen: Listen = "",
     port: ServerPort = 8470,
     most: Most = 8,
+    replay: Replayed = None,
     browser: Browser = True,
 ) -> None:
     """Drive a bench yourself, in the browser, in real time.
@@ -35,7 +40,12 @@ def drive(
     Choose a car, drive it with keyboard, gamepad or touch, and change gains as you go. What was driven is kept: metrics
     and verdicts as of any run, and it can be made again, bit for bit. Only this machine reaches it, unless --listen
     says otherwise; then the address that is printed has a token in it. Ctrl-C ends it.
+
+    With --replay a run that was made before is shown by the same view, in a page that needs no server.
     """
+    if replay is not None:
+        _show(*replay, browser)
+        return
     from urllib.parse import urlencode
 
     from dse.api import Drives, open as open_workspace
@@ -55,8 +65,18 @@ def drive(
             say("whoever has this address may drive and look; nothing on the way is encrypted", stderr=True)
         say("Ctrl-C ends it", stderr=True)
         if browser:
-            import webbrowser
-
-            webbrowser.open(address)
+            show_page(address)
 
     serve(Shelf(drives), listen=listen, port=port, tell=tell, drives=on)
+
+
+def _show(folder: Path, run: int, browser: bool) -> None:
+    from dse.api import Results
+    from dse.cli.arguments import named_folder
+    from dse.cli.status import status_line
+
+    with status_line() as tell:
+        page = Results(named_folder(folder)).replay_page(run, tell=tell)
+    say(str(page))
+    if browser:
+        show_page(page.absolute().as_uri())

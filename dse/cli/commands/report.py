@@ -10,7 +10,7 @@ import typer
 from dse.cli.app import app
 from dse.cli.arguments import Folder
 from dse.cli.status import status_line
-from dse.cli.terminal import say, show_problems
+from dse.cli.terminal import say, show_page, show_problems
 
 if TYPE_CHECKING:
     from dse.api import Results
@@ -79,7 +79,7 @@ def report(
     if problems:
         show_problems(DseError(*problems))
     if is_opened:
-        _open(seen[0] if len(seen) == 1 else made[0])
+        show_page((seen[0] if len(seen) == 1 else made[0]).absolute().as_uri())
     raise_if_any(refused)
 
 
@@ -89,10 +89,3 @@ def _chosen(results: Results, which: str | None) -> tuple[int, ...]:
     if which not in ("all", "failed") and not (which.isascii() and which.isdecimal() and 0 < len(which) < 10):
         raise typer.BadParameter(f"'{which}' is neither 'all' nor 'failed' nor a number", param_hint="--replays")
     return results.runs_to_replay(int(which) if which.isdecimal() else which)
-
-
-def _open(page: Path) -> None:
-    import webbrowser
-
-    if not webbrowser.open(page.absolute().as_uri()):
-        say(f"no browser could be started here; open {page} in one", stderr=True)
