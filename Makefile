@@ -1,5 +1,6 @@
 # Everything starts from here: `make demo`, `make drive`, `make test`, `make check`, `make nightly`, `make bench`. Needs
-# Python 3.11+; with uv on PATH, set-up is quicker. LOCKED=1 sets up the versions of requirements.lock, and nothing with another hash.
+# Python 3.11+; with uv on PATH, set-up is quicker. LOCKED=1 sets up the versions of requirements.lock, and nothing with
+# another hash.
 
 PYTHON ?= python3
 VENV ?= .venv

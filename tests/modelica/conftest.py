@@ -11,11 +11,11 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 from modelica_components import Built, MakeModel, Opened, component
+from quick_builds import unoptimized
 
 from dse.domain.component import Component
 from dse.domain.fmu import FmuModel
 from dse.fmu.building import build
-from dse.fmu.toolchain import compilation
 from dse.fmu.unpack import open_fmu
 
 
@@ -32,9 +32,7 @@ def opened(cache: Path) -> Opened:
     of a model: hundreds in a minute."""
 
     def make(component: Component, version: int = 2) -> FmuModel:
-        quick = tuple("-O0" if option == "-O2" else option for option in compilation.LANGUAGE_OPTIONS)
-        with pytest.MonkeyPatch.context() as patch:  # of C that others write the last bit may depend on it
-            patch.setattr(compilation, "LANGUAGE_OPTIONS", quick)
+        with unoptimized():  # of C that others write the last bit may depend on it
             return open_fmu(build(component, version=version, cache=cache), cache=cache)
 
     return make

@@ -32,7 +32,7 @@ def test_a_car_is_chosen_driven_and_braked_behind_another_and_its_report_opened(
         problems: list[str] = []
         page.on("pageerror", lambda error: problems.append(str(error)))
         page.goto(f"http://127.0.0.1:{client.port}/drive#bench=drive_following")
-        page.get_by_role("button", name="Battery-electric dri").first.click()
+        page.get_by_role("button", name="Battery-electric drive on the rear axle, idealised").click()
         page.get_by_role("button", name="Choose the rest for me").click()
         page.fill("#driver", "Ada")
         page.click("button.go:not([disabled])")
@@ -47,10 +47,10 @@ def test_a_car_is_chosen_driven_and_braked_behind_another_and_its_report_opened(
         page.wait_for_url("**/study/drive_following/**")
         page.wait_for_function("() => document.body.textContent.includes('Ada')")
         assert problems == []
-    (drive,) = Drives(folder).recorded().values()
+    kept = Drives(folder, workspace.files)
+    (drive,) = kept.recorded().values()
     assert drive.driver == "Ada"
     assert drive.inputs["brake"].max() == 1
-    kept = Drives(folder, workspace.files)
     (checked,) = kept.check()
     assert checked.was_noted
     assert checked.is_same, checked

@@ -78,9 +78,7 @@ def driven(
             inputs[name][(time >= begin - 1e-6) & (time < end - 1e-6)] = value
     drive = Drive(bench.name, car.id, "me", step, time, inputs, Pace(len(time) - 1, 0, 0.0, 0.0))
     again = bench_of_drive(drive, bench, car, folder)
-    again = replace(
-        again, simulation=replace(again.simulation, record=(*SEEN, "road.light.colour", "road.light.distance"))
-    )
+    again = replace(again, simulation=replace(again.simulation, record=SEEN))
     with Runner(prepare_bench(again, [car])[car.id]) as runner:
         run = runner.run(RunRequest(0, car.id, {}), keep=True)
     assert run.waveforms is not None, run.problem

@@ -11,18 +11,16 @@ from typing import TYPE_CHECKING
 from dse.api.drives.boards import Board, board_of
 from dse.api.drives.keeping import drive_again, keep_drives, thinned
 from dse.api.naming import workspace_of
-from dse.api.studies.driven import RECORDINGS, drive_name, is_drives
+from dse.api.studies.driven import RECORDINGS, drive_name, is_drives, recordings
 from dse.api.studies.run import Run
 from dse.domain.drive import Drive, bits_of
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 from dse.formats import shown
-from dse.storage import StudyFolder, changed_results, drive_id, read_drive, write_drive
+from dse.storage import StudyFolder, changed_results, drive_id, write_drive
 
 if TYPE_CHECKING:
     from dse.api.studies.exploring import Tell
     from dse.loading import Workspace as Files
-
-_MOST = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,23 +58,7 @@ class Drives:
     def recorded(self) -> dict[str, Drive]:
         """The drives by id, sorted; whatever their files are called."""
         self.problems = []
-        found: dict[str, Drive] = {}
-        folder = self.path / RECORDINGS
-        files = sorted(folder.iterdir()) if folder.is_dir() else []
-        if len(files) > _MOST:
-            raise fail(f"there are {len(files):,} files, more than {_MOST:,}", Location(shown(folder)))
-        for file in files:
-            if file.name.startswith(".") or file.suffix != ".parquet" or file.is_symlink() or not file.is_file():
-                if not file.name.startswith("."):
-                    self.problems.append(Problem("is no recording of a drive", Location(shown(file))))
-                continue
-            try:
-                drive = read_drive(file)
-            except DseError as error:
-                self.problems += error.problems
-                continue
-            found[drive_id(drive)] = drive
-        return dict(sorted(found.items()))
+        return dict(sorted(dict(recordings(self.path / RECORDINGS, self.problems)).items()))
 
     def add(self, drive: Drive, *, tell: Tell | None = None) -> str:
         """Keep *drive*, and have it as a run in the study of its bench; returns its id.

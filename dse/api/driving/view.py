@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from dse.errors import fail
 
 if TYPE_CHECKING:
-    from dse.report import Scene, Told
     from dse.testbench import WiredBench
 
 _FASTEST = 70.0
@@ -26,6 +25,7 @@ class View:
     """
 
     def __init__(self, wired: WiredBench, length: float) -> None:
+        from dse.api.studies.scenes import told_scene
         from dse.report import Told, scene_document
 
         bench = wired.bench
@@ -37,7 +37,11 @@ class View:
         found = _Columns()
         # Each signal 1 and all others 0, after nothing but 0: so the weights are read off, whatever a scene is made of.
         probe = np.vstack([np.zeros(len(self.wanted)), np.eye(len(self.wanted))])
-        self.document = scene_document(_scene(wired, told, probe, length), found)
+        columns = dict(zip(self.wanted, probe.T, strict=True))
+        straight = np.array([[0.0, 0.0], [_FASTEST * length, 0.0]])
+        times = np.arange(len(probe), dtype=np.float64)
+        scene = told_scene(wired, told, columns, times, way=straight, reach=_EVERYWHERE)
+        self.document = scene_document(scene, found)
         self.document["columns"] = {}
         self.columns = tuple(found.values)
         table = np.array([np.broadcast_to(values, len(probe)) for values in found.values.values()])
@@ -59,34 +63,6 @@ class _Columns:
 
     def add(self, name: str, kind: str, values: NDArray[np.floating]) -> None:  # noqa: ARG002  # all go as doubles
         self.values[name] = np.asarray(values, np.float64)
-
-
-def _scene(wired: WiredBench, told: Told, probe: NDArray[np.float64], length: float) -> Scene:
-    from dse.api.studies.scenes import lights_of
-    from dse.kinds import RoadSource, roads_of
-    from dse.report import Scene, ground_of, straight_ground
-
-    columns: Mapping[str, NDArray[np.float64]] = dict(zip(told.wanted, probe.T, strict=True))
-    roads = (part.source for part in wired.parts.values() if isinstance(part.source, RoadSource))
-    road = next(roads, None)
-    straight = np.array([[0.0, 0.0], [_FASTEST * length, 0.0]])
-    bench = wired.bench
-    return Scene(
-        title=bench.title or bench.name,
-        subtitle="",
-        time=np.arange(len(probe), dtype=np.float64),
-        ground=ground_of(roads_of(road), straight, _EVERYWHERE) if road else straight_ground(straight, 700.0),
-        host=told.host(columns),
-        others=tuple(told.others(columns)),
-        sensors=tuple(told.sensors(columns, _titles(wired))),
-        weather=told.weather(columns),
-        instruments=tuple(told.instruments(columns)),
-        lights=lights_of(wired, told, columns),
-    )
-
-
-def _titles(wired: WiredBench) -> dict[str, str]:
-    return {path: component.title or component.name for path, component in wired.parts.items()}
 
 
 def frame(head: Sequence[float], columns: NDArray[np.float64]) -> bytes:

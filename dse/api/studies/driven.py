@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dse.errors import DseError, Location, fail
+from dse.errors import DseError, Location, Problem, fail
 from dse.formats import shown
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ NOBODY = "nobody"
 
 RECORDINGS = "recordings"
 """Where the drives themselves lie in their folder; the studies lie beside, named by their benches."""
+
+_MOST = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,19 +65,36 @@ def _kept(told: Mapping[str, Any]) -> Kept:
     return Kept(str(told["driver"]), str(told["configuration"]), *numbers)
 
 
-def recording(study: Path, name: str) -> Drive:
-    """The drive of this id, from the recordings beside the folder of a *study*. Raises DseError if it is not there."""
+def recordings(folder: Path, problems: list[Problem], first: str = "") -> Iterator[tuple[str, Drive]]:
+    """The drives in *folder* with their ids, by their files' names, but a file called *first* before all others.
+
+    Files that are no drives are told in *problems*, by name. Raises DseError if there are too many.
+    """
     from dse.storage import drive_id, read_drive
 
-    folder = study.absolute().parent / RECORDINGS
-    for file in sorted(folder.glob("*.parquet"), key=lambda path: (path.stem != name, path.name)):
+    files = sorted(folder.iterdir(), key=lambda file: (file.stem != first, file)) if folder.is_dir() else []
+    if len(files) > _MOST:
+        raise fail(f"there are {len(files):,} files, more than {_MOST:,}", Location(shown(folder)))
+    for file in files:
+        if file.name.startswith(".") or file.suffix != ".parquet" or file.is_symlink() or not file.is_file():
+            if not file.name.startswith("."):
+                problems.append(Problem("is no recording of a drive", Location(shown(file))))
+            continue
         try:
             drive = read_drive(file)
-        except DseError:
+        except DseError as error:
+            problems += error.problems
             continue
-        if drive_id(drive) == name:
-            return drive
-    raise fail(f"there is no recording of the drive {name}", Location(shown(folder)))
+        yield drive_id(drive), drive
+
+
+def recording(study: Path, name: str) -> Drive:
+    """The drive of this id, from the recordings beside the folder of a *study*. Raises DseError if it is not there."""
+    folder = study.absolute().parent / RECORDINGS
+    found = next((drive for own, drive in recordings(folder, [], name) if own == name), None)
+    if found is None:
+        raise fail(f"there is no recording of the drive {name}", Location(shown(folder)))
+    return found
 
 
 def bench_driven(drive: Drive, bench: TestBench, folder: Path) -> TestBench:

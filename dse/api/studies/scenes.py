@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dse.errors import DseError, Location, fail
+from dse.errors import Location, fail
 from dse.scratch import ScratchFolder
 
 if TYPE_CHECKING:
@@ -25,6 +24,8 @@ if TYPE_CHECKING:
     from dse.domain.component import Component
     from dse.report import Ground, Scene, Told
     from dse.testbench import WiredBench
+
+    Floats = NDArray[np.float64]
 
 _FRAMES = 25.0
 """In a second: what moves between them is drawn in between."""
@@ -47,12 +48,13 @@ def _bench_of(stored: Run, source: str | Path | None, near: Path, scratch: Path)
     """The bench as it was simulated for *stored*; what was driven by somebody lies as a table in *scratch*."""
     from dse.api.studies.driven import NOBODY, bench_driven, drive_name, is_drives, recording
     from dse.api.studies.replaying import benches_of
-    from dse.api.studies.trying import benches_near
+    from dse.api.studies.trying import benches_near, near_or_here
     from dse.domain.study import TESTBENCH
     from dse.testbench import with_values
 
     if is_drives(stored.definition):
-        name, bench = drive_name(stored.definition, stored.point), _driven_bench(stored, near)
+        name, of = drive_name(stored.definition, stored.point), stored.definition.bench.name
+        bench = near_or_here(near, lambda workspace: workspace.bench(of))
         return bench if name == NOBODY else bench_driven(recording(near, name), bench, scratch)
     on = int(stored.point.get(TESTBENCH, 0))
     point = {name: value for name, value in stored.point.items() if name != TESTBENCH}
@@ -60,20 +62,10 @@ def _bench_of(stored: Run, source: str | Path | None, near: Path, scratch: Path)
     return with_values(found[on], point)
 
 
-def _driven_bench(stored: Run, near: Path) -> TestBench:
-    from dse.api.naming import workspace_of
-    from dse.loading import Workspace
-
-    name = stored.definition.bench.name
-    with suppress(DseError):
-        return Workspace.around(near).bench(name)
-    return workspace_of("").bench(name)
-
-
 def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Scene:
     from dse.api.studies.exploring import alone
     from dse.domain.study import Selection
-    from dse.report import Scene, Told
+    from dse.report import Told
     from dse.testbench import bench_study, one_configuration, wire_bench
 
     chosen = one_configuration(bench.design, stored.configuration)
@@ -90,33 +82,44 @@ def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Sce
     if made.waveforms is None or not _is_same(made.metrics, stored.metrics):
         what = f"run {stored.number} did not give the same again"
         raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' tells what changed")
-    columns = made.waveforms.values
+    scene = told_scene(wired, told, made.waveforms.values, made.waveforms.time)
+    title = stored.definition.title or stored.definition.study
+    return replace(scene, title=title, subtitle=f"run {stored.number}", mark=mark_of(stored))
+
+
+def told_scene(
+    wired: WiredBench,
+    told: Told,
+    columns: Mapping[str, Floats],
+    time: Floats,
+    *,
+    way: Floats | None = None,
+    reach: float = _REACH,
+) -> Scene:
+    """The scene of *wired* at each *time* (s), of what is *told* by the signals in *columns*.
+
+    Roads are drawn as far as *reach* (m) beside the *way* (points, m) that is driven: that of the car.
+    """
+    from dse.kinds import RoadSource, tables_along
+    from dse.report import Scene
+
     host = told.host(columns)
     titles = {path: component.title or component.name for path, component in wired.parts.items()}
+    road = wired.parts[told.road].source if told.road else None
+    ids = [light.id for way in tables_along(road).paths for light in way.lights] if isinstance(road, RoadSource) else []
+    driven = np.column_stack([host.columns["x"], host.columns["y"]]) if way is None else way
     return Scene(
-        stored.definition.title or stored.definition.study,
-        f"run {stored.number}",
-        made.waveforms.time,
-        _ground(wired.parts.values(), np.column_stack([host.columns["x"], host.columns["y"]])),
+        wired.bench.title or wired.bench.name,
+        "",
+        time,
+        _ground(wired.parts.values(), driven, reach),
         host,
         tuple(told.others(columns)),
         tuple(told.sensors(columns, titles)),
         told.weather(columns),
         tuple(told.instruments(columns)),
-        lights_of(wired, told, columns),
-        mark_of(stored),
+        told.lights(columns, ids),
     )
-
-
-def lights_of(
-    wired: WiredBench, told: Told, columns: Mapping[str, NDArray[np.float64]]
-) -> dict[str, NDArray[np.float64]]:
-    """What the lights of the road show, by their ids."""
-    from dse.kinds import RoadSource, tables_along
-
-    road = wired.parts[told.road].source if told.road else None
-    ids = [light.id for way in tables_along(road).paths for light in way.lights] if isinstance(road, RoadSource) else []
-    return told.lights(columns, ids)
 
 
 def mark_of(stored: Run) -> str:
@@ -156,12 +159,12 @@ def _is_same(made: Mapping[str, float], stored: Mapping[str, float]) -> bool:
     return all(np.array_equal(made.get(name, np.nan), value, equal_nan=True) for name, value in stored.items())
 
 
-def _ground(parts: Iterable[Component], way: NDArray[np.float64]) -> Ground:
-    """The roads around what is driven: those of the part that is a road, or two lanes straight on."""
+def _ground(parts: Iterable[Component], way: Floats, reach: float) -> Ground:
+    """The roads within *reach* of what is driven: those of the part that is a road, or two lanes straight on."""
     from dse.kinds import RoadSource, roads_of
     from dse.report import ground_of, straight_ground
 
     for component in parts:
         if isinstance(component.source, RoadSource):
-            return ground_of(roads_of(component.source), way, _REACH)
+            return ground_of(roads_of(component.source), way, reach)
     return straight_ground(way, _REACH)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from dse.api.studies.exploring import alone
 from dse.api.studies.run import Run
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from dse.domain.bench import TestBench
     from dse.domain.component import Value
     from dse.domain.definition import DefinedVariable, StudyDefinition
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,13 +62,17 @@ def benches_near(definition: StudyDefinition, near: Path) -> tuple[TestBench, ..
     is_bench = not definition.variables
     name = definition.bench.name if is_bench else definition.study
 
-    def found(place: Path) -> tuple[TestBench, ...]:
-        workspace = Workspace.around(place)
+    def found(workspace: Workspace) -> tuple[TestBench, ...]:
         return (workspace.bench(name),) if is_bench else workspace.study(name).benches
 
+    return near_or_here(near, found)
+
+
+def near_or_here(near: Path, look: Callable[[Workspace], T]) -> T:
+    """What *look* finds in the workspace around *near*, else around the current folder; DseError if in neither."""
     with suppress(DseError):
-        return found(near)
-    return found(Path())
+        return look(Workspace.around(near))
+    return look(Workspace.around(Path()))
 
 
 def _within_ranges(

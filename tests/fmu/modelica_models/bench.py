@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import pytest
+from quick_builds import unoptimized
 
 from dse.csolve import headers
 from dse.fmu.toolchain import compilation
@@ -148,10 +148,7 @@ class Handmade:
         if not target.is_file():
             library = this_platform().library(version, self.name)
             units = [f"runtime/fmi{version}.c", "start.c"]
-            with pytest.MonkeyPatch.context() as patch:
-                # The optimizer changes no bit, and takes three quarters of the time.
-                quick = tuple("-O0" if option == "-O2" else option for option in compilation.LANGUAGE_OPTIONS)
-                patch.setattr(compilation, "LANGUAGE_OPTIONS", quick)
+            with unoptimized():  # it changes no bit
                 binary = compilation.compile_library(find_compiler(), files, units, "runtime", library.name)
             description = (_describe_2 if version == 2 else _describe_3)(self)
             target.write_bytes(pack_zip({"modelDescription.xml": description.encode(), str(library): binary}))

@@ -34,10 +34,12 @@ export class Falling {
     // As dense as it looks: twice the rain has bigger drops, too, rather than twice as many.
     const count = Math.ceil(MANY * Math.min(1, Math.sqrt(rate / HEAVY)));
     const places = this.mesh.geometry.getAttribute("position");
-    const fallen = [-eye.x, -eye.y, -eye.z - this.speed * time];
+    const down = eye.z + this.speed * time;
     const step = this.isLong ? 2 : 1;
     for (let i = 0; i < count; i++) {
-      const [x, y, z] = [0, 1, 2].map((axis) => around(this.drops[3 * i + axis]! + fallen[axis]!)) as [number, number, number];
+      const x = around(this.drops[3 * i]! - eye.x);
+      const y = around(this.drops[3 * i + 1]! - eye.y);
+      const z = around(this.drops[3 * i + 2]! - down);
       places.setXYZ(step * i, x, y, z);
       if (this.isLong) places.setXYZ(step * i + 1, x + this.streak.x, y + this.streak.y, z + this.streak.z);
     }
