@@ -1,5 +1,6 @@
 from .api import (
     Bench as Bench,
+    Column as Column,
     Compared as Compared,
     Design as Design,
     ExplorationInterruptedError as ExplorationInterruptedError,
@@ -11,6 +12,7 @@ from .api import (
     Waveforms as Waveforms,
     Workspace as Workspace,
     compare as compare,
+    compare_components as compare_components,
     open as open,
     results as results,
 )

@@ -74,7 +74,7 @@ def built_before(request: pytest.FixtureRequest) -> Callable[[Path], Path]:
     def fill(folder: Path) -> Path:
         folder.mkdir(exist_ok=True)
         if sys.platform != "win32":  # whose links are for administrators
-            for shelf in ("built", "checked", "modelica", "objects"):
+            for shelf in ("built", "checked", "coded", "modelica", "objects"):
                 (ours / shelf).mkdir(exist_ok=True)
                 with suppress(FileExistsError):  # another worker of a parallel run was first
                     (folder / shelf).symlink_to(ours / shelf)

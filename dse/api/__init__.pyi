@@ -51,6 +51,7 @@ from .studies.comparing import (
     comparison_as_data as comparison_as_data,
     flip_counts as flip_counts,
 )
+from .studies.exciting import Column as Column
 from .studies.exploring import (
     ExplorationInterruptedError as ExplorationInterruptedError,
     Explored as Explored,
@@ -62,6 +63,12 @@ from .studies.exploring import (
 )
 from .studies.glancing import Glance as Glance, glance as glance
 from .studies.merging import Merged as Merged, merge_into as merge_into
+from .studies.pairing import (
+    Apart as Apart,
+    Pair as Pair,
+    compare_components as compare_components,
+    pair_as_data as pair_as_data,
+)
 from .studies.refining import Towards as Towards, refine as refine
 from .studies.replaying import replay as replay
 from .studies.results import Results as Results, Summary as Summary, results as results

@@ -202,7 +202,8 @@ class CSource(Source):
     Without it the code is a plant: ``void step(T *, double h)`` runs once per communication step.
     With a *partner*, a module of dse, a process of its own does the work (dse/fmu/runtime/partner.h), with *resources*
     by name: ``init`` and ``step`` fill the array ``ask``, and ``void <struct>_take(T *)`` empties ``answer``. What is
-    asked goes out as a datagram if the component *is_live* (dse/fmu/runtime/udp.h).
+    asked goes out as a datagram if the component *is_live* (dse/fmu/runtime/udp.h), or to a library that the component
+    holds as bytes if it *is_coded* (dse/fmu/runtime/coded.h).
     """
 
     kind = "c"
@@ -217,6 +218,7 @@ class CSource(Source):
     partner: str = ""
     resources: tuple[tuple[str, bytes], ...] = field(default=(), repr=False)
     is_live: bool = False
+    is_coded: bool = False
 
     @property
     def sample_time(self) -> float | None:

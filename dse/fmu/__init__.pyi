@@ -17,13 +17,17 @@ from .toolchain.compilation import (
     LANGUAGE_OPTIONS as LANGUAGE_OPTIONS,
     MODEL_OPTIONS as MODEL_OPTIONS,
     CompilationError as CompilationError,
+    Diagnostic as Diagnostic,
+    compile_foreign as compile_foreign,
     compile_object as compile_object,
+    foreign_options as foreign_options,
     link_library as link_library,
     options as options,
 )
 from .toolchain.compiler import (
     Compiler as Compiler,
     NoCompilerError as NoCompilerError,
+    find_compiler as find_compiler,
     with_compiler as with_compiler,
 )
 from .toolchain.platforms import this_platform as this_platform

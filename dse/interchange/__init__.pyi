@@ -1,3 +1,4 @@
+from .importing.coded import ImportedCode as ImportedCode, import_code as import_code
 from .importing.component import import_component as import_component
 from .importing.ssp import import_ssp as import_ssp
 from .prepared import PreparedPackage as PreparedPackage, check_ssp as check_ssp, prepare_ssp as prepare_ssp

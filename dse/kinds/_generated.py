@@ -19,6 +19,7 @@ def build_generated(
     partner: str = "",
     resources: Mapping[str, bytes] | None = None,
     is_live: bool = False,
+    is_coded: bool = False,
 ) -> Path:
     """The FMU archive of *component* from C as the kind ``c`` takes it, which *files* has by file name.
 
@@ -34,6 +35,15 @@ def build_generated(
     held = tuple(sorted((resources or {}).items()))
     paths = tuple(folder / name for name in contents)
     source = CSource(
-        paths, folder / f"{struct}.h", struct, f"{struct}_init", f"{struct}_step", step, partner, held, is_live
+        paths,
+        folder / f"{struct}.h",
+        struct,
+        f"{struct}_init",
+        f"{struct}_step",
+        step,
+        partner,
+        held,
+        is_live,
+        is_coded,
     )
     return build_c(component, source, version=version, cache=cache)

@@ -26,6 +26,10 @@ from .uvl.writing import to_uvl as to_uvl
 from .values import Raw as Raw, read_number as read_number, read_unit as read_unit
 from .workspace import Workspace as Workspace
 from .writing.bench import write_bench as write_bench
-from .writing.component import write_fmu_component as write_fmu_component, write_interfaces as write_interfaces
+from .writing.component import (
+    write_component as write_component,
+    write_fmu_component as write_fmu_component,
+    write_interfaces as write_interfaces,
+)
 from .writing.design import write_components as write_components, write_design as write_design
 from .writing.study import write_narrowed as write_narrowed

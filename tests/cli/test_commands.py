@@ -19,7 +19,7 @@ from example_study import example_studies
 COMMANDS = (
     *("init", "check", "list", "new", "components", "build", "enumerate", "space", "simulate", "run", "explore"),
     *("world", "status", "results", "findings", "best", "pareto", "refine", "report", "figure", "replay", "drives"),
-    *("cache", "udp"),
+    *("cache", "compare", "compare-components", "udp"),
 )
 
 
@@ -331,3 +331,39 @@ def test_an_interrupted_study_says_how_to_go_on(example, cache, tmp_path):
     assert process.returncode == 130
     assert b"the same command goes on from there" in errors
     assert b"Traceback" not in errors
+
+
+@pytest.mark.thorough
+def test_components_are_compared_on_the_same_inputs(dse):
+    same = dse("compare-components", "pd_acc", "pd_acc_coded", "--steps", "200", "--input", "speed=0:40")
+    assert same.returncode == 0, same.stderr
+    assert "equal to 1e-12 in 200 steps of 0.01 s" in same.stdout
+    other = dse("compare-components", "pd_acc", "pi_time_gap_acc", "--json", "--input", "set_gap=40")
+    assert other.returncode == 3
+    found = json.loads(other.stdout)
+    assert found["parameters"]["kp_speed"] == [1.2, 0.7]
+    assert found["outputs"]["demand.drive_torque"]["absolute"] > 1
+    assert found["outputs"]["reference.gap"] == {
+        "unit": "m",
+        "absolute": 0.0,
+        "relative": 0.0,
+        "time": 0.0,
+        "values": [40.0, 40.0],
+        "moves": False,
+    }
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["pd_acc", "hydraulic_booster"], 1, "'pd_acc' implements 'acc_controller', 'hydraulic_booster' 'brake'"),
+        (["pd_acc", "idm_acc", "--input", "sped=1"], 1, "there is no input 'sped'"),
+        (["pd_acc", "idm_acc", "--input", "speed"], 2, "is not NAME=LOW:HIGH"),
+        (["pd_acc", "idm_acc", "--input", "speed=cycle.csv:v"], 1, "no such file: cycle.csv"),
+    ],
+)
+def test_components_that_cannot_be_compared_are_refused_by_name(dse, arguments, code, said):
+    done = dse("compare-components", *arguments)
+    assert done.returncode == code
+    assert said in " ".join(done.stderr.replace("│", " ").split())
+    assert "Traceback" not in done.stderr

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from answerers import Answerer
+from coded_texts import gain
 
 from dse.fmu.building import build
 from dse.testing.kinds import Files, lay_out, the_component
@@ -104,6 +105,12 @@ def sumo() -> Files:
     }
 
 
+def simulink() -> Files:
+    source = "{kind: simulink, folder: twice_ert_rtw, step: 10 ms}\nmap: {factor: twice_P.factor}"
+    files: Files = {f"twice/twice_ert_rtw/{name}": text for name, text in gain().items()}
+    return {**written(source), **files}
+
+
 @cache
 def _doubling() -> int:
     """The port of somebody outside that multiplies, there until the tests are over."""
@@ -123,5 +130,6 @@ EXAMPLES: dict[str, Callable[[], Files]] = {
     "road": road,
     "sumo": sumo,
     "time_series": time_series,
+    "simulink": simulink,
     "udp": udp,
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 
 import pytest
 from kinds.examples import EXAMPLES, written
@@ -30,7 +31,8 @@ def test_a_planned_kind_is_read_and_refused_when_it_is_built(tmp_path, word):
     assert kind_of(component) is None
     with pytest.raises(DseError, match=f"sources of the kind '{word}' cannot be built in this version") as caught:
         build(component, cache=tmp_path / "cache")
-    assert caught.value.problems[0].hint == "use a source of the kind c, fmu, modelica, road, sumo, time_series or udp"
+    (problem,) = caught.value.problems
+    assert problem.hint == "use a source of the kind c, fmu, modelica, road, simulink, sumo, time_series or udp"
 
 
 @pytest.mark.parametrize(
@@ -57,3 +59,12 @@ def test_what_is_wrong_in_a_source_and_around_it_is_told_at_once(tmp_path):
     with pytest.raises(DseError) as caught:
         the_component(lay_out(files, tmp_path))
     assert [problem.what for problem in caught.value.problems] == ["unknown key 'fil'", "unknown key 'colour'"]
+
+
+def test_without_libclang_generated_code_is_not_looked_into_and_that_is_told(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "clang", None)
+    component = the_component(lay_out(EXAMPLES["simulink"](), tmp_path))
+    (told,) = kind_of(component).check(component, component.source)
+    assert "libclang is not installed" in told.what
+    with pytest.raises(DseError, match="libclang, which is not installed"):
+        build(component, cache=tmp_path / "cache")

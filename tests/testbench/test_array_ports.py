@@ -21,6 +21,7 @@ from dse.testbench.check import check_workspace
 from dse.testbench.fuse import fuse_study
 from dse.testbench.runner import Runner
 from dse.testbench.study import bench_study, prepare_study
+from dse.testing.kinds import lay_out, the_component
 
 INTERFACES = (
     TYPES
@@ -346,3 +347,15 @@ def test_an_array_of_an_fmu_is_mapped_by_its_name(root: Path, tmp_path: Path) ->
     text = files["components/interfaces.yaml"].replace("'m[3]'", "'m[4]'")
     write(other, {"components/interfaces.yaml": text})
     assert "the FMU of lidar has no 'ranges[4]': 'ranges' has 3 values" in told(other)
+
+
+def test_arrays_whose_names_differ_in_a_digit_have_sizes_of_their_own(tmp_path: Path) -> None:
+    header = "typedef struct { struct { double a1[2], a2[3]; } in; struct { double y; } out; } two; "
+    files = {
+        "interfaces.yaml": 'interfaces:\n  two: {inputs: {a1: "1[2]", a2: "1[3]"}, outputs: {y: "1"}}\n',
+        "two/component.yaml": "component: two\nimplements: two\nsource: {kind: c, files: [two.c], header: two.h}\n",
+        "two/two.h": f"{header}void two_init(two *s); void two_step(two *s, double h);\n",
+        "two/two.c": '#include "two.h"\nvoid two_init(two *s) { s->out.y = 0; }\n'
+        "void two_step(two *s, double h) { s->out.y = s->in.a1[1] + s->in.a2[2] + h; }\n",
+    }
+    assert build(the_component(lay_out(files, tmp_path)), cache=tmp_path / "cache").exists()

@@ -37,6 +37,7 @@ COMMANDS = (
     "best",
     "refine",
     "compare",
+    "compare_components",
     "report",
     "serve",
     "drive",
@@ -52,7 +53,7 @@ COMMANDS = (
 
 def register(words: Sequence[str] = ()) -> None:
     """Import the command that *words*, as they were typed, start with, which adds it to the application; else all."""
-    first, second = (*words[:2], "", "")[:2]
+    first, second = (word.replace("-", "_") for word in (*words[:2], "", "")[:2])
     asked = {first, f"{first}_", f"{first}.{second}"} & {*COMMANDS}
     for name in asked or COMMANDS:
         import_module(f"{__name__}.{name}")

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.cli.app import group
-from dse.cli.terminal import plain, say
+from dse.cli.terminal import plain, plain_table, print_table, say
 
 if TYPE_CHECKING:
     from collections.abc import Sized
 
+    from dse.domain.component import Component
     from dse.domain.design import DesignSpace
 
 import_app = group("import", "Read a design space, a component or a system from another program's file.")
@@ -73,11 +74,7 @@ def import_fmu(
         raise typer.BadParameter("only one FMU can be given a name", param_hint="--name")
     for file in files:
         written = import_component(file, target, name)
-        implements = "of its own" if written.has_own_interface else "of the workspace"
-        component = written.component
-        counts = f"{_counted(component.interface.ports, 'port')}, {_counted(component.parameters, 'parameter')}"
-        say(f"{written.path}: {counts}")
-        say(f"  implements {component.interface.name}, an interface {implements}")
+        _say_written(written.path, written.component, has_own_interface=written.has_own_interface)
         if written.starts:
             starts = plain(", ".join(written.starts))
             say(f"  inputs, with the values the FMU gives them itself: {starts}")
@@ -86,6 +83,63 @@ def import_fmu(
         for what in written.left_out:
             say(f"  left out: {plain(what)}")
     say("next: dse check")
+
+
+@import_app.command("simulink")
+def import_simulink(
+    code: Annotated[Path, typer.Argument(metavar="DIR", help="What the coder wrote: acc_ert_rtw.")],
+    folder: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            help="The workspace to write to; made if it is new. Else the one around this folder, or this folder.",
+        ),
+    ] = None,
+    name: Annotated[
+        str | None, typer.Option("--name", metavar="NAME", help="The component's name; else that of the model.")
+    ] = None,
+    model: Annotated[str, typer.Option("--model", metavar="NAME", help="Which model, if there are several.")] = "",
+    step: Annotated[
+        str | None, typer.Option("--step", metavar="TIME", help="Its step, where nothing in the code tells it.")
+    ] = None,
+) -> None:
+    """Make a component of C or C++ that Simulink's coder wrote.
+
+    Shows what the code has: ports, how it is called, its step and what tells it, its parameters. Starts it in a
+    process of its own, and writes DIR/components/NAME/component.yaml. The code stays where it is.
+    """
+    from dse.cli.packages import seconds
+    from dse.interchange import import_code
+    from dse.loading import find_root
+    from dse.simulink import block_of, systems
+
+    target = folder or Path(os.path.relpath(find_root(Path()) or Path()))
+    written = import_code(code, target, name, model=model, step=seconds("--step", step))
+    made, timing = written.model.interface, written.model.timing
+    known = systems(written.model.folder.texts[written.model.folder.header])
+    language = "C++" if written.model.folder.is_cpp else "C"
+    say(f"{plain(written.model.folder.model)}: {language}, {made.style}, every {timing.step:.12g} s by {timing.source}")
+    table = plain_table("", "in the code", "type", "block")
+    for what, ports in (("input", made.inputs), ("output", made.outputs), ("parameter", made.parameters)):
+        for port in ports[:_MOST_SHOWN]:
+            table.add_row(what, plain(port.name), plain(port.scalar.name), plain(block_of(port.block, known)))
+        if len(ports) > _MOST_SHOWN:
+            table.add_row(what, f"and {len(ports) - _MOST_SHOWN} more")
+    print_table(table)
+    _say_written(written.path, written.component, has_own_interface=written.has_own_interface)
+    for what in written.told:
+        say(f"  {plain(what)}")
+    for what in written.left_out:
+        say(f"  left out: {plain(what)}")
+    reals = [port for port in written.component.interface.ports if port.type.unit.symbol]
+    taken = ", ".join(f"{port.name} in {port.type.unit}" for port in reals[:_MOST_SHOWN])
+    say(f"  the code tells no units: {taken or 'its numbers are taken as they are'}; else say so by in_code")
+    say("next: dse check")
+
+
+_MOST_SHOWN = 20
 
 
 @import_app.command("ssp")
@@ -111,6 +165,13 @@ def import_ssp(
     for bench in made.benches:
         more = f" --configuration {bench.configuration}" if bench.configuration else ""
         say(f"next: dse simulate {folder / 'testbenches' / bench.name}.yaml{more}")
+
+
+def _say_written(path: Path, component: Component, *, has_own_interface: bool) -> None:
+    counts = f"{_counted(component.interface.ports, 'port')}, {_counted(component.parameters, 'parameter')}"
+    say(f"{path}: {counts}")
+    whose = "of its own" if has_own_interface else "of the workspace"
+    say(f"  implements {component.interface.name}, an interface {whose}")
 
 
 def _counted(things: Sized, what: str) -> str:

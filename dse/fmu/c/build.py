@@ -69,6 +69,8 @@ def _contents(
         user[PARTNER] = source.partner.encode()
     if source.is_live:
         names = (*names, "datagram.h", "udp_told.h", "udp.h")
+    if source.is_coded:
+        names = (*names, "coded.h")
     runtime = {f"sources/runtime/{name}": (_RUNTIME / name).read_bytes() for name in names}
     subject = Subject(
         name=component.name,
@@ -79,7 +81,7 @@ def _contents(
         slots=variables,
         files=(f"runtime/fmi{version}.c", *(f"component/{unit}" for unit in staged.units)),
         include_folder=posixpath.dirname(f"component/{staged.header}"),
-        has_state=not (source.partner or source.is_live),
+        has_state=not (source.partner or source.is_live or source.is_coded),
         needs_tool=source.is_live,
     )
 

@@ -109,7 +109,7 @@ def _alike(slots: tuple[Slot, ...]) -> list[list[Slot]]:
     """The slots whose members differ in indices only, and so are of one type."""
     found: dict[str, list[Slot]] = {}
     for slot in slots:
-        found.setdefault(re.sub(r"\d+", "", slot.member) if "[" in slot.member else slot.member, []).append(slot)
+        found.setdefault(re.sub(r"\[\d+\]", "[]", slot.member), []).append(slot)
     return list(found.values())
 
 

@@ -11,6 +11,26 @@
 #define DSE_TAKE_BINARIES(instance, function) true
 #endif
 
+#ifdef DSE_CODED
+/* What init or step has put into *told* and *ask* goes to the model, its *answer* to where the component wants it. */
+static bool dse_ask_coded(struct dse_instance *instance, const char *function, bool begins) {
+    dse_component *now = &instance->at.now;
+    char said[DSE_CODED_LONGEST + 1];
+    double value;
+    if (!dse_component_wrong(now, &value)) {
+        if (!dse_coded_ask(&instance->coded, begins, now->told, now->ask, now->answer, said)) {
+            return dse_refuse(instance, function, "%s", said);
+        }
+        dse_component_take(now);
+    }
+    const char *wrong = dse_component_wrong(now, &value);
+    return !wrong || dse_refuse(instance, function, "%s: it is %.12g", wrong, value);
+}
+#define DSE_ASK_CODED(instance, function, begins) dse_ask_coded(instance, function, begins)
+#else
+#define DSE_ASK_CODED(instance, function, begins) true
+#endif
+
 #if defined DSE_UDP
 /* What init or step has put into *ask* goes out, what is heard to where the component wants it. */
 static bool dse_ask_partner(struct dse_instance *instance, const char *function, double step) {
@@ -54,7 +74,7 @@ static DSE_APART bool dse_refresh(struct dse_instance *instance, const char *fun
     DSE_CHANGED(instance);
     memcpy(&instance->at.now, &instance->at.start, sizeof instance->at.now);
     dse_component_init(&instance->at.now);
-    if (!DSE_ASK_PARTNER(instance, function, 0.0)) {
+    if (!DSE_ASK_PARTNER(instance, function, 0.0) || !DSE_ASK_CODED(instance, function, true)) {
         return false;
     }
     instance->at.is_stale = 0;
@@ -84,6 +104,9 @@ static inline bool dse_do_step(struct dse_instance *instance, const char *functi
     const double end = (time - at->start_time) + step - 1e-4 * DSE_PERIOD;
     while ((double)at->hits * DSE_PERIOD < end) {
         dse_component_step(&at->now);
+        if (!DSE_ASK_CODED(instance, function, false)) {
+            return false;
+        }
         at->hits++;
     }
 #else

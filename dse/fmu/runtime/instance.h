@@ -22,6 +22,9 @@
 #ifdef DSE_UDP
 #include "udp.h"
 #endif
+#ifdef DSE_CODED
+#include "coded.h"
+#endif
 
 #if defined _WIN32
 #define DSE_EXPORT __declspec(dllexport)
@@ -86,6 +89,9 @@ struct dse_instance {
 #endif
 #ifdef DSE_UDP
     struct dse_udp udp;
+#endif
+#ifdef DSE_CODED
+    struct dse_coded coded;
 #endif
 #ifdef DSE_OSMP
     struct dse_osmp osmp; /* last: what lies before it is the same without */
@@ -188,6 +194,9 @@ static void dse_destroy(struct dse_instance *instance) {
         dse_end_session(instance);
         dse_udp_close(&instance->udp);
 #endif
+#ifdef DSE_CODED
+        dse_coded_end(&instance->coded);
+#endif
         free(instance->name);
         free(instance);
     }
@@ -238,6 +247,9 @@ static bool dse_keep(
 #endif
 #ifdef DSE_UDP
     return dse_refuse(instance, function, "the state of the other side cannot be saved");
+#endif
+#ifdef DSE_CODED
+    return dse_refuse(instance, function, "the state of code that Simulink generated cannot be saved");
 #endif
     if (!*state) {
         *state = malloc(sizeof *from);

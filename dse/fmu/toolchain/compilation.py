@@ -9,7 +9,7 @@ import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dse.errors import fail
@@ -31,6 +31,9 @@ _CHECKS = ("date-time", "implicit-function-declaration", "incompatible-pointer-t
 _LONGEST = 900
 """Seconds after which a compiler is stopped."""
 
+_MOST_MEMORY = 4 * 1024**2
+"""KiB that it may have for a unit of other people's code."""
+
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
@@ -43,11 +46,12 @@ class Diagnostic:
 
 
 class CompilationError(Exception):
-    """The compiler refused; *diagnostics* is never empty."""
+    """The compiler refused; *diagnostics* is never empty. *units* are those that did not compile, if any was told."""
 
-    def __init__(self, diagnostics: tuple[Diagnostic, ...]) -> None:
+    def __init__(self, diagnostics: tuple[Diagnostic, ...], units: tuple[str, ...] = ()) -> None:
         super().__init__(diagnostics)
         self.diagnostics = diagnostics
+        self.units = units
 
 
 def options(compiler: Compiler) -> tuple[str, ...]:
@@ -114,11 +118,13 @@ def compile_foreign(
     units: Mapping[str, tuple[str, ...]],
     libraries: Iterable[str],
     library: str,
+    *,
+    link: Iterable[str] = (),
 ) -> bytes:
     """The shared library *library* made of other people's *units* (paths in *folder*), each with its own options.
 
-    *libraries* are linked besides the mathematical one. Same input, same bytes: paths are relative. Raises
-    CompilationError with the diagnostics of all units.
+    *libraries* are linked besides the mathematical one, with the options *link*. Same input, same bytes: paths are
+    relative. Raises CompilationError with the diagnostics of all units.
     """
     common = (*_FOREIGN_OPTIONS, *(() if sys.platform == "win32" else ("-fPIC",)))
     linked = (*_libraries(), *(f"-l{name}" for name in libraries))
@@ -128,13 +134,16 @@ def compile_foreign(
         def compile_unit(made: str) -> tuple[Diagnostic, ...]:
             target, unit = scratch / made, objects[made]
             arguments = (*common, *units[unit], "-c", unit, "-o", str(target))
-            answer = _run(compiler, arguments, folder)
-            return () if answer.returncode == 0 and target.is_file() else _told(answer)
+            answer = _run(compiler, arguments, folder, is_foreign=True)
+            if answer.returncode == 0 and target.is_file():
+                return ()
+            return tuple(replace(each, file=each.file or unit) for each in _told(answer))
 
-        problems = [one for told in in_parallel(objects, compile_unit).values() for one in told]
+        told = in_parallel(objects, compile_unit)
+        problems = dict.fromkeys(one for each in told.values() for one in each)
         if problems:
-            raise CompilationError(tuple(dict.fromkeys(problems)))
-        answer = _run(compiler, (*_link_foreign(compiler), *objects, "-o", library, *linked), scratch)
+            raise CompilationError(tuple(problems), tuple(objects[made] for made, each in told.items() if each))
+        answer = _run(compiler, (*_link_foreign(compiler), *link, *objects, "-o", library, *linked), scratch)
         return _product(scratch / library, answer)
 
 
@@ -192,10 +201,17 @@ def _scratch() -> Iterator[Path]:
             raise fail(what, hint="set TMPDIR to a folder that is left alone") from error
 
 
-def _run(compiler: Compiler, arguments: Iterable[str], folder: Path) -> subprocess.CompletedProcess[str]:
+def _run(
+    compiler: Compiler, arguments: Iterable[str], folder: Path, *, is_foreign: bool = False
+) -> subprocess.CompletedProcess[str]:
     if not compiler.command:
         raise no_compiler()
     command = [*compiler.command, *arguments]
+    if is_foreign and sys.platform != "win32":
+        # A few macros can stand for more than the machine holds, which macOS does not limit. What the compiler has
+        # started would go on when it is stopped itself.
+        limits = f"ulimit -v {_MOST_MEMORY} 2> /dev/null; ulimit -t {_LONGEST} 2> /dev/null"
+        command = ["/bin/sh", "-c", f'{limits}; exec "$0" "$@"', *command]
     try:
         return subprocess.run(
             command,
@@ -220,6 +236,7 @@ def _told(answer: subprocess.CompletedProcess[str]) -> tuple[Diagnostic, ...]:
 _LOCATED = re.compile(r"^(?P<file>[^\s:][^:]*):(?P<line>\d+):(?:(?P<column>\d+):)? (?:fatal )?error: (?P<message>.*)$")
 _UNDEFINED = re.compile(r"undefined (?:reference to|symbol:?) [`'\"]?(?P<name>[A-Za-z_]\w*)")
 _TWICE = re.compile(r"(?:multiple definition of|duplicate symbol:?) [`'\"]?(?P<name>[A-Za-z_]\w*)")
+_ADVICE = re.compile(r"Please submit a full bug report|See <(?:file|http)")
 _FLAG = re.compile(r" \[-W[^\]]*\]$")
 
 
@@ -239,5 +256,5 @@ def _diagnostics(text: str) -> list[Diagnostic]:
 
 
 def _last_lines(text: str) -> str:
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    lines = [line.strip() for line in text.splitlines() if line.strip() and not _ADVICE.match(line)]
     return "; ".join(lines[-3:]) or "it said nothing"

@@ -53,7 +53,7 @@ def import_component(
     if target.exists():
         problems.append(Problem("is there already", Location(shown(target)), "give another --name"))
     raise_if_any(problems)
-    known = _interfaces(folder)
+    known = interfaces_of(folder)
     offered = implementing(offer(own, model, FmuSource(target / f"{own}.fmu")), known.values())
     component = offered.component
     has_own = component.interface.name not in known or component.interface != known[component.interface.name]
@@ -89,5 +89,6 @@ def _together(values: list[str]) -> str:
     return values[0] if len(set(values)) == 1 else f"[{', '.join(values)}]"
 
 
-def _interfaces(folder: Path) -> dict[str, Interface]:
+def interfaces_of(folder: Path) -> dict[str, Interface]:
+    """Those of the workspace *folder*, by name."""
     return dict(Workspace(folder).interfaces) if (folder / "components").is_dir() else {}

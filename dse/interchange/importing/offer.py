@@ -100,15 +100,16 @@ def offer(name: str, model: FmuModel, source: Source) -> Offer:
     return Offer(component, starts, tuple(left_out), tuple(told))
 
 
-def implementing(offered: Offer, interfaces: Iterable[Interface]) -> Offer:
+def implementing(offered: Offer, interfaces: Iterable[Interface], *, has_units: bool = True) -> Offer:
     """What is *offered*, with that of the *interfaces* whose ports the component has all, and which has all its inputs.
 
     Names of ports may differ in capitals and separators. Of several interfaces it is the one with the most ports, then
     the first by name; if there is none the component keeps its own. Outputs that the interface does not have are left
-    out. An input never is: it would be held at its start value, and nobody could connect it.
+    out. An input never is: it would be held at its start value, and nobody could connect it. What *has_units* fits only
+    what is of its dimension.
     """
     component = offered.component
-    found = [(interface, fit) for interface in interfaces if (fit := _fit(component, interface)) is not None]
+    found = [(interface, fit) for interface in interfaces if (fit := _fit(component, interface, has_units)) is not None]
     if not found:
         return offered
     interface, fit = min(found, key=lambda entry: (-len(entry[0].ports), entry[0].name))
@@ -156,10 +157,15 @@ def _type(variable: Variable, unit: Unit, *, is_parameter: bool) -> Type:
         raise _LeftOut(f"of type {variable.fmi_type}")
     if variable.kind is Kind.ENUMERATION:
         items = tuple(variable.items)
-        if not items or not all(is_identifier(item) and item not in KEYWORDS for item in items):
+        if not items or not all(_can_be_item(item) for item in items):
             return Type(Kind.INTEGER)
         return Type(Kind.ENUMERATION, items=items)
     return Type(variable.kind, unit)
+
+
+def _can_be_item(name: str) -> bool:
+    """Items are words of YAML and of expressions, not of C: `long` can be one."""
+    return name.isidentifier() and name not in KEYWORDS
 
 
 def _sayable(unit: Unit) -> Unit:
@@ -311,7 +317,7 @@ def _collides(name: str, taken: set[str]) -> bool:
     return bool(above & taken) or any(other.startswith(f"{name}.") for other in taken)
 
 
-def _fit(component: Component, interface: Interface) -> dict[str, str] | None:
+def _fit(component: Component, interface: Interface, has_units: bool) -> dict[str, str] | None:
     """The component's own port for each port of *interface*.
 
     None if the interface has no ports, if the component lacks one of them, or the interface an input of the component.
@@ -321,7 +327,7 @@ def _fit(component: Component, interface: Interface) -> dict[str, str] | None:
         own.setdefault(_spelling(port.name), []).append(port)
     fit = {}
     for port in interface.ports:
-        near = [other for other in own.get(_spelling(port.name), []) if _is_like(other, port)]
+        near = [other for other in own.get(_spelling(port.name), []) if _is_like(other, port, has_units=has_units)]
         if len(near) != 1:
             return None
         fit[port.name] = near[0].name
@@ -333,11 +339,11 @@ def _spelling(name: str) -> str:
     return re.sub(r"[^a-z0-9\[\],]", "", name.lower())
 
 
-def _is_like(own: Port, wanted: Port) -> bool:
+def _is_like(own: Port, wanted: Port, *, has_units: bool) -> bool:
     if own.causality is not wanted.causality or own.type.kind is not wanted.type.kind:
         return False
     if own.type.kind is Kind.ENUMERATION:
         return set(wanted.type.items) <= set(own.type.items)
     if not same_media(own.type.media, wanted.type.media):
         return False
-    return own.type.kind is not Kind.REAL or own.type.unit.dimension == wanted.type.unit.dimension
+    return own.type.kind is not Kind.REAL or not has_units or own.type.unit.dimension == wanted.type.unit.dimension

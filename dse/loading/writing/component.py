@@ -1,4 +1,4 @@
-"""Writes components of finished FMUs, and interfaces, as YAML that reads back as the same."""
+"""Writes components, and interfaces, as YAML that reads back as the same."""
 
 from __future__ import annotations
 
@@ -14,13 +14,18 @@ from dse.formats import write_file, write_name, write_parameter, write_text
 
 def write_fmu_component(component: Component, file: str) -> str:
     """A ``component.yaml`` for a *component* whose source is the FMU in *file*, a path relative to it."""
+    asked = component.source and component.source.interface
+    way = f", interface: {FmiInterface(asked[0]).word}" if asked else ""
+    return write_component(component, f"{{kind: fmu, file: {write_text(file)}{way}}}")
+
+
+def write_component(component: Component, source: str) -> str:
+    """A ``component.yaml`` for a *component* whose *source* is written already."""
     data: dict[str, Any] = {"component": write_name(component.name)}
     if component.title:
         data["title"] = write_text(component.title)
     data["implements"] = write_name(component.interface.name)
-    asked = component.source and component.source.interface
-    way = f", interface: {FmiInterface(asked[0]).word}" if asked else ""
-    data["source"] = f"{{kind: fmu, file: {write_text(file)}{way}}}"
+    data["source"] = source
     if component.names:
         data["map"] = {own: write_text(label) for own, label in component.names.items()}
     if component.parameters:

@@ -1,0 +1,156 @@
+"""How long a step of a generated model is: by its descriptor, by its scheduler or by its comments, in that order."""
+
+from __future__ import annotations
+
+import math
+import re
+import sqlite3
+from collections.abc import Iterable, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from dse.errors import Location, fail
+
+_SAMPLED = 2
+"""The timing mode of what runs periodically."""
+
+_SHORTEST, _LONGEST = 1e-9, 1e9
+_FINEST = 10**12
+"""Periods are fractions of a second with at most this denominator."""
+
+_MOST_TICKS = 100_000
+_PERIOD = r"Sample time: \[([\d.eE+-]+)s(?:, ([\d.eE+-]+)s)?\]"
+_TICKED = re.compile(rf"TID\[\d+\]\)? > (\d{{1,9}})\)\s*\{{\s*(?:/\*|//) {_PERIOD}")
+_COMPUTED = (
+    ("stepSize0", re.compile(r"rtmSetTStep\([^,;]{0,120},\s*([\d.eE+-]+)\)|stepSize0\s*=\s*([\d.eE+-]+)")),
+    ("the fixed step", re.compile(r"FixedStepSize\([^,]{0,120},\s*([\d.eE+-]+)\)")),
+    ("its clock", re.compile(r"clockTick0\)?\s*\*\s*([\d.eE+-]+)")),
+)
+"""What the code computes with."""
+
+_COMMENTED = (
+    ("the comment of its timer", re.compile(r"resolution of this integer timer is\s+\*?\s*([\d.eE+-]+)")),
+    ("the comment of its step", re.compile(r"Sample time: \[([\d.eE+-]+)s")),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """A step of *step* s, known from *source*; each function of a step runs every so many of them.
+
+    *is_only_commented*: nothing computes with that step, so that the comment may be of a slower rate.
+    """
+
+    step: float
+    source: str
+    rates: tuple[int, ...]
+    is_only_commented: bool = False
+
+
+def timing(
+    folder: Path, text: str, steps: Sequence[str], *, is_rated: bool, given: float | None, where: Location
+) -> Timing:
+    """When the functions *steps* run, from the files in *folder* and the *text* of the model's own.
+
+    *given* is what the user says, who is believed. Raises DseError if nothing tells it, or not everything the same.
+    """
+    described = _descriptor(folder / "codedescriptor.dmr")
+    if is_rated:
+        return _rated(text, steps, given, described, where)
+    once = (1,) * len(steps)
+    if given is not None:
+        return Timing(given, "'step'", once)
+    told = [("codedescriptor.dmr", described), ("its scheduler", _ticked(text, where))]
+    told += [(source, _shortest(pattern, text)) for source, pattern in _COMPUTED]
+    found = [(source, step) for source, step in told if step is not None]
+    if any(not math.isclose(step, found[0][1], rel_tol=1e-6) for _, step in found):
+        each = ", ".join(f"{step:g} s ({source})" for source, step in found)
+        raise fail(f"the code tells several steps: {each}", where, _GIVE)
+    if found:
+        return Timing(found[0][1], found[0][0], once)
+    for source, pattern in _COMMENTED:
+        step = _shortest(pattern, text)
+        if step is not None:
+            return Timing(step, source, once, is_only_commented=True)
+    raise fail("nothing in the code tells how long a step is", where, _GIVE)
+
+
+_GIVE = "give it, as the model is configured: step: 10 ms (import: --step 10ms)"
+
+
+def _shortest(pattern: re.Pattern[str], text: str) -> float | None:
+    words = (word for found in pattern.findall(text) for word in ((found,) if isinstance(found, str) else found))
+    return min((number for number in map(_number, words) if number > 0), default=None)
+
+
+def _number(word: str) -> float:
+    """0 for what is no time that a controller could have."""
+    try:
+        number = float(word)
+    except ValueError:
+        return 0.0
+    return number if _is_period(number) else 0.0
+
+
+def _common(periods: Iterable[float]) -> float:
+    """The longest time that all *periods* (s) are multiples of, as the base of a model with these rates."""
+    fractions = [Fraction(period).limit_denominator(_FINEST) for period in periods]
+    bottom = math.lcm(*(each.denominator for each in fractions))
+    return float(Fraction(math.gcd(*(int(each * bottom) for each in fractions)), bottom))
+
+
+def _descriptor(path: Path) -> float | None:
+    """The base of the periods in the data base that the coder writes beside the code since about 2018."""
+    if not path.is_file():
+        return None
+    found: set[float] = set()
+    try:
+        with closing(sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro&immutable=1", uri=True)) as base:
+            tables = base.execute("select name from sqlite_master where type='table' and name like '%TimingInterface%'")
+            for (table,) in tables.fetchall():
+                quoted = '"' + table.replace('"', '""') + '"'
+                what = '"P$SamplePeriod", "P$SampleOffset", "P$TimingMode"'
+                rows = base.execute(f"select {what} from {quoted}")  # noqa: S608  # quoted
+                found |= {time for *times, mode in rows if mode == _SAMPLED for time in times if _is_period(time)}
+    except sqlite3.Error:
+        return None  # another kind of file; the code may tell
+    return _common(found) if found else None
+
+
+def _is_period(value: object) -> bool:
+    return isinstance(value, int | float) and _SHORTEST <= value <= _LONGEST
+
+
+def _ticked(text: str, where: Location) -> float | None:
+    """A scheduler within a step says how long slower rates are and how often the base runs in them."""
+    bases = {round(_number(period) / (int(limit) + 1), 12) for limit, period, _ in _TICKED.findall(text)} - {0.0}
+    if len(bases) > 1:
+        raise fail(f"the scheduler of the code tells several steps: {sorted(bases)} s", where, _GIVE)
+    return bases.pop() if bases else None
+
+
+def _rated(text: str, steps: Sequence[str], given: float | None, described: float | None, where: Location) -> Timing:
+    periods: list[float] = []
+    for name in steps:
+        found = re.search(rf"{re.escape(name)}\s*\([^;{{()]*\)\s*(?:/\*|//)\s*{_PERIOD}", text)
+        period = _number(found[1]) if found else 0.0
+        if found is None or period <= 0:
+            raise fail(f"nothing in the code tells how often '{name}' runs", where)
+        if _number(found[2] or "0") != 0:
+            raise fail(
+                f"'{name}' runs every {found[1]} s, but first at {found[2]} s", where, "generate it without offsets"
+            )
+        periods.append(period)
+    base = _common(periods)
+    rates = tuple(round(period / base) for period in periods)
+    if max(rates) > _MOST_TICKS:
+        told = ", ".join(f"{period:g} s" for period in periods)
+        raise fail(f"its rates have no step in common: {told}", where, "generate it with one task")
+    for source, step in (("codedescriptor.dmr tells", described), ("'step' says", given)):
+        if step is not None and not math.isclose(step, base, rel_tol=1e-6):
+            raise fail(f"the comments of its functions need a step of {base:g} s, but {source} {step:g} s", where)
+    if described is not None:
+        return Timing(base, "codedescriptor.dmr", rates)
+    return Timing(base, "the comments of its steps", rates, is_only_commented=given is None)
