@@ -16,7 +16,7 @@ class Code:
     """A value of the component in the code: ``si = offset + scale * number``, between *low* and *high* (SI).
 
     *numbers* are those of the items, where the component has an enumeration; a whole number that is none of *only*
-    means nothing to the code.
+    means nothing to the code. *is_rounded*: a quantity that the code is given as a whole number, without a scale.
     """
 
     scale: float = 1.0
@@ -25,6 +25,7 @@ class Code:
     high: float = float("inf")
     numbers: tuple[int, ...] = ()
     only: tuple[int, ...] = ()
+    is_rounded: bool = False
 
 
 def coded_files(component: Component, codes: Mapping[str, Code], library: bytes) -> dict[str, str]:

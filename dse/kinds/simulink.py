@@ -12,26 +12,16 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.domain.component import Causality, Component, Kind, Source, Type
+from dse.domain.component import Causality, Component, Source, Type
 from dse.domain.labels import c_member, is_part
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.kinds._coded import STRUCT, Code, coded_files
 from dse.kinds._generated import build_generated
-from dse.loading import ComponentKind, Plain, Section, SourcePlace, SourceSection, read_unit
-from dse.units import DIMENSIONLESS, Unit
+from dse.kinds._meaning import Meaning, NumberSection, code_of, read_meaning
+from dse.loading import ComponentKind, Plain, SourcePlace, SourceSection
 
 if TYPE_CHECKING:
-    from dse.simulink import CodedModel, Port, Scalar
-
-
-class NumberSection(Section):
-    """What a number in the code means."""
-
-    unit: str | None = None
-    scale: Plain = 1
-    offset: Plain = 0
-    min: Plain | None = None
-    max: Plain | None = None
+    from dse.simulink import CodedModel, Port
 
 
 class SimulinkSection(SourceSection):
@@ -44,21 +34,6 @@ class SimulinkSection(SourceSection):
     outputs_at: str = "end"
     unused: list[str] = []
     in_code: dict[str, NumberSection] = {}
-
-
-@dataclass(frozen=True, slots=True)
-class Meaning:
-    """What a number in the code means: a value is *offset* + *scale* times it in *unit*, if that is not SI.
-
-    A value has to be from *low* to *high* (SI).
-    """
-
-    unit: Unit | None
-    scale: float
-    offset: float
-    low: float
-    high: float
-    where: Location = field(compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,16 +60,16 @@ class SimulinkSource(Source):
     @property
     def sample_time(self) -> float | None:
         """The *step*, if it is given, else what the code tells; None where it cannot be read, as its build will say."""
-        return self.step or _step_of(self.folder, self.model, _stamps(self.folder))
+        return self.step or _step_of(self.folder, self.model, self.sources, _stamps(self.folder))
 
 
 @lru_cache(maxsize=64)
-def _step_of(folder: Path, model: str, _stamps: tuple[object, ...]) -> float | None:
+def _step_of(folder: Path, model: str, sources: tuple[Path, ...], _stamps: tuple[object, ...]) -> float | None:
     """In s. Benches ask for it in every configuration, and a large model takes a second to read."""
     from dse.simulink import read_model
 
     try:
-        return read_model(folder, model).timing.step
+        return read_model(folder, model, sources=sources).timing.step
     except DseError:
         return None
 
@@ -128,7 +103,7 @@ class SimulinkKind(ComponentKind[SimulinkSection, SimulinkSource]):
             step,
             section.outputs_at == "raw",
             tuple(section.unused),
-            tuple((name, _meaning(name, each, place)) for name, each in section.in_code.items()),
+            tuple((name, read_meaning(name, each, place)) for name, each in section.in_code.items()),
             place.entry.key,
         )
 
@@ -140,8 +115,13 @@ class SimulinkKind(ComponentKind[SimulinkSection, SimulinkSource]):
         if find_spec("clang") is None:
             what = f"component '{component.name}' is not looked into: libclang is not installed"
             return (Problem(what, component.where, 'pip install "dse-workbench[simulink]"'),)
-        model, _ = _chosen(component, source)
-        return tuple(Problem(what, component.where) for what in model.interface.warnings)
+        model, codes = _chosen(component, source)
+        rounded = (
+            f"'{name}' is a whole number in the code: without a scale it is rounded to whole units"
+            for name, code in codes.items()
+            if code.is_rounded
+        )
+        return tuple(Problem(what, component.where) for what in (*model.interface.warnings, *rounded))
 
     def build(self, component: Component, source: SimulinkSource, *, version: int, cache: Path | None) -> Path:
         """The FMU. Raises DseError: the code cannot be read or compiled, or lacks a port."""
@@ -152,20 +132,6 @@ class SimulinkKind(ComponentKind[SimulinkSection, SimulinkSource]):
         model, codes = _chosen(component, source)
         files = coded_files(component, codes, build_library(model, cache=cache))
         return build_generated(component, files, STRUCT, model.timing.step, version=version, cache=cache, is_coded=True)
-
-
-def _meaning(name: str, section: NumberSection, place: SourcePlace) -> Meaning:
-    keys = ("in_code", name)
-    unit = None if section.unit is None else read_unit(section.unit, place.at(*keys, "unit"))
-    scale = place.number(section.scale, "", *keys, "scale")
-    if scale == 0:
-        raise fail(f"the scale of '{name}' is 0", place.at(*keys, "scale"))
-    bare = section.unit or ""
-    low = float("-inf") if section.min is None else place.number(section.min, bare, *keys, "min")
-    high = float("inf") if section.max is None else place.number(section.max, bare, *keys, "max")
-    if low > high:
-        raise fail(f"'{name}' has a smallest value above its largest", place.at(*keys))
-    return Meaning(unit, scale, place.number(section.offset, "", *keys, "offset"), low, high, place.at(*keys))
 
 
 def _chosen(component: Component, source: SimulinkSource) -> tuple[CodedModel, dict[str, Code]]:
@@ -253,58 +219,6 @@ _MOST_HINTS = 5
 
 def _of(name: str, source: SimulinkSource) -> Meaning | None:
     return next((each for whole, each in source.meanings if is_part(name, whole)), None)
-
-
-def code_of(
-    name: str, type_: Type, scalar: Scalar, meaning: Meaning | None, where: Location | None, *, is_given: bool
-) -> Code:
-    """How a value of *type_* is one of the code's *scalar*; what *is_given* to the code is held in its range.
-
-    Raises DseError if it can be none.
-    """
-    number = str(scalar.number)
-    fits = {
-        Kind.REAL: ("real", "integer"),
-        Kind.INTEGER: ("integer", "enumeration"),
-        Kind.BOOLEAN: ("boolean", "integer"),
-        Kind.ENUMERATION: ("enumeration",),
-    }
-    if number not in fits.get(type_.kind, ()):
-        raise fail(f"'{name}' is a {type_.kind}, but {_shown(scalar)} in the code", where)
-    if meaning is not None and type_.kind is not Kind.REAL and (meaning.scale, meaning.offset, meaning.unit) != _PLAIN:
-        raise fail(f"'{name}' is a {type_.kind}: its numbers have neither unit nor scale", meaning.where)
-    if type_.kind is Kind.ENUMERATION:
-        return Code(numbers=tuple(_item(name, item, scalar, where) for item in type_.items))
-    low, high = (meaning.low, meaning.high) if meaning else (float("-inf"), float("inf"))
-    if type_.kind is Kind.INTEGER and number == "enumeration":
-        return Code(low=low, high=high, only=tuple(value for _, value in scalar.items) if is_given else ())
-    if type_.kind is Kind.INTEGER and is_given:
-        return Code(low=max(low, float(scalar.low)), high=min(high, float(scalar.high)))
-    if meaning is None:
-        return Code()
-    unit = meaning.unit or DIMENSIONLESS
-    if meaning.unit is not None and unit.dimension != type_.unit.dimension:
-        raise fail(f"'{name}' is in {type_.unit or '1'}, which {unit} cannot be", meaning.where)
-    factor, shift = float(unit.factor), float(unit.offset)
-    return Code(factor * meaning.scale, shift + factor * meaning.offset, low, high)
-
-
-_PLAIN = (1.0, 0.0, None)
-
-
-def _item(name: str, item: str, scalar: Scalar, where: Location | None) -> int:
-    """The number of an item, which the coder spells with the type's name before it or without."""
-    spelled = (item, f"{scalar.name}_{item}")
-    found = next((value for each, value in scalar.items if each in spelled), None)
-    if found is None:
-        names = [each for each, _ in scalar.items]
-        hint = closest(item, names) or f"it has {', '.join(names[:8])}"
-        raise fail(f"'{name}' has the item '{item}', which {scalar.name} in the code does not have", where, hint)
-    return found
-
-
-def _shown(scalar: Scalar) -> str:
-    return f"of the type {scalar.name}, {'an' if scalar.number[0] in 'aeiou' else 'a'} {scalar.number},"
 
 
 KIND = SimulinkKind()

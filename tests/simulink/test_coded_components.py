@@ -13,6 +13,7 @@ from fmpy.fmi1 import FMICallException
 
 from dse.errors import DseError
 from dse.fmu.building import build
+from dse.loading.component.kind import KINDS
 from dse.testing.kinds import lay_out, the_component
 
 pytest.importorskip("clang.cindex")
@@ -150,6 +151,7 @@ def test_what_the_model_says_of_an_error_ends_the_run(tmp_path: Path, cache: Pat
         (LAG % ", in_code: {v: {unit: m/s}}", "there is neither port nor parameter 'v'", None),
         (LAG % ", in_code: {u: {unit: kg}}", "'u' is in m/s, which kg cannot be", None),
         (LAG % ", in_code: {on: {scale: 2}}", "'on' is a bool: its numbers have neither unit nor scale", None),
+        (LAG % ", in_code: {y: {max: 2}}", "'y' is an output: 'min' and 'max' are for what the code is given", None),
         (LAG % ", in_code: {u: {scale: 0}}", "the scale of 'u' is 0", None),
         (LAG % ", in_code: {u: {min: 2, max: 1}}", "'u' has a smallest value above its largest", None),
         (LAG % ", unused: [sped]", "the code has no input 'sped'", "did you mean 'speed'?"),
@@ -175,6 +177,24 @@ def test_an_input_that_nobody_gives_is_told_unless_it_is_unused(tmp_path: Path, 
         build(component(tmp_path, text % "", texts.whole_program(), interfaces), cache=cache)
     made = component(tmp_path / "other", text % ", unused: [enable]", texts.whole_program(), interfaces)
     assert list(answers(made, cache, {"speed": U}, "filtered")[:, 0]) == [0.0] * 20  # it is off
+
+
+def test_a_quantity_that_is_a_whole_number_in_the_code_is_told_until_it_has_a_scale_or_a_unit(tmp_path: Path) -> None:
+    def told(what: str, name: str) -> list[str]:
+        made = component(tmp_path / name, MACHINE % what, texts.whole_numbers())
+        return [problem.what for problem in KINDS.get("simulink", None).check(made, made.source)]
+
+    assert told("", "one") == [
+        "'speed' is a whole number in the code: without a scale it is rounded to whole units",
+    ]
+    assert told(", in_code: {speed: {scale: 0.0078125}}", "two") == []
+    assert told(", in_code: {speed: {unit: km/h}}", "three") == []
+
+
+def test_items_have_no_range(tmp_path: Path, cache: Path) -> None:
+    made = component(tmp_path, MACHINE % ", in_code: {mode: {max: 1}}", texts.whole_numbers())
+    with pytest.raises(DseError, match="'mode' has items, which are all there are: it has no 'min' and 'max'"):
+        build(made, cache=cache)
 
 
 def test_items_that_the_code_does_not_have_are_told(tmp_path: Path, cache: Path) -> None:
