@@ -24,15 +24,18 @@ def main() -> None:
     model = ctypes.c_void_p(library.dse_coded_new())
     parameters, inputs, outputs = ((ctypes.c_double * max(count, 1))() for count in (told, asked, answered))
     library.dse_coded_parameters(model, parameters)
-    error = None
+    started, error = list(parameters)[:told], None
     for name in ("dse_coded_start", *["dse_coded_step"] * steps):
         function = library[name]
         function.restype = ctypes.c_char_p
         error = function(model, parameters, inputs, outputs)
         if error:
             break
+        if name == "dse_coded_start":  # which may set some: what is not finite cannot stand in C as a start value
+            library.dse_coded_parameters(model, parameters)
+            started = list(parameters)[:told]
     said = error.decode("utf-8", "replace") if error else ""
-    answers.write(json.dumps({"parameters": list(parameters)[:told], "error": said}))
+    answers.write(json.dumps({"parameters": started, "error": said}))
     answers.flush()
     os._exit(0)  # what the model has registered for the end is nobody's concern
 

@@ -23,7 +23,10 @@ _LONGEST = 20.0
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What a model begins with: *parameters* as its interface has them; *error* is what it says of itself, if any."""
+    """What a model begins with: *parameters* after its start, in the interface's order, also infinite ones.
+
+    *error* is what it says of itself, if any.
+    """
 
     parameters: tuple[float, ...]
     error: str

@@ -104,6 +104,9 @@ def import_simulink(
     step: Annotated[
         str | None, typer.Option("--step", metavar="TIME", help="Its step, where nothing in the code tells it.")
     ] = None,
+    sources: Annotated[
+        list[Path] | None, typer.Option("--source", metavar="PATH", help="More C that it needs: a file or a folder.")
+    ] = None,
 ) -> None:
     """Make a component of C or C++ that Simulink's coder wrote.
 
@@ -116,7 +119,7 @@ def import_simulink(
     from dse.simulink import block_of, systems
 
     target = folder or Path(os.path.relpath(find_root(Path()) or Path()))
-    written = import_code(code, target, name, model=model, step=seconds("--step", step))
+    written = import_code(code, target, name, model=model, step=seconds("--step", step), sources=(*(sources or ()),))
     made, timing = written.model.interface, written.model.timing
     known = systems(written.model.folder.texts[written.model.folder.header])
     language = "C++" if written.model.folder.is_cpp else "C"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -50,16 +52,18 @@ def import_code(
     *,
     model: str = "",
     step: float | None = None,
+    sources: tuple[Path, ...] = (),
     cache: Path | None = None,
 ) -> ImportedCode:
     """Write the component of the *model* whose code is in *folder*; the code stays where it is, and may change there.
 
     Its parameters begin with what the code has. It implements that interface of the workspace whose ports it has by
-    name and kind, else one of its own; numbers of the code are taken as SI. *step* (s) is for code that tells none.
+    name and kind, else one of its own; numbers of the code are taken as SI. *step* (s) is for code that tells none,
+    *sources* are files and folders of C that it needs besides.
     Raises DseError: no code that can be read, compiled and run for a while, a component that is there already. Nothing
     is written then.
     """
-    read = read_model(folder, model, step=step)
+    read = read_model(folder, model, step=step, sources=sources)
     own = name if name is not None else name_of(Path(read.folder.model))
     problems: list[Problem] = []
     check_choice(own, Location(shown(folder)), problems)
@@ -71,7 +75,12 @@ def import_code(
     if tried.error:
         raise fail(f"the model says '{tried.error}'", Location(shown(folder)))
     variables = tuple(_variables(read, tried.parameters))
-    source = SimulinkSource(folder, model, step=step)
+    infinite = [
+        f"{port.name}: it begins as {value}, and keeps that"
+        for port, value in zip(read.interface.parameters, tried.parameters, strict=True)
+        if not math.isfinite(value)
+    ]
+    source = SimulinkSource(folder, model, sources, step)
     offered = offer(own, _as_read(read, variables), source)
     known = interfaces_of(workspace)
     fitting = implementing(offered, known.values(), has_units=False)
@@ -84,18 +93,21 @@ def import_code(
     if has_own:
         texts[target / "interfaces.yaml"] = write_interfaces([component.interface])
     write_new(texts, {})
-    return ImportedCode(component, path, has_own, read, fitting.left_out, (*read.interface.warnings, *fitting.told))
+    left_out = (*infinite, *fitting.left_out)
+    return ImportedCode(component, path, has_own, read, left_out, (*read.interface.warnings, *fitting.told))
 
 
 def _variables(model: CodedModel, defaults: tuple[float, ...]) -> Iterator[Variable]:
     made, known = model.interface, systems(model.folder.texts[model.folder.header])
     groups = (("input", made.inputs), ("output", made.outputs), ("parameter", made.parameters))
     names = [port.name for _, ports in groups for port in ports]
-    twice = {name for name in names if names.count(name) > 1} if len(set(names)) < len(names) else set()
+    twice = {name for name, count in Counter(names).items() if count > 1}
     starts = dict(zip((port.expression for port in made.parameters), defaults, strict=True))
     for causality, ports in groups:
         for port in ports:
-            yield _variable(port, causality, starts.get(port.expression), known, is_twice=port.name in twice)
+            start = starts.get(port.expression) if causality == "parameter" else None
+            if start is None or math.isfinite(start):
+                yield _variable(port, causality, start, known, is_twice=port.name in twice)
 
 
 def _variable(port: Port, causality: str, start: float | None, known: dict[str, str], *, is_twice: bool) -> Variable:
@@ -143,8 +155,12 @@ def _as_read(model: CodedModel, variables: tuple[Variable, ...]) -> FmuModel:
 
 def _component_yaml(component: Component, path: Path, folder: Path, source: SimulinkSource) -> str:
     """Its text, with lines to edit where the code does not tell what its numbers mean."""
-    where = os.path.relpath(folder.absolute(), path.parent.absolute())
-    entries = {"kind": "simulink", "folder": write_text(Path(where).as_posix())}
+
+    def near(place: Path) -> str:
+        return write_text(Path(os.path.relpath(place.absolute(), path.parent.absolute())).as_posix())
+
+    entries = {"kind": "simulink", "folder": near(folder)}
+    entries |= {"sources": f"[{', '.join(map(near, source.sources))}]"} if source.sources else {}
     entries |= {"model": write_text(source.model)} if source.model else {}
     entries |= {"step": f"{source.step!r} s"} if source.step is not None else {}
     real = next((port for port in component.interface.ports if port.type.kind is Kind.REAL), None)
