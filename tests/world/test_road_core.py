@@ -62,7 +62,8 @@ def test_any_point_within_20_m_of_a_path_finds_its_station(new_road: NewRoad, hi
         part["start_station"] = s + moved if hint else math.fmod(s + 200, WINDING.length)
         put(part, *WINDING.at(s).beside(t))
         part.init()
-        assert part["lane.station"] == pytest.approx(s, abs=1e-9)
+        # The pieces are within 1e-9 m of the line; inside of a bend of 1/100 a foot moves 1/(1 - 20/100) as far.
+        assert part["lane.station"] == pytest.approx(s, abs=1.25e-9)
         assert part["lane.offset"] == pytest.approx(t, abs=1e-9)
 
     check()
