@@ -62,7 +62,8 @@ def read_model(path: Path, name: str = "", *, step: float | None = None, sources
         made.warnings.append("it was generated for integers of 16 bits: here they are computed with 32")
     if not made.inputs and not made.outputs:
         made.warnings.append("it has no ports at its top: nothing can be connected to it")
-    told = timing(path, folder.own_text, list(made.steps), is_rated=made.is_rated, given=step, where=where)
+    steps = list(made.steps)
+    told = timing(path, folder.own_text, folder.main, steps, is_rated=made.is_rated, given=step, where=where)
     if told.is_only_commented:
         said = f"that it steps every {told.step:g} s stands only in {told.source}"
         if not made.is_rated:  # it may be the comment of a slower block

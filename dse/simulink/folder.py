@@ -98,6 +98,11 @@ class CoderFolder:
         """The texts of programs beside the model, which may hold its default values."""
         return (text for name, text in self.texts.items() if re.fullmatch(r"\w*main\.(c|cpp)", name))
 
+    @property
+    def main(self) -> str:
+        """The text of the programs that run the model."""
+        return "\n".join(text for text in self.parameters_of_main if f'"{self.header}"' in text)
+
     def _named(self, suffixes: tuple[str, ...]) -> Iterator[str]:
         return (self.model + suffix for suffix in suffixes)
 

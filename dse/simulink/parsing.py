@@ -27,7 +27,7 @@ _DEEPEST = 64
 """Types within types: arrays of pointers to arrays … of structs that point to structs."""
 
 _LONGEST_COMMENT = 400
-_COMMENT = re.compile(rb"[\s\[\]\w]*?;\s*(?:/\*(.*?)\*/|//([^\n]*))", re.DOTALL)
+_COMMENT = re.compile(rb"[\s\[\]\w]*?;\s*(?:/\*(.*?)(?:\*/|\Z)|//([^\n]*))", re.DOTALL)
 
 
 class _Refused(Exception):  # noqa: N818  # it says what happened

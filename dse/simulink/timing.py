@@ -30,6 +30,9 @@ _COMPUTED = (
 )
 """What the code computes with."""
 
+_MAIN = re.compile(r"period\s+([\d.eE+-]+)\s+seconds\s+\((?:the\s+model's\s+base\s+sample\s+time|base\s+rate\s+of)")
+"""What the generated main program says of whoever calls it: of the base rate, whatever rates blocks have."""
+
 _COMMENTED = (
     ("the comment of its timer", re.compile(r"resolution of this integer timer is\s+\*?\s*([\d.eE+-]+)")),
     ("the comment of its step", re.compile(r"Sample time: \[([\d.eE+-]+)s")),
@@ -50,9 +53,9 @@ class Timing:
 
 
 def timing(
-    folder: Path, text: str, steps: Sequence[str], *, is_rated: bool, given: float | None, where: Location
+    folder: Path, text: str, main: str, steps: Sequence[str], *, is_rated: bool, given: float | None, where: Location
 ) -> Timing:
-    """When the functions *steps* run, from the files in *folder* and the *text* of the model's own.
+    """When the functions *steps* run, from the files in *folder*, the *text* of the model's own and of its *main*.
 
     *given* is what the user says, who is believed. Raises DseError if nothing tells it, or not everything the same.
     """
@@ -70,6 +73,9 @@ def timing(
         raise fail(f"the code tells several steps: {each}", where, _GIVE)
     if found:
         return Timing(found[0][1], found[0][0], once)
+    base = _shortest(_MAIN, re.sub(r"^[ \t]*\*", "", main, flags=re.MULTILINE))
+    if base is not None:
+        return Timing(base, "its main program", once)
     for source, pattern in _COMMENTED:
         step = _shortest(pattern, text)
         if step is not None:

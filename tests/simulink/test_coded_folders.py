@@ -282,6 +282,32 @@ def test_a_step_that_only_a_comment_tells_has_to_be_said(tmp_path: Path) -> None
     assert (model.timing.source, model.interface.warnings) == ("codedescriptor.dmr", [])
 
 
+@pytest.mark.parametrize(
+    "said",
+    [
+        "period 0.02 seconds (the model's base sample time)",
+        "period 0.02 seconds (the\n * model's base sample time)",
+        "period 0.02 seconds (base rate of the model)",
+    ],
+)
+def test_the_main_program_of_a_model_tells_its_base_rate(tmp_path: Path, said: str) -> None:
+    main = f"/*\n * Attach this to a timer with {said}.\n */\n"
+    files = {**texts.whole_program(), "ert_main.c": f'{main}#include "lag.h"\nint main(void) {{ return 0; }}\n'}
+    timing = read_model(written(tmp_path, files)).timing
+    assert (timing.step, timing.source) == (0.02, "its main program")
+    other = {**files, "lag.h": files["lag.h"], "ert_main.c": files["ert_main.c"].replace('"lag.h"', '"other.h"')}
+    with pytest.raises(DseError, match="stands only in the comment of its step"):
+        read_model(written(tmp_path / "other", other))
+
+
+def test_a_parameter_with_a_long_comment_is_found(tmp_path: Path) -> None:
+    files = dict(texts.exported())
+    places = "\n".join(f" * '<S{n}>/A block with a name of its own'" for n in range(40))
+    files["lag.h"] = files["lag.h"].replace("* Referenced by: '<Root>/Gain'", f"* Referenced by:\n{places}")
+    made = read_model(written(tmp_path, files), step=texts.STEP).interface
+    assert [port.name for port in made.parameters] == ["Gain"]
+
+
 def test_the_base_of_several_periods_is_what_they_have_in_common(tmp_path: Path) -> None:
     folder = written(tmp_path, texts.whole_program())
     descriptor(folder, (0.2, 0.0, 2), (0.3, 0.0, 2), (float("inf"), 0.0, 2), (0.05, 0.0, 3))

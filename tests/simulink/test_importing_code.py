@@ -49,6 +49,16 @@ def test_an_interface_of_the_workspace_is_found_by_names_whatever_its_units(tmp_
     assert (component.interface.name, component.names) == ("filter", {"SPEED": "speed"})
 
 
+def test_no_output_is_left_out_for_an_interface_that_has_the_same_names_by_chance(tmp_path: Path, cache: Path) -> None:
+    known = "interfaces:\n  other: {inputs: {speed: m, enable: bool}, outputs: {filtered: m}}\n"
+    (tmp_path / "components").mkdir()
+    (tmp_path / "components" / "interfaces.yaml").write_text(known, encoding="utf-8")
+    code = written(tmp_path / "lag_ert_rtw", texts.whole_program())
+    made = import_code(code, tmp_path, step=texts.STEP, cache=cache)
+    assert made.has_own_interface
+    assert [port.name for port in made.component.interface.ports] == ["speed", "enable", "filtered", "count"]
+
+
 def test_items_are_named_and_numbers_that_are_infinite_stay_in_the_code(tmp_path: Path, cache: Path) -> None:
     files = dict(texts.whole_program())
     header, source = files["lag.h"], files["lag.c"]

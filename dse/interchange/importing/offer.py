@@ -110,6 +110,8 @@ def implementing(offered: Offer, interfaces: Iterable[Interface], *, has_units: 
     """
     component = offered.component
     found = [(interface, fit) for interface in interfaces if (fit := _fit(component, interface, has_units)) is not None]
+    if not has_units:  # names alone, as In1 and Out1, say too little to leave anything out
+        found = [(interface, fit) for interface, fit in found if len(fit) == len(component.interface.ports)]
     if not found:
         return offered
     interface, fit = min(found, key=lambda entry: (-len(entry[0].ports), entry[0].name))
