@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from dse.domain.component import Component, Kind, Type
-from dse.kinds._partner import members_of, struct_lines
+from dse.kinds._partner import answered_names, asked_names, members_of, struct_lines
 
 STRUCT = "outer"
 
@@ -33,20 +33,15 @@ def coded_files(component: Component, codes: Mapping[str, Code], library: bytes)
 
     What is not between its bounds, or no item, ends the run: the library would take it for something else.
     """
-    groups = {group: members_of(component, (group,)) for group in ("par", "in", "out")}
     types = {each.name: each.type for each in component.interface.ports}
     types |= {each.name: each.type for each in component.parameters}
-    names = {
-        "par": [each.name for each in component.parameters],
-        "in": [each.name for each in component.interface.ports if each.causality == "input"],
-        "out": [each.name for each in component.interface.ports if each.causality == "output"],
-    }
+    told, asked = asked_names(component)
     values = {
         group: [
             _Value(name, member, c_type, types[name], codes[name])
-            for name, (member, c_type) in zip(names[group], groups[group], strict=True)
+            for name, (member, c_type) in zip(names, members_of(component, (group,)), strict=True)
         ]
-        for group in groups
+        for group, names in (("par", told), ("in", asked), ("out", answered_names(component)))
     }
     return {f"{STRUCT}.h": _header(values), f"{STRUCT}.c": _code(values), "library.c": _library(library)}
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -209,7 +208,7 @@ def by_name(ports: Iterable[Port]) -> dict[str, Port]:
     """*ports* by their names, and by these with what holds them in the code; the first has a name that several have."""
     found: dict[str, Port] = {}
     for each in ports:
-        for name in (each.name, re.sub(r"^(?:m->)?(?:object->)?", "", each.expression)):
+        for name in (each.name, each.place):
             found.setdefault(name, each)
     return found
 

@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 
 from dse.errors import Location, fail
 from dse.simulink.declarations import Array, Declarations, Declared, Function, Pointer, Record
-from dse.simulink.interface import MODEL, Data, Interface, Member, Port, Style, flat, holds, places_of_model, plain_name
+from dse.simulink.interface import (
+    MODEL,
+    Data,
+    Interface,
+    Member,
+    Style,
+    by_rate,
+    flat,
+    holds,
+    places_of_model,
+    plain_name,
+)
 
 OBJECT = f"{MODEL}->object"
 """The object in a model's own storage: a pointer."""
@@ -28,16 +38,14 @@ def read_class(known: Declarations, kind: Record) -> Interface:
     """How a model is called that is the class *kind*."""
     made = Interface(Style.CLASS)
     methods = {method.name: method for method in kind.methods}
-    rated = sorted((n for n in methods if re.search(r"step\d+$", n)), key=lambda n: int(re.findall(r"\d+$", n)[0]))
+    rated = by_rate(methods)
     made.is_rated = bool(rated)
     fields = [(f"{OBJECT}->{each.name}", each) for each in kind.fields]
     fields += [(f"{kind.name}::{each.name}", each) for each in kind.statics]
     for place, each in fields:
-        if each.is_constant:
-            continue
-        for what, found in _ports(made):
-            if holds(each.type, what) and not isinstance(each.type, Pointer):
-                found.extend(flat(known, each.type, place, "", "", made.warnings))
+        ports = made.ports_in(each.type)
+        if ports is not None and not each.is_constant and not isinstance(each.type, Pointer):
+            ports += flat(known, each.type, place, "", "", made.warnings)
     places_of_model(known, made, ((f"{OBJECT}->{each.name}", each.type) for each in kind.fields))
     if "initialize" in methods:
         made.initialize = _call(known, made, methods["initialize"])
@@ -51,12 +59,6 @@ def read_class(known: Declarations, kind: Record) -> Interface:
         ):
             made.parameters += flat(known, variable.type, name, "", "", made.warnings)
     return made
-
-
-def _ports(made: Interface) -> Iterator[tuple[Data, list[Port]]]:
-    yield Data.INPUTS, made.inputs
-    yield Data.OUTPUTS, made.outputs
-    yield Data.PARAMETERS, made.parameters
 
 
 def _call(known: Declarations, made: Interface, method: Function) -> str:

@@ -9,7 +9,19 @@ from dataclasses import dataclass, field
 from dse.errors import Location, fail
 from dse.simulink.blocks import Writing
 from dse.simulink.declarations import Array, CType, Declarations, Declared, Function, Named, Pointer, Record
-from dse.simulink.interface import MODEL, Data, Interface, Member, Port, Style, flat, holds, places_of_model, plain_name
+from dse.simulink.interface import (
+    MODEL,
+    Data,
+    Interface,
+    Member,
+    Port,
+    Style,
+    by_rate,
+    flat,
+    holds,
+    places_of_model,
+    plain_name,
+)
 
 
 def tasks_of(function: Function, code: str) -> list[tuple[int, str]]:
@@ -28,7 +40,7 @@ def functions_to_step(known: Declarations, model: str, header: str, where: Locat
         for name, function in known.functions.items()
         if re.search(r"_step\d*$", name) and (function.file == header or name.startswith(model))
     ]
-    rated = sorted((n for n in names if re.search(r"_step\d+$", n)), key=lambda n: int(re.findall(r"\d+$", n)[0]))
+    rated = by_rate(names)
     if f"{model}_step" in names and len(rated) < 2:
         return [f"{model}_step"], False
     if rated:
@@ -124,15 +136,10 @@ class Caller:
 
     def fill(self, type_: CType, place: str) -> None:
         """Take the ports and parameters of a struct, or give a model what it points to."""
-        for what, found in (
-            (Data.INPUTS, self.made.inputs),
-            (Data.OUTPUTS, self.made.outputs),
-            (Data.PARAMETERS, self.made.parameters),
-        ):
-            if holds(type_, what):
-                found.extend(flat(self.known, type_, place, "", "", self.made.warnings))
-                return
-        if holds(type_, Data.MODEL):
+        ports = self.made.ports_in(type_)
+        if ports is not None:
+            ports += flat(self.known, type_, place, "", "", self.made.warnings)
+        elif holds(type_, Data.MODEL):
             self._link(type_, place)
 
     def _link(self, type_: CType, place: str) -> None:
@@ -188,13 +195,9 @@ def global_ports(known: Declarations, made: Interface, writing: Writing, importe
 
 def _kind_of(variable: Declared, target: CType, made: Interface, writing: Writing) -> tuple[list[Port] | None, str]:
     """Where the numbers in a variable belong, and what their names begin with."""
-    for what, ports in (
-        (Data.INPUTS, made.inputs),
-        (Data.OUTPUTS, made.outputs),
-        (Data.PARAMETERS, made.parameters),
-    ):
-        if holds(target, what):
-            return ports, ""
+    ports = made.ports_in(target)
+    if ports is not None:
+        return ports, ""
     if "Variable:" in variable.comment:
         return made.parameters, variable.name
     if "'<Root>/" in variable.comment:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -54,6 +54,11 @@ class Port:
     scalar: Scalar
     block: str = ""
 
+    @property
+    def place(self) -> str:
+        """Its name with what holds it in the code: ``rtU.speed``."""
+        return re.sub(rf"^(?:{MODEL}->)?(?:object->)?", "", self.expression)
+
 
 @dataclass(frozen=True, slots=True)
 class Member:
@@ -88,11 +93,27 @@ class Interface:
     imported: list[Declared] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
+    def ports_in(self, type_: CType) -> list[Port] | None:
+        """Where the numbers in a struct of that type belong; None if it is none of ports or parameters."""
+        for what, ports in (
+            (Data.INPUTS, self.inputs),
+            (Data.OUTPUTS, self.outputs),
+            (Data.PARAMETERS, self.parameters),
+        ):
+            if holds(type_, what):
+                return ports
+        return None
+
 
 def holds(type_: CType, what: Data) -> bool:
     """Whether a type, or what it points to, is named as the coder names *what*."""
     inner = type_.target if isinstance(type_, Pointer) else type_
     return isinstance(inner, Named) and re.match(what, plain_name(inner.name)) is not None
+
+
+def by_rate(names: Iterable[str]) -> list[str]:
+    """Those of the functions *names* that step one rate each (``acc_step0``), the fastest first."""
+    return sorted((n for n in names if re.search(r"step\d+$", n)), key=lambda n: int(re.findall(r"\d+$", n)[0]))
 
 
 def plain_name(name: str) -> str:

@@ -20,6 +20,17 @@ if TYPE_CHECKING:
 import_app = group("import", "Read a design space, a component or a system from another program's file.")
 
 
+_Folder = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="DIR",
+        help="The workspace to write to; made if it is new. Else the one around this folder, or this folder.",
+    ),
+]
+
+
 @import_app.command("uvl")
 def import_uvl(
     model: Annotated[Path, typer.Argument(metavar="FILE", help="A feature model in UVL.")],
@@ -45,15 +56,7 @@ def import_uvl(
 @import_app.command("fmu")
 def import_fmu(
     files: Annotated[list[Path], typer.Argument(metavar="FMU...", help="Finished FMUs.")],
-    folder: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="DIR",
-            help="The workspace to write to; made if it is new. Else the one around this folder, or this folder.",
-        ),
-    ] = None,
+    folder: _Folder = None,
     name: Annotated[
         str | None, typer.Option("--name", metavar="NAME", help="The component's name; else that of the file.")
     ] = None,
@@ -66,10 +69,8 @@ def import_fmu(
     What is neither a port nor a parameter is listed as left out.
     """
     from dse.interchange import import_component
-    from dse.loading import find_root
 
-    # Relative to this folder, so that the paths that are shown can be clicked and copied.
-    target = folder or Path(os.path.relpath(find_root(Path()) or Path()))
+    target = _target(folder)
     if name is not None and len(files) > 1:
         raise typer.BadParameter("only one FMU can be given a name", param_hint="--name")
     for file in files:
@@ -88,15 +89,7 @@ def import_fmu(
 @import_app.command("simulink")
 def import_simulink(
     code: Annotated[Path, typer.Argument(metavar="DIR", help="What the coder wrote: acc_ert_rtw.")],
-    folder: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="DIR",
-            help="The workspace to write to; made if it is new. Else the one around this folder, or this folder.",
-        ),
-    ] = None,
+    folder: _Folder = None,
     name: Annotated[
         str | None, typer.Option("--name", metavar="NAME", help="The component's name; else that of the model.")
     ] = None,
@@ -115,11 +108,11 @@ def import_simulink(
     """
     from dse.cli.packages import seconds
     from dse.interchange import import_code
-    from dse.loading import find_root
     from dse.simulink import block_of, systems
 
-    target = folder or Path(os.path.relpath(find_root(Path()) or Path()))
-    written = import_code(code, target, name, model=model, step=seconds("--step", step), sources=(*(sources or ()),))
+    written = import_code(
+        code, _target(folder), name, model=model, step=seconds("--step", step), sources=(*(sources or ()),)
+    )
     made, timing = written.model.interface, written.model.timing
     known = systems(written.model.folder.texts[written.model.folder.header])
     language = "C++" if written.model.folder.is_cpp else "C"
@@ -168,6 +161,13 @@ def import_ssp(
     for bench in made.benches:
         more = f" --configuration {bench.configuration}" if bench.configuration else ""
         say(f"next: dse simulate {folder / 'testbenches' / bench.name}.yaml{more}")
+
+
+def _target(folder: Path | None) -> Path:
+    """The workspace to write to; relative to this folder, so that paths that are shown can be clicked and copied."""
+    from dse.loading import find_root
+
+    return folder or Path(os.path.relpath(find_root(Path()) or Path()))
 
 
 def _say_written(path: Path, component: Component, *, has_own_interface: bool) -> None:

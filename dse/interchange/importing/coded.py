@@ -112,9 +112,8 @@ def _variables(model: CodedModel, defaults: tuple[float, ...]) -> Iterator[Varia
 
 def _variable(port: Port, causality: str, start: float | None, known: dict[str, str], *, is_twice: bool) -> Variable:
     scalar = port.scalar
-    place = re.sub(r"^(?:m->)?(?:object->)?", "", port.expression)
     return Variable(
-        _label(place if is_twice else port.name),
+        _label(port.place if is_twice else port.name),
         0,
         {Number.REAL: "Real", Number.BOOLEAN: "Boolean"}.get(scalar.number, "Integer"),
         causality,
