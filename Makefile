@@ -1,5 +1,5 @@
 # Everything starts from here: `make demo`, `make drive`, `make test`, `make check`, `make nightly`, `make bench`. Needs
-# Python 3.11+; with uv on PATH, set-up is quicker. LOCKED=1 sets up the versions of requirements.lock, and nothing with
+# Python 3.11+. LOCKED=1 sets up the versions of requirements.lock, and nothing with
 # another hash.
 
 PYTHON ?= python3
@@ -8,48 +8,59 @@ BIN := $(VENV)/bin
 ifeq ($(OS),Windows_NT)
 BIN := $(VENV)/Scripts
 endif
-DSE := $(BIN)/dse
+DSE := $(BIN)/python -m dse
 WORKERS ?= 2
 JOBS ?= 2
-UV := $(shell command -v uv 2>/dev/null)
-PIP := $(if $(UV),$(UV) pip install --quiet --python $(VENV),$(BIN)/python -m pip install --quiet)
+# Byte code is written when a module is first imported: compiling all of pandas and scipy takes longer than the demo.
+unexport PYTHONDONTWRITEBYTECODE
+# uv takes a seventh of pip's processor time. If it is not on PATH, pip fetches it; where uv fails, pip installs.
+# uv does not read pip's configuration: an index that is named there is passed on.
+UV := $(or $(shell command -v uv 2>/dev/null),$(BIN)/uv)
+INSTALL = UV_DEFAULT_INDEX="$${UV_DEFAULT_INDEX:-$$($(BIN)/python -m pip config get global.index-url 2>/dev/null)}" \
+  $(UV) pip install --python $(BIN)/python $(1) || $(BIN)/python -m pip install --no-compile $(1)
 # A machine without a C compiler gets one as a wheel.
-EXTRA := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo "[toolchain]")
+COMPILER := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo ",toolchain")
 
 .PHONY: demo drive test thorough rest check nightly bench faults setup clean lint types layers web plugin lock sbom audit
 
-setup: $(VENV)/.ready
-
 SOURCES := $(wildcard dse/cosim/kernel/*.c dse/cosim/kernel/*.h dse/csolve/*.h dse/report/web/src/* dse/report/web/src/*/*)
+MADE_OF := pyproject.toml hatch_build.py dse/report/web/package-lock.json $(SOURCES)
 
-$(VENV)/.ready: pyproject.toml hatch_build.py dse/report/web/package-lock.json $(SOURCES)
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "dse needs Python 3.11 or newer; set PYTHON=python3.11"; exit 1; }
-ifneq ($(UV),)
-	$(UV) venv --quiet --seed --allow-existing --python "$(PYTHON)" $(VENV)
-	$(if $(LOCKED),$(PIP) --compile-bytecode --require-hashes --requirement requirements.lock)
-	$(PIP) --compile-bytecode --editable ".$(EXTRA)" --group dev
-else
-	$(PYTHON) -m venv $(VENV)
-	$(PIP) --upgrade "pip>=25.1"
-	$(if $(LOCKED),$(PIP) --require-hashes --requirement requirements.lock)
-	$(PIP) --editable ".$(EXTRA)" --group dev
-endif
+define ENVIRONMENT
+@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "dse needs Python 3.11 or newer; set PYTHON=python3.11"; exit 1; }
+@echo "setting up $(VENV); this takes a minute"
+$(PYTHON) -m venv $(VENV)
+$(if $(filter $(BIN)/uv,$(UV)),$(BIN)/python -m pip install --disable-pip-version-check --no-compile uv "pip>=25.1")
+endef
+
+# What runs: the demo and test drives need no more.
+$(VENV)/.run: $(MADE_OF)
+	$(ENVIRONMENT)
+	$(call INSTALL,--editable ".[serve$(COMPILER)]")
 	@touch $@
 
-demo: setup
-	$(BIN)/python -m dse check
-	$(BIN)/python -m dse enumerate acc_vehicle --limit 5
-	$(BIN)/python -m dse run acc_following -o out/acc_following --workers $(WORKERS)
-	$(BIN)/python -m dse explore acc_gains -o out/acc_gains --workers $(WORKERS)
-	$(BIN)/python -m dse report out/acc_following
-	$(BIN)/python -m dse report out/acc_gains
-	$(BIN)/python -m dse figure out/acc_gains -o out/figures
+# With it, what tests and checks need.
+setup: $(VENV)/.ready
+
+$(VENV)/.ready: $(MADE_OF)
+	$(ENVIRONMENT)
+	$(if $(LOCKED),$(call INSTALL,--require-hashes --requirement requirements.lock))
+	$(call INSTALL,--editable ".[serve$(COMPILER)]" --group dev)
+	@touch $(VENV)/.run $@
+
+demo: $(VENV)/.run
+	$(DSE) enumerate acc_vehicle --limit 5
+	$(DSE) run acc_following -o out/acc_following --workers $(WORKERS)
+	$(DSE) explore acc_gains -o out/acc_gains --workers $(WORKERS)
+	$(DSE) report out/acc_following
+	$(DSE) report out/acc_gains
+	$(DSE) figure out/acc_gains -o out/figures
 	@echo "Open out/acc_gains/report.html"
 
 # A test drive in the browser, on a bench to begin with: BENCH=drive_motorway is another.
 BENCH ?= drive_following
-drive: setup
-	$(BIN)/python -m dse drive $(BENCH)
+drive: $(VENV)/.run
+	$(DSE) drive $(BENCH)
 
 # Workers take whole stretches of the list, so that what tests share is made once; who is done early takes of the rest.
 PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
@@ -58,7 +69,7 @@ test: setup
 	$(PYTEST) -m "not thorough and not nightly"
 
 # Tests of properties are run once more, on twice as many examples.
-thorough: setup
+thorough: setup web
 	$(PYTEST) -m "(thorough or hypothesis) and not nightly" --hypothesis-profile=thorough
 
 # All of CI: the everyday tests, then what they leave out.
@@ -69,7 +80,7 @@ rest: lint types layers web plugin thorough
 # What others add: the example is installed beside, so that it stands in no report of ours, and passes every suite.
 plugin: setup
 	rm -rf $(VENV)/plugin
-	$(PIP) --no-deps --no-build-isolation --target $(VENV)/plugin examples/plugin
+	$(call INSTALL,--no-deps --no-build-isolation --target $(VENV)/plugin examples/plugin)
 	PYTHONPATH=$(VENV)/plugin $(PYTEST) examples/plugin/tests
 
 # Other examples than yesterday, ten times as many, and all commands in all environments.

@@ -84,9 +84,17 @@ def _needs_bundle(root: Path) -> bool:
 
 def _bundle(web: Path) -> None:
     node, npm, environment = _node()
-    # Not 'npm run build': that would need a shell.
-    for command in ([*npm, "ci", "--no-audit", "--no-fund"], [node, "build.mjs"]):
-        subprocess.run(command, cwd=web, env=environment, check=True)
+    if _is_not_installed(web):
+        _install(web, npm, environment, "--omit=dev")
+    subprocess.run([node, "build.mjs"], cwd=web, env=environment, check=True)  # 'npm run build' would need a shell
+
+
+def _is_not_installed(web: Path) -> bool:
+    return _is_stale(web / "node_modules" / ".package-lock.json", [web / "package-lock.json"])
+
+
+def _install(web: Path, npm: list[str], environment: dict[str, str], *more: str) -> None:
+    subprocess.run([*npm, "ci", "--no-audit", "--no-fund", *more], cwd=web, env=environment, check=True)
 
 
 def _node() -> tuple[str, list[str], dict[str, str]]:
@@ -115,9 +123,9 @@ def _check_web(root: Path) -> None:
     """Type-check the report's TypeScript; the bundle's tools are installed first."""
     web = root / "dse" / "report" / "web"
     node, npm, environment = _node()
-    if not (web / "node_modules").exists():
-        subprocess.run([*npm, "ci", "--no-audit", "--no-fund"], cwd=web, env=environment, check=True)
     compiler = web / "node_modules" / "typescript" / "bin" / "tsc"
+    if _is_not_installed(web) or not compiler.exists():
+        _install(web, npm, environment)
     subprocess.run([node, str(compiler), "--noEmit"], cwd=web, env=environment, check=True)
 
 

@@ -4,6 +4,10 @@
 work on to the real compiler and keeps what it makes, by the compiler, its options and the sources, preprocessed with
 their comments (some warnings read them). Only what compiled without a word is kept, so that errors and warnings are
 told every time. Two processes that want the same wait for one another.
+
+Everyday tests compile without the optimizer, which takes three quarters of the time: all of them, so that results can
+be compared to the last bit. What asks for warnings keeps it, as some warnings are its findings, and so do the thorough
+tests (``--optimized``), which compile as users do.
 """
 
 from __future__ import annotations
@@ -19,6 +23,8 @@ if TYPE_CHECKING:
     import pytest
 
 _REAL = "DSE_TESTS_CC"
+_OPTIMIZED = "DSE_TESTS_OPTIMIZED"
+_SPENT = "DSE_TESTS_CC_SPENT"
 _DAYS = 14
 _FEW = 100
 _MAKES = ("-shared", "-s", "-c", "-S")
@@ -26,16 +32,20 @@ _UNKNOWN = ("-g", "-fsanitize", "-save", "-M", "-L", "--coverage", "@")  # what 
 _READ = ("LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX")  # by compilers, and not in the key
 
 
-def use(folder: Path) -> None:
+def use(folder: Path, *, optimized: bool) -> None:
     """Set ``$CC`` to a launcher that keeps its results in *folder*; what was not used for two weeks is removed."""
     import shlex
     import time
 
     from dse.fmu.toolchain.compiler import find_compiler
 
-    # A worker of a parallel run has it from its parent. Elsewhere a library holds its own path or time.
-    if _REAL in os.environ or sys.platform != "linux":
+    if sys.platform != "linux":  # elsewhere a library holds its own path or time
         return
+    os.environ[_SPENT] = str(folder / f"spent{os.getpid()}")
+    if _REAL in os.environ:  # a worker of a parallel run has it from its parent
+        return
+    if optimized:
+        os.environ[_OPTIMIZED] = "1"
     oldest = time.time() - _DAYS * 86400
     for path in folder.iterdir():
         if path.is_file() and path.stat().st_mtime < oldest:
@@ -63,6 +73,14 @@ def leave(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.delenv("CC", raising=False)
 
 
+def spent() -> float:
+    """Seconds of processor time that went into what is kept now, for tests of this process."""
+    try:
+        return sum(map(float, _read(os.environ[_SPENT]).split()))
+    except (KeyError, OSError):
+        return 0.0
+
+
 def main() -> None:
     """What the launcher does: ``FOLDER IDENTITY COMPILER … -- ARGUMENTS…``."""
     place = sys.argv.index("--")
@@ -70,6 +88,8 @@ def main() -> None:
 
 
 def _compile(folder: str, identity: str, command: Sequence[str], arguments: Sequence[str]) -> int:
+    if "-Wall" not in arguments and _OPTIMIZED not in os.environ:
+        arguments = ["-O0" if word == "-O2" else word for word in arguments]
     makes_one_file = arguments.count("-o") == 1 and bool({"-shared", "-c", "-S"} & {*arguments})
     if not makes_one_file or any(name in os.environ for name in _READ):
         return _run([*command, *arguments])
@@ -95,6 +115,9 @@ def _compile(folder: str, identity: str, command: Sequence[str], arguments: Sequ
     if code == 0 and not said:
         _copy(target, aside)
         os.replace(aside, kept)
+        if _SPENT in os.environ:
+            with open(os.environ[_SPENT], "a") as file:
+                file.write(f"{sum(os.times()[:4]):.2f}\n")
     else:
         os.unlink(aside)
     return code

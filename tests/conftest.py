@@ -15,6 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import compile_cache
+import processor_time
 import pytest
 from hypothesis import HealthCheck, is_hypothesis_test, settings
 
@@ -45,10 +46,20 @@ if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """How C is compiled, and where processor times are written."""
+    parser.addoption("--optimized", action="store_true", help="compile C with the optimizer, as users do")
+    parser.addoption(
+        "--budget", action="store_true", help="in CI, fail if an everyday test or all of them cost too much"
+    )
+    parser.addoption("--processor-time", metavar="FILE", help="write the processor time of each test to FILE, as JSON")
+
+
 def pytest_configure(config: pytest.Config) -> None:
-    """Keep what the C compiler makes in pytest's cache (``pytest --cache-clear`` empties it)."""
+    """Keep what the C compiler makes in pytest's cache (``pytest --cache-clear`` empties it); charge tests."""
+    config.pluginmanager.register(processor_time.ProcessorTime(config), "processor_time")
     if hasattr(config, "cache"):
-        compile_cache.use(config.cache.mkdir("compiled"))
+        compile_cache.use(config.cache.mkdir("compiled"), optimized=config.getoption("--optimized"))
 
 
 @pytest.fixture(scope="session")

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 
 import pytest
 from textual.widgets import OptionList, Static
 
-from dse.cli.picking.interactive import choices_yaml, outcome
+from dse.cli.picking.interactive import choices_yaml, choose, outcome
 from dse.cli.picking.picker import Picker
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
+from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.space.configurations.ids import IdentifiedChoices
 from dse.space.opened import open_space
@@ -155,3 +157,13 @@ def test_without_a_terminal_it_is_refused(dse):
 def test_there_is_nothing_to_take_back_at_first(key):
     _, seen = driven((key,), ("q",))
     assert seen.decisions[0] == seen.decisions[1]
+
+
+def test_without_the_extra_the_error_names_it(monkeypatch):
+    for stream in (sys.stdin, sys.stdout):
+        monkeypatch.setattr(stream, "isatty", lambda: True)
+    monkeypatch.delitem(sys.modules, "dse.cli.picking.picker")
+    monkeypatch.setitem(sys.modules, "textual.app", None)
+    with pytest.raises(DseError, match="--interactive needs textual") as error:
+        choose(open_space(SPACE), None)
+    assert "dse-workbench[interactive]" in error.value.problems[0].hint

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 def choose(part: OpenedSpace, target: Path | None) -> None:
     """Let the user choose one configuration; print its id and its choices, or save them to *target*, a YAML file.
 
-    Raises DseError if this is not a terminal, or if *target* cannot be written.
+    Raises DseError if this is not a terminal, if the extra ``interactive`` is not installed, or if *target* cannot be
+    written.
     """
     if target is not None and target.suffix.lower() not in (".yaml", ".yml"):
         raise typer.BadParameter(f"'{target.name}' must end in .yaml", param_hint="--output")
@@ -31,8 +32,10 @@ def choose(part: OpenedSpace, target: Path | None) -> None:
     if part.is_empty():
         hint = f"ask why: dse space conflict {space.name}"
         raise fail(f"'{space.name}' has no valid configuration", space.where, hint)
-    from dse.cli.picking.picker import Picker
-
+    try:
+        from dse.cli.picking.picker import Picker
+    except ModuleNotFoundError as error:
+        raise fail("--interactive needs textual", hint='pip install "dse-workbench[interactive]"') from error
     chosen = Picker(space, part.picking()).run()
     if chosen is None:
         return

@@ -1,0 +1,92 @@
+"""Holds the size of the house against house.toml: a number above its line fails, one far below asks to be lowered.
+
+``python .ci/house.py`` checks (part of ``make lint``); ``--lower`` writes down what has become smaller. Nothing here
+raises a number: that is an edit of house.toml, in a commit of its own that says why.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import tomllib
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+
+from packaging.requirements import Requirement
+
+HOUSE = Path(__file__).parents[1]
+LINES = HOUSE / "house.toml"
+DISTRIBUTION = "dse-workbench"
+
+
+def size_of(folder: Path) -> dict[str, int]:
+    """Lines and files of Python in *folder*."""
+    texts = [path.read_text(encoding="utf-8") for path in folder.rglob("*.py") if "node_modules" not in path.parts]
+    return {"lines": sum(text.count("\n") for text in texts), "files": len(texts)}
+
+
+def installation() -> dict[str, int]:
+    """Packages that come with dse without an extra, and what they take on the disk, byte code aside."""
+    found: dict[str, int] = {}
+    wanted = [DISTRIBUTION]
+    while wanted:
+        name = re.sub(r"[-_.]+", "-", wanted.pop()).lower()
+        if name in found:
+            continue
+        try:
+            package = distribution(name)
+        except PackageNotFoundError:  # for another platform
+            continue
+        files = [path for path in package.files or () if path.suffix != ".pyc"]
+        found[name] = sum(path.size or 0 for path in files)
+        needed = [Requirement(text) for text in package.requires or ()]
+        wanted += [each.name for each in needed if each.marker is None or each.marker.evaluate({"extra": ""})]
+    del found[DISTRIBUTION]
+    return {"packages": len(found), "megabytes": round(sum(found.values()) / 1e6)}
+
+
+def measured() -> dict[str, dict[str, int]]:
+    """Every number of house.toml that can be counted; processor time is measured by the tests themselves."""
+    rooms = sorted(path for path in (HOUSE / "dse").iterdir() if path.is_dir() and any(path.rglob("*.py")))
+    return {
+        "dse": size_of(HOUSE / "dse"),
+        "tests": size_of(HOUSE / "tests"),
+        "installation": installation(),
+        **{f"rooms.{room.name}": size_of(room) for room in rooms},
+    }
+
+
+def main() -> int:
+    """Check, or lower."""
+    text = LINES.read_text(encoding="utf-8")
+    lines = tomllib.loads(text)
+    lines |= {f"rooms.{name}": numbers for name, numbers in lines.pop("rooms").items()}
+    wrong = []
+    for part, numbers in measured().items():
+        for what, number in numbers.items():
+            line = lines.get(part, {}).get(what)
+            if line is None:
+                wrong.append(f"{part} has no line for {what} in house.toml; today: {number}")
+            elif number > line:
+                wrong.append(f"{part}: {number} {what}, {number - line} above the line of {line} in house.toml")
+            elif number < line and "--lower" in sys.argv:
+                text = _lowered(text, part, what, number)
+    LINES.write_text(text, encoding="utf-8")
+    for each in wrong:
+        print(f"house: {each}")
+    if not wrong:
+        print("house: no number is above its line")
+    return bool(wrong)
+
+
+def _lowered(text: str, part: str, what: str, number: int) -> str:
+    """*text* with another number for *what*, in the table *part* or, for a room, on its line."""
+    head, _, room = part.partition(".")
+    start = re.search(rf"^{room} =.*$", text, re.M) if room else re.search(rf"^\[{head}\]$", text, re.M)
+    assert start is not None  # noqa: S101  # main found it
+    at = start.start() if room else start.end()
+    return text[:at] + re.sub(rf"\b{what} = \d+", f"{what} = {number}", text[at:], count=1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
