@@ -6,6 +6,7 @@ from ctypes import byref, c_double, c_int
 
 import pytest
 from answerers import Answerer
+from background import LIMIT
 from fmu.conftest import Slave
 from live.conftest import outside
 
@@ -14,7 +15,7 @@ from dse.domain.udp import UdpSource
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_it_learns_of_the_end_by_status_and_of_what_was_ignored_by_the_log(port, cache, version):
-    model = outside(UdpSource(port, timeout=1.0), cache, ["u"], ["y"], version=version)
+    model = outside(UdpSource(port, timeout=LIMIT, wait=LIMIT), cache, ["u"], ["y"], version=version)
     with Answerer(lambda time, step, values: [2.0 * values[0] + time], ends_at=3, port=port) as other:
         slave = Slave(model).create().ready(u=3.0)
         assert slave.get("y") == 6.0
