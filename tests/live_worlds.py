@@ -9,7 +9,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from dse.live import Line
 
@@ -41,12 +41,17 @@ class World:
     answers_end: bool = False
     copies: int = 1
     """How often each answer goes over a socket."""
+    heard: list[bytes] = field(default_factory=list)
+    said: list[bytes] = field(default_factory=list)
+    """What came and what went over a socket."""
 
     def serve(self, line: socket.socket) -> None:
         talk = self.conversation()
         while (data := line.recvfrom(65536)) and data[0] != b"stop":
             said = talk(data[0])
+            self.heard.append(data[0])
             for _ in range(self.copies if said is not None else 0):
+                self.said.append(said)
                 line.sendto(said, data[1])
 
     def conversation(self) -> Callable[[bytes], bytes | None]:
