@@ -10,9 +10,11 @@ import struct
 import threading
 from collections.abc import Callable, Sequence
 from functools import partial
-from time import sleep
+from time import monotonic, sleep
 from types import TracebackType
 from typing import Any
+
+from background import LIMIT
 
 START, END, LATE, BUSY, ANSWER = 1, 2, 4, 8, 16
 MAGIC = 0x44534531
@@ -31,6 +33,17 @@ def unpacked(data: bytes) -> tuple[int, int, int, float, tuple[float, ...]]:
     return session, sequence, flags, time, tuple(values)
 
 
+def bound_socket(port: int = 0) -> socket.socket:
+    """A socket at *port*, or at a free one."""
+    opened = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        opened.bind(("127.0.0.1", port))
+    except BaseException:
+        opened.close()
+        raise
+    return opened
+
+
 Answer = Callable[[float, float, tuple[float, ...]], Sequence[float]]
 """The values at a time, after a step (0 at the start) and with what was asked."""
 
@@ -42,8 +55,7 @@ class Answerer:
     """
 
     def __init__(self, answer: Answer, step: float = 0.01, ends_at: int = -1, port: int = 0) -> None:
-        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.bind(("127.0.0.1", port))
+        self.socket = bound_socket(port)
         self.port = self.socket.getsockname()[1]
         self.heard: list[bytes] = []
         self.senders: list[tuple[str, int]] = []
@@ -96,11 +108,18 @@ class Asker:
         self.socket.settimeout(0.05)
         self.session = session
 
+    def __enter__(self) -> Asker:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.socket.close()
+
     def ask(
         self, sequence: int, values: Sequence[float], flags: int = 0, time: float = 0.0
     ) -> tuple[int, float, tuple[float, ...]]:
         """Flags, time and values of the answer."""
-        for _ in range(200):
+        until = monotonic() + LIMIT
+        while monotonic() < until:
             try:
                 self.socket.send(packed(self.session, sequence, flags, time, values))
                 session, answered, told, at, found = unpacked(self.socket.recv(65536))
@@ -115,15 +134,13 @@ class Asker:
 
     def end(self, sequence: int, count: int) -> None:
         self.socket.send(packed(self.session, sequence, END, 0.0, [0.0] * count))
-        self.socket.close()
 
 
 class Proxy:
     """Between a client and a server at *port*: by a seed it loses, doubles and delays one in 20 packets each."""
 
     def __init__(self, port: int, seed: int) -> None:
-        self.front, self.back = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
-        self.front.bind(("127.0.0.1", 0))
+        self.front, self.back = bound_socket(), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.back.connect(("127.0.0.1", port))
         self.port = self.front.getsockname()[1]
         self.lost = self.doubled = self.delayed = 0

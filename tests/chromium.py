@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, Page
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 
@@ -31,3 +31,9 @@ def started_chromium() -> Iterator[Browser]:
         started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
         yield started
         started.close()
+
+
+def rest(page: Page, milliseconds: int) -> None:
+    """Wait until the page has done and drawn what it does by itself within so many ms, of its own clock."""
+    drawn = "() => requestAnimationFrame(() => requestAnimationFrame(done))"
+    page.evaluate(f"pause => new Promise(done => setTimeout({drawn}, pause))", milliseconds)

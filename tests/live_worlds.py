@@ -6,9 +6,12 @@ import math
 import socket
 import struct
 import threading
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+from dse.live import Line
 
 MAGIC, START, END, BUSY, ANSWER = 0x44534531, 1, 2, 8, 16
 STEP = 0.01
@@ -36,15 +39,36 @@ class World:
     ends: bool = True
     dies_at: int = -1
     answers_end: bool = False
+    copies: int = 1
+    """How often each answer goes over a socket."""
+    heard: list[bytes] = field(default_factory=list)
+    said: list[bytes] = field(default_factory=list)
+    """What came and what went over a socket."""
 
     def serve(self, line: socket.socket) -> None:
-        session, last, told, steps, over = 0, -1, b"", 0, set()
+        talk = self.conversation()
         while (data := line.recvfrom(65536)) and data[0] != b"stop":
-            packet, sender = data
+            said = talk(data[0])
+            self.heard.append(data[0])
+            for _ in range(self.copies if said is not None else 0):
+                self.said.append(said)
+                line.sendto(said, data[1])
+
+    def conversation(self) -> Callable[[bytes], bytes | None]:
+        """What it says to one packet after another, from the beginning."""
+        begun = self._conversation()
+        next(begun)
+        return begun.send
+
+    def _conversation(self) -> Generator[bytes | None, bytes, None]:
+        session, last, told, steps, over = 0, -1, b"", 0, set()
+        said: bytes | None = None
+        while True:
+            packet, said = (yield said), None
             if self.is_strict and not self.is_right(packet):
                 continue
             if len(packet) < 24:
-                line.sendto(told, sender)
+                said = told
                 continue
             its, sequence, flags, time = struct.unpack_from("<3id", packet, 4)
             if flags & END:
@@ -52,14 +76,14 @@ class World:
                     over.add(session)
                     session = 0
                 if self.answers_end:
-                    line.sendto(told, sender)
+                    said = told
                 continue
             is_start = bool(flags & START)
             if is_start and not session and its not in over:
                 session, last = its, -1
             if is_start and its != session:
                 if self.says_busy:
-                    line.sendto(self.write(its, sequence, ANSWER | BUSY, time, (0.0, 0.0)), sender)
+                    said = self.write(its, sequence, ANSWER | BUSY, time, (0.0, 0.0))
                 continue
             if its != session and self.is_strict:
                 continue
@@ -74,9 +98,9 @@ class World:
                     time + (0.0 if is_start else STEP + self.time_off),
                     (0.5, float(steps)),
                 )
-                line.sendto(told, sender)
+                said = told
             elif sequence == last and self.repeats == "same":
-                line.sendto(told, sender)
+                said = told
 
     @staticmethod
     def is_right(packet: bytes) -> bool:
@@ -84,6 +108,32 @@ class World:
             return False
         magic, _, sequence, flags, time, value, closing = struct.unpack("<4i2di", packet)
         return magic == MAGIC and closing == sequence and not flags & ANSWER and math.isfinite(time + value)
+
+
+class DirectLine(Line):
+    """A line to *world* without a socket: an answer comes *latency* s after its request, of a clock of its own."""
+
+    def __init__(self, world: World, latency: float = 0.0) -> None:
+        self.refused = False
+        self._latency, self._clock = latency, 0.0
+        self._answers_to = world.conversation()
+        self._coming: deque[tuple[float, bytes]] = deque()
+
+    def now(self) -> float:
+        return self._clock
+
+    def send(self, data: bytes) -> None:
+        answer = self._answers_to(data)
+        if answer is not None:
+            self._coming.append((self._clock + self._latency, answer))
+
+    def hear(self, patience: float) -> bytes | None:
+        if not self._coming or self._coming[0][0] > self._clock + patience:
+            self._clock += patience
+            return None
+        at, answer = self._coming.popleft()
+        self._clock = max(self._clock, at)
+        return answer
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import select
 import socket
 import time
@@ -35,6 +36,10 @@ class Line:
     socket: socket.socket
     refused: bool = False
 
+    def now(self) -> float:
+        """Seconds, of the clock that *patience* is measured with."""
+        return time.perf_counter()
+
     def send(self, data: bytes) -> None:
         """Send, whether or not somebody listens."""
         try:
@@ -44,8 +49,8 @@ class Line:
 
     def hear(self, patience: float) -> bytes | None:
         """The next datagram within *patience* seconds, or None."""
-        deadline = time.monotonic() + patience
-        while (left := deadline - time.monotonic()) > 0:
+        deadline = self.now() + patience
+        while (left := deadline - self.now()) > 0:
             if not select.select([self.socket], [], [], left)[0]:
                 return None
             try:
@@ -61,10 +66,11 @@ class Line:
 
 @dataclass(slots=True)
 class Timings:
-    """Of exchanges so far."""
+    """Of exchanges so far: *seconds* of those whose request was sent once, *quickest* of all."""
 
     seconds: list[float] = field(default_factory=list)
     resent: int = 0
+    quickest: float = math.inf
 
 
 def connected_line(host: str, port: int) -> Line:

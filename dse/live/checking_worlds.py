@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-import time
 from dataclasses import dataclass, field, replace
 
 from dse.live.asking import FIRST_PATIENCE, LONGEST_PATIENCE, PLAIN, Line, Timings, new_session, request
@@ -17,7 +16,7 @@ REPEATS, IGNORES = "repeats an answer", "ignores what it must"
 BUSY, ENDS = "says BUSY to a second client", "ends and starts anew"
 NAMES = (ANSWERS, BYTES, SESSION, SEQUENCE, FLAGS, TIME, REPEATS_START, STEPS, REPEATS, IGNORES, BUSY, ENDS)
 _SILENCE = 0.05
-"""Seconds in which a world has to say nothing; longer for those that take longer to answer."""
+"""Seconds in which a world has to say nothing, at least."""
 _MOST_WRONG = 20
 """Answers that cannot be used, after which a request is given up."""
 
@@ -48,6 +47,10 @@ class _Client:
     timings: Timings = field(default_factory=Timings)
     past: dict[int, bytes] = field(default_factory=dict)
     """Answers so far, by sequence; the last ones only."""
+    late: frozenset[int] = frozenset()
+    """Other sessions of this check: an answer to one of them is late, not wrong."""
+    unheard: int = 0
+    """How often the last request was sent again: so many answers may still come."""
     ignored: int = 0
 
     def packet(self, sequence: int, flags: Flag = PLAIN) -> Packet:
@@ -56,27 +59,30 @@ class _Client:
 
     def ask(self, packet: Packet) -> bytes:
         """The answer to *packet*, which is sent until it comes. Raises _Silent."""
-        data, patience, wrong = pack(packet), FIRST_PATIENCE, 0
-        began = time.perf_counter()
+        data, patience, wrong, self.unheard = pack(packet), FIRST_PATIENCE, 0, 0
+        began = self.line.now()
         deadline, is_again = began + self.trial.patience, False
-        while time.perf_counter() < deadline and wrong < _MOST_WRONG:
+        while self.line.now() < deadline and wrong < _MOST_WRONG:
             self.line.send(data)
             self.timings.resent += is_again
-            until = time.perf_counter() + patience
-            while (left := min(until, deadline) - time.perf_counter()) > 0 and wrong < _MOST_WRONG:
+            self.unheard += is_again
+            until = self.line.now() + patience
+            while (left := min(until, deadline) - self.line.now()) > 0 and wrong < _MOST_WRONG:
                 heard = self.line.hear(left)
                 if heard is not None and self._takes(heard, packet):
+                    took = self.line.now() - began
+                    self.timings.quickest = min(self.timings.quickest, took)
                     if not is_again:
-                        self.timings.seconds.append(time.perf_counter() - began)
+                        self.timings.seconds.append(took)
                     return self.past.setdefault(packet.sequence, heard)
-                wrong += heard is not None
+                wrong += heard is not None and not self._is_late(heard)
             patience, is_again = min(2 * patience, LONGEST_PATIENCE), True
         raise _Silent
 
     def _takes(self, data: bytes, asked: Packet) -> bool:
         """Whether *data* answers *asked*, rightly or not in details. What is wrong is found."""
-        if data in self.past.values() and data != self.past.get(asked.sequence):
-            self.ignored += 1  # an answer on its way when the request was sent again
+        if self._is_late(data) and data != self.past.get(asked.sequence):
+            self.ignored += 1
             return False
         at = asked.sequence
         expected = Packet(asked.session, at, PLAIN, at * self.trial.step, ())
@@ -95,10 +101,36 @@ class _Client:
             raise _Silent
         return True
 
+    def _is_late(self, data: bytes) -> bool:
+        """Whether *data* is an answer to something else, which was on its way while that was sent again."""
+        if data in self.past.values():
+            return True
+        return bool(self.late) and not explain(data, self.trial.back) and _session_of(data, self.trial) in self.late
+
+    @property
+    def silence(self) -> float:
+        """Seconds in which a world has to say nothing: four times as many as an answer takes."""
+        return min(1.0, max(_SILENCE, 4 * self.timings.quickest))
+
     def heard_in_silence(self) -> bytes | None:
-        """What is said although nothing was asked."""
-        slowest = max(self.timings.seconds, default=0.0)
-        return self.line.hear(min(1.0, max(_SILENCE, 4 * slowest)))
+        """What is said although nothing was asked, unless it is late."""
+        return self.hear(self.silence)
+
+    def settle(self) -> None:
+        """Wait for the answers to what was sent again: nothing is on its way afterwards."""
+        while self.unheard and self.line.hear(self.trial.patience) is not None:
+            self.unheard -= 1
+            self.ignored += 1
+
+    def hear(self, patience: float, awaited: bytes | None = None) -> bytes | None:
+        """The next datagram within *patience* s that is *awaited* or not late."""
+        until = self.line.now() + patience
+        while (left := until - self.line.now()) > 0:
+            heard = self.line.hear(left)
+            if heard is None or heard == awaited or not self._is_late(heard):
+                return heard
+            self.ignored += 1
+        return None
 
 
 def check_world(line: Line, trial: Trial) -> Checked:
@@ -140,7 +172,7 @@ def _asks_again(client: _Client, packet: Packet, first: bytes, name: str) -> Non
     while client.line.hear(0.0001) is not None:  # what came twice because a request was sent twice
         client.ignored += 1
     client.line.send(pack(packet))
-    again = client.heard_in_silence()
+    again = client.hear(client.trial.patience, awaited=first)
     if again is None:
         said = "a request that came again was not answered: its first answer may be lost; keep it and send it again"
     elif again == first:
@@ -152,12 +184,12 @@ def _asks_again(client: _Client, packet: Packet, first: bytes, name: str) -> Non
 
 
 def _steps(client: _Client) -> Latencies:
-    began = time.perf_counter()
+    began = client.line.now()
     client.timings = Timings()
     for sequence in range(1, client.trial.steps + 1):
         _step(client, sequence, "no answer that can be used came to the step's request")
     client.findings.right(STEPS)
-    spent, timings = time.perf_counter() - began, client.timings
+    spent, timings = client.line.now() - began, client.timings
     return Latencies(tuple(timings.seconds), timings.resent, spent)
 
 
@@ -201,7 +233,7 @@ def _ignores(client: _Client) -> None:
         what, data = _bad(client, client.packet(sequence))[place]
         client.line.send(data)
         heard = client.heard_in_silence()
-        if heard is not None and heard not in client.past.values():
+        if heard is not None:
             client.findings.wrong(IGNORES, f"{what} was answered", sequence)
         _step(client, sequence, f"after {what} nothing more was answered: it must be ignored", IGNORES)
         sequence += 1
@@ -212,7 +244,7 @@ def _is_busy(client: _Client) -> None:
     sequence = max(client.past) + 1
     other = _Client(client.line, client.trial, client.findings)
     client.line.send(pack(other.packet(0, Flag.START)))
-    heard = client.heard_in_silence()
+    heard = client.hear(client.trial.patience)
     client.findings.judge(BUSY, _busy(heard, client.trial.back, other.session), 0)
     _step(client, sequence, "after a START of a second client nothing more was answered to the first", BUSY)
 
@@ -231,15 +263,16 @@ def _busy(heard: bytes | None, count: int, session: int) -> str:
 
 def _ends(client: _Client) -> None:
     last = max(client.past)
+    client.settle()
     client.line.send(pack(client.packet(last + 1, Flag.END)))
-    heard = client.heard_in_silence()
+    heard = client.line.hear(client.silence)
     if heard is not None:
         client.findings.wrong(ENDS, "END was answered: it has no answer", last + 1)
     client.line.send(pack(client.packet(last + 1)))
-    heard = client.heard_in_silence()
+    heard = client.line.hear(client.silence)
     if heard is not None and not _is_end(heard, client.trial.back):
         client.findings.wrong(ENDS, "a request of the session that had ended was answered as before", last + 1)
-    again = _Client(client.line, client.trial, client.findings)
+    again = _Client(client.line, client.trial, client.findings, late=frozenset((client.session,)))
     try:
         again.ask(again.packet(0, Flag.START))
         again.ask(again.packet(1))
@@ -248,6 +281,10 @@ def _ends(client: _Client) -> None:
     else:
         client.findings.right(ENDS)
     client.line.send(pack(again.packet(2, Flag.END)))
+
+
+def _session_of(data: bytes, trial: Trial) -> int:
+    return unpack(data, trial.back).session
 
 
 def _is_end(data: bytes, count: int) -> bool:

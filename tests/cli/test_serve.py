@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from chromium import rest
 
 
 @pytest.fixture
@@ -99,8 +100,11 @@ def test_a_running_study_is_watched_stopped_and_its_points_are_simulated(serve, 
         assert fetched(address, "/stop?study=out/long", {})[0] == 200
         assert b"the same command goes on from there" in explorer.communicate(timeout=120)[1]
         assert explorer.returncode == 130
-        time.sleep(2)
-        assert json.loads(fetched(address, "/progress?study=out/long")[1])["state"] == "interrupted"
+        deadline = time.monotonic() + 120
+        while (state := json.loads(fetched(address, "/progress?study=out/long")[1])["state"]) == "running":
+            assert time.monotonic() < deadline
+            time.sleep(0.2)
+        assert state == "interrupted"
 
 
 @pytest.mark.thorough
@@ -119,7 +123,7 @@ def test_a_place_in_the_plot_is_simulated(serve, explored) -> None:
         page.click("#try-open")
         box = page.locator(".plot").bounding_box()
         page.mouse.click(box["x"] + 0.43 * box["width"], box["y"] + 0.37 * box["height"])
-        page.wait_for_timeout(300)
+        rest(page, 300)
         kp, kd = (float(page.input_value(f"#try input[name='controller.{name}']")) for name in ("kp_speed", "kd_speed"))
         assert kp not in (0.5, 1.5, 2.5, 3.5, 4.5)
         assert 0 < kd < 1

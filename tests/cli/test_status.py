@@ -10,7 +10,9 @@ import pytest
 
 SLOW = """
 import sys, time
+from dse.cli import status
 from dse.cli.status import status_line
+status._PATIENCE = float(sys.argv[2])
 with status_line() as show:
     show("checking components: 7 of 29 (combustion[6at]\\x1b[31m)")
     time.sleep(float(sys.argv[1]))
@@ -38,17 +40,17 @@ def on_a_terminal(*arguments):
 
 @pytest.mark.thorough
 def test_what_takes_more_than_a_second_is_told_on_a_terminal():
-    said = on_a_terminal("1.6")
+    said = on_a_terminal("1.6", "1")
     assert "checking components: 7 of 29 (combustion[6at]" in said
     assert "\x1b[31m" not in said
     assert said.rstrip().endswith("done")
 
 
 def test_what_is_done_at_once_is_not_told():
-    assert on_a_terminal("0").strip() == "done"
+    assert on_a_terminal("0", "60").strip() == "done"
 
 
 @pytest.mark.thorough
 def test_nothing_is_told_where_there_is_no_terminal():
-    done = subprocess.run([sys.executable, "-c", SLOW, "1.2"], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-c", SLOW, "1.2", "1"], capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("done\n", "")

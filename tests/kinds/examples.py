@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from answerers import Answerer
+from background import LIMIT
 from coded_texts import gain
 
 from dse.fmu.building import build
@@ -120,7 +121,7 @@ def _doubling() -> int:
 
 
 def udp() -> Files:
-    return written(f"{{kind: udp, port: {_doubling()}}}")
+    return written(f"{{kind: udp, port: {_doubling()}, timeout: {LIMIT:g} s}}")
 
 
 EXAMPLES: dict[str, Callable[[], Files]] = {

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import socket
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -17,6 +20,7 @@ from dse.fmu import build, open_fmu
 from dse.units import parse_unit
 
 REAL = Type(Kind.REAL)
+_OPENED = Path("/proc/self/fd")
 COUNTED = tuple(
     Port(name, Causality.OUTPUT, Type(Kind.REAL, parse_unit("s")) if name == LINK[-1] else REAL) for name in LINK
 )
@@ -47,6 +51,26 @@ def simulator_of(model: FmuModel, start: dict[str, float] | None = None) -> Simu
     """A simulator of that FMU alone, which records all outputs."""
     system = alone(model, start)
     return Simulator(system, [f"it.{variable.name}" for variable in system.elements[0].outputs])
+
+
+@pytest.fixture(autouse=True)
+def _nothing_stays_open() -> Iterator[None]:
+    """Fail the test that leaves a socket open or a thread running: the next one at the port would not be to blame."""
+    sockets, threads = open_sockets(), set(threading.enumerate())
+    yield
+    if open_sockets() - sockets:
+        gc.collect()  # one that nobody has any more warns of itself, and that fails this test, too
+    running = [thread.name for thread in set(threading.enumerate()) - threads]
+    assert (open_sockets() - sockets, running) == (set(), [])
+
+
+def open_sockets() -> set[str]:
+    """Those of this process, by their numbers in the system; none where it does not say."""
+    found = set()
+    for opened in _OPENED.iterdir() if _OPENED.is_dir() else ():
+        with suppress(OSError):  # closed since
+            found.add(str(opened.readlink()))
+    return {name for name in found if name.startswith("socket:")}
 
 
 @pytest.fixture(scope="session")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from background import LIMIT, in_background
 from live.conftest import outside
 from numpy.typing import NDArray
 
@@ -28,8 +28,8 @@ class Halves:
             sorted({f"{w.source}_{w.source_variable}" for w in crossing if (w.source in near) is is_near})
             for is_near in (True, False)
         )
-        client = UdpSource(asks_at or port)
-        server = UdpSource(port, role=LinkRole.SERVER)
+        client = UdpSource(asks_at or port, timeout=LIMIT, wait=LIMIT)
+        server = UdpSource(port, role=LinkRole.SERVER, timeout=LIMIT, wait=LIMIT)
         there = Element("outside", outside(client, cache, out, back, version=version), (), (), {})
         here = Element("outside", outside(server, cache, back, out, version=version), (), (), {})
         self.near = _half(whole, [*(e for e in whole.elements if e.name in near), there])
@@ -47,13 +47,8 @@ class Halves:
                 while not found or len(found[-1]) < 2:
                     found.append(simulator.run(stop=stop + step, step=step))
 
-        server = threading.Thread(target=serve)
-        server.start()
-        try:
-            with Simulator(self.near, near_record, method=method) as simulator:
-                near = simulator.run(stop=stop, step=step)
-        finally:
-            server.join()
+        with in_background(serve), Simulator(self.near, near_record, method=method) as simulator:
+            near = simulator.run(stop=stop, step=step)
         return near, found[-1]
 
 

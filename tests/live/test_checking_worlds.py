@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+import socket
 import struct
+from itertools import count
 
 import pytest
+from background import LIMIT
 from hypothesis import given, strategies as st
-from live_worlds import ANSWER, BUSY, END, MAGIC, START, World, right_bytes, served
+from live_worlds import ANSWER, BUSY, END, MAGIC, START, DirectLine, World, right_bytes, served
 
-from dse.live import Checked, Flag, Packet, Trial, check_world, connected_line, explain, pack
+from dse.live import Checked, Flag, Line, Packet, Trial, check_world, connected_line, explain, pack
 
-TRIAL = Trial(1, 2, steps=5, patience=0.4)
+TRIAL = Trial(1, 2, steps=5, patience=5.0)
+OVER_SOCKETS = Trial(1, 2, steps=5, patience=LIMIT)
 
 
-def checked(world: World, trial: Trial = TRIAL) -> Checked:
-    with served(world) as port:
-        line = connected_line("127.0.0.1", port)
-        with line.socket:
-            return check_world(line, trial)
+def checked(world: World, latency: float = 0.0) -> Checked:
+    return check_world(DirectLine(world, latency), TRIAL)
 
 
 def wrong(found: Checked) -> dict[str, str]:
@@ -25,19 +26,39 @@ def wrong(found: Checked) -> dict[str, str]:
 
 
 def test_a_world_that_does_all_as_the_page_says_is_right():
-    found = checked(World())
+    with served(World()) as port:
+        line = connected_line("127.0.0.1", port)
+        with line.socket:
+            found = check_world(line, OVER_SOCKETS)
     assert wrong(found) == {}
     assert all(check.is_right for check in found.checks)
     assert found.is_right
     assert len(found.latencies.seconds) + found.latencies.resent >= 5
 
 
+@pytest.mark.parametrize("latency", [0.0, 0.002, 0.02, 0.06, 0.3, 1.5, 4.0])
+def test_a_right_world_on_a_busy_machine_is_right(latency):
+    found = checked(World(), latency)
+    assert wrong(found) == {}
+    assert found.is_right
+
+
+class CountedLine(Line):
+    """Its clock goes on whenever it is read, so that patience is a number of tries."""
+
+    def __init__(self, opened: socket.socket) -> None:
+        super().__init__(opened)
+        self._clock = count(0.0, 0.05)
+
+    def now(self) -> float:
+        return next(self._clock)
+
+
 def test_a_port_where_nobody_listens_is_told_as_such():
     with served(World()) as port:
         pass
-    line = connected_line("127.0.0.1", port)
-    with line.socket:
-        found = check_world(line, TRIAL)
+    with connected_line("127.0.0.1", port).socket as opened:
+        found = check_world(CountedLine(opened), TRIAL)
     assert "nobody listens" in wrong(found)["answers a START"]
     assert not found.is_right
 
@@ -105,10 +126,10 @@ def test_what_is_right_is_never_called_wrong(values):
 
 
 @given(st.binary(max_size=120), st.integers(0, 9), st.booleans())
-def test_anything_can_be_explained(data, count, is_ours):
+def test_anything_can_be_explained(data, values, is_ours):
     data = RIGHT[:16] + data if is_ours else data
-    said = explain(data, count, Packet(77, 3, Flag.ANSWER, 0.03, ()))
-    if len(data) != 28 + 8 * count:
+    said = explain(data, values, Packet(77, 3, Flag.ANSWER, 0.03, ()))
+    if len(data) != 28 + 8 * values:
         assert said
 
 
@@ -133,10 +154,11 @@ MISTAKES = {
 }
 
 
+@pytest.mark.parametrize("latency", [0.0, 0.02, 0.2])
 @pytest.mark.parametrize("mistake", MISTAKES)
-def test_a_world_with_a_mistake_is_told_which(mistake):
+def test_a_world_with_a_mistake_is_told_which(mistake, latency):
     world, check, said = MISTAKES[mistake]
-    found = wrong(checked(world))
+    found = wrong(checked(world, latency))
     assert said in found[check]
 
 

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from background import LIMIT
+from live.conftest import open_sockets
 from small_drive import drive_workspace
 
 from dse.api import Drives, LiveDrive, open as open_workspace, open_drive
@@ -27,7 +29,7 @@ def driven(field) -> Iterator[LiveDrive]:
     live.close()
 
 
-def until(met: Callable[[], object], seconds: float = 20.0) -> None:
+def until(met: Callable[[], object], seconds: float = LIMIT) -> None:
     end = time.monotonic() + seconds
     while not met():
         assert time.monotonic() < end, "it did not come"
@@ -50,7 +52,7 @@ def test_what_is_done_at_the_wheel_is_used_shown_and_recorded(driven: LiveDrive)
     assert seen is not None
     assert seen.time > 0
     driven.finish()
-    ended = driven.session.wait(20)
+    ended = driven.session.wait(LIMIT)
     assert ended is not None
     assert ended.why is Why.FINISHED, ended.text
     drive = driven.result
@@ -74,7 +76,7 @@ def test_a_drive_made_again_from_its_record_gives_the_same_bits(driven: LiveDriv
         driven.tune({"car.gain": 10.0 * number}, 100 + number)
         until(lambda: echoed(driven, 100))
     driven.finish()
-    assert driven.session.wait(20) is not None
+    assert driven.session.wait(LIMIT) is not None
     drive = driven.result
     assert drive is not None
     kept = Drives(tmp_path / "drives", field.files)
@@ -88,7 +90,7 @@ def test_an_fmu_that_crashes_is_named_and_the_next_drive_goes_on(driven: LiveDri
     driven.start()
     until(lambda: driven.session.newest)
     driven.tune({"car.doomed": 0.0})
-    ended = driven.session.wait(20)
+    ended = driven.session.wait(LIMIT)
     assert ended is not None
     assert ended.why is Why.CRASHED
     assert ended.text.startswith("car: fmi2DoStep at t = ")
@@ -98,7 +100,7 @@ def test_an_fmu_that_crashes_is_named_and_the_next_drive_goes_on(driven: LiveDri
 
 def test_a_run_that_does_not_begin_is_ended(driven: LiveDrive) -> None:
     driven.start(Patience(start=0.0))
-    ended = driven.session.wait(20)
+    ended = driven.session.wait(LIMIT)
     assert ended is not None
     assert ended.why is Why.CRASHED
     assert "did not begin" in ended.text
@@ -129,8 +131,9 @@ def test_what_is_no_parameter_or_out_of_its_range_is_refused(shared: LiveDrive, 
 
 @pytest.fixture(scope="module")
 def shared(field) -> Iterator[LiveDrive]:
-    live = open_drive(field.benches["field"].noun)
+    live, sockets = open_drive(field.benches["field"].noun), open_sockets()
     live.start()
+    until(lambda: open_sockets() - sockets)  # its own, and no test's
     yield live
     live.close()
 

@@ -6,22 +6,28 @@ import contextlib
 import json
 import math
 import random
+import select
 import shutil
 import socket
+import struct
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from answerers import packed, unpacked
+from background import LIMIT, in_background
 from command_line import run_dse
-from live_worlds import ANSWER, START, World, right_bytes, served
+from live_worlds import ANSWER, END, START, World, right_bytes, served
 
 from dse.errors import DseError
 from dse.live import Datagram, check_client, listen_at, read_recording, tap, write_datagram, write_head
 from dse.live.asking import trial_values
 
+PATIENT = ("--timeout", str(LIMIT))
 CLIENTS = Path(__file__).parents[2] / "clients"
 
 
@@ -41,15 +47,15 @@ def free_port() -> int:
 
 def test_check_tells_a_right_world_by_its_exit_code(dse):
     with served(World()) as port:
-        done = dse("udp", "check", f"127.0.0.1:{port}", "--out", "1", "--back", "2", "--steps", "5")
+        done = dse("udp", "check", f"127.0.0.1:{port}", "--out", "1", "--back", "2", "--steps", "5", *PATIENT)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "ok        says BUSY to a second client" in done.stdout
     assert "median [ms]" in done.stdout
 
 
 def test_check_tells_what_is_wrong_and_ends_with_3(dse):
-    with served(World(write=lambda *told: right_bytes(*told)[:-4])) as port:
-        words = ("--out", "1", "--back", "2", "--steps", "5", "--timeout", "0.3", "--format", "json")
+    with served(World(write=lambda *told: right_bytes(*told)[:-4], copies=20)) as port:  # which are given up at once
+        words = ("--out", "1", "--back", "2", "--steps", "5", *PATIENT, "--format", "json")
         done = dse("udp", "check", f"127.0.0.1:{port}", *words)
     assert done.returncode == 3
     told = {check["check"]: check for check in json.loads(done.stdout)["checks"]}
@@ -79,17 +85,14 @@ def test_what_cannot_be_is_refused_in_one_error(dse, words, said):
 # ---- a client that is checked ----
 
 
-def ask_all(
-    port: int, steps: int, delay: float = 0.0, resends: bool = True, time_of=lambda step: 0.01 * step, ends: bool = True
-) -> None:
+def ask_all(port: int, steps: int, resends: bool = True, time_of=lambda step: 0.01 * step, ends: bool = True) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
         line.connect(("127.0.0.1", port))
         line.settimeout(0.02)
-        threading.Event().wait(delay)
         for sequence in range(steps + 1):
             request = packed(5, sequence, 0 if sequence else START, time_of(max(0, sequence - 1)), [0.25])
             line.send(request)
-            for _ in range(50):
+            for _ in range(int(LIMIT / 0.02)):
                 try:
                     data = line.recv(65536)
                 except TimeoutError:
@@ -103,12 +106,9 @@ def ask_all(
             line.send(packed(5, steps + 1, 2, 1.0, [0.25]))
 
 
-def checked_client(**client) -> dict[str, str]:
-    with listen_at("127.0.0.1", 0) as line:
-        thread = threading.Thread(target=ask_all, args=(line.getsockname()[1], 25), kwargs=client)
-        thread.start()
-        found = check_client(line, 1, 2, step=0.01, wait=5, patience=0.4)
-        thread.join()
+def checked_client(patience: float = LIMIT, **client) -> dict[str, str]:
+    with listen_at("127.0.0.1", 0) as line, in_background(ask_all, line.getsockname()[1], 25, **client):
+        found = check_client(line, 1, 2, step=0.01, wait=2 * LIMIT, patience=patience)
     assert found.is_right == all(check.is_right for check in found.checks)
     return {check.name: " / ".join(check.said) for check in found.checks if not check.is_right}
 
@@ -117,8 +117,22 @@ def test_a_client_that_mends_what_is_lost_is_right():
     assert checked_client() == {}
 
 
-def test_a_client_that_comes_late_has_as_much_time_for_its_steps():
-    assert checked_client(delay=0.5) == {}
+def test_a_client_that_comes_late_has_as_much_time_for_its_steps(monkeypatch):
+    clock = 0.0
+
+    def wait(lines: list[socket.socket], _writes: list, _errors: list, left: float):
+        """The first packet comes after more than the patience for those that follow."""
+        nonlocal clock
+        if clock == 0.0:
+            clock = min(left, 1.5 * LIMIT)
+            if clock == left:
+                return [], [], []
+        return select.select(lines, [], [], left)
+
+    told = SimpleNamespace(monotonic=lambda: clock, perf_counter=lambda: clock)
+    monkeypatch.setattr("dse.live.checking_clients.time", told)
+    monkeypatch.setattr("dse.live.checking_clients.select", SimpleNamespace(select=wait))
+    assert checked_client() == {}
 
 
 def test_a_client_that_never_asks_again_is_told():
@@ -130,48 +144,74 @@ def test_a_client_whose_time_stands_is_told():
 
 
 def test_a_client_that_goes_without_a_word_is_told():
-    assert "no END came" in checked_client(ends=False)["sends END"]
+    assert "no END came" in checked_client(patience=0.2, ends=False)["sends END"]
 
 
 # ---- record and show ----
 
 
-def test_a_tap_between_both_sides_keeps_every_datagram_and_changes_none(tmp_path, dse):
+class _Enough(Exception):  # noqa: N818  # ends a tap
+    """The last datagram came."""
+
+
+@contextlib.contextmanager
+def tapped(line: socket.socket, onward: tuple[str, int]) -> Iterator[list[Datagram]]:
+    """What comes to *line* meanwhile, and is passed *onward*."""
     kept: list[Datagram] = []
-    with served(World()) as port, listen_at("127.0.0.1", 0) as line:
-        onward = ("127.0.0.1", port)
-        arguments = (line, onward, kept.append)
-        thread = threading.Thread(target=tap, args=arguments, kwargs={"most": 22, "seconds": 30})
-        thread.start()
-        done = dse(
-            "udp", "check", f"127.0.0.1:{line.getsockname()[1]}", "--out", "1", "--back", "2", "--timeout", "0.3"
-        )
-        thread.join()
-    assert done.returncode in (0, 3)  # the tap ends before it
-    assert [datagram.is_answer for datagram in kept[:4]] == [False, True, False, True]
+
+    def keep(datagram: Datagram) -> None:
+        if datagram.data == b"enough":
+            raise _Enough
+        kept.append(datagram)
+
+    def go() -> None:
+        with contextlib.suppress(_Enough):
+            tap(line, onward, keep, most=sys.maxsize, seconds=10 * LIMIT)
+
+    with in_background(go), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ending:
+        try:
+            yield kept
+        finally:
+            ending.sendto(b"enough", line.getsockname())
+
+
+def test_a_tap_between_both_sides_keeps_every_datagram_and_changes_none(tmp_path, dse):
+    world = World()
+    with (
+        served(world) as port,
+        listen_at("127.0.0.1", 0) as line,
+        tapped(line, ("127.0.0.1", port)) as kept,
+    ):
+        to = f"127.0.0.1:{line.getsockname()[1]}"
+        done = dse("udp", "check", to, "--out", "1", "--back", "2", "--steps", "5", *PATIENT)
+    assert done.returncode == 0, done.stdout
+    assert [datagram.data for datagram in kept if not datagram.is_answer] == world.heard
+    answers = [datagram.data for datagram in kept if datagram.is_answer]
+    assert len(answers) > 20
+    assert answers == world.said[: len(answers)]  # the last may have come when the tap had ended
     path = tmp_path / "kept.jsonl"
     with path.open("w", encoding="utf-8") as file:
         write_head(file)
         for datagram in kept:
             write_datagram(file, datagram)
     assert [datagram.data for datagram in read_recording(path)] == [datagram.data for datagram in kept]
-    shown = dse("udp", "show", str(path), "--out", "1", "--back", "2", "--limit", "4")
+    shown = dse("udp", "show", str(path), "--out", "1", "--back", "2", "--limit", "50")
     assert shown.returncode == 0
     assert "START|ANSWER" in shown.stdout
-    assert "and 18 more" in shown.stderr
+    assert f"and {len(kept) - 50} more" in shown.stderr
 
 
 def test_answers_go_to_a_port_of_their_own_if_a_client_listens_elsewhere():
     with served(World()) as port, listen_at("127.0.0.1", 0) as line, listen_at("127.0.0.1", 0) as ear:
         kept: list[Datagram] = []
-        options = {"most": 2, "seconds": 30, "answers": ("127.0.0.1", ear.getsockname()[1])}
-        thread = threading.Thread(target=tap, args=(line, ("127.0.0.1", port), kept.append), kwargs=options)
-        thread.start()
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as mouth:
+        options = {"most": 2, "seconds": LIMIT, "answers": ("127.0.0.1", ear.getsockname()[1])}
+        ear.settimeout(LIMIT)
+        with (
+            in_background(tap, line, ("127.0.0.1", port), kept.append, **options),
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as mouth,
+        ):
             mouth.sendto(packed(5, 0, START, 0.0, [0.5]), ("127.0.0.1", line.getsockname()[1]))
-            ear.settimeout(30)
             assert ear.recv(65536) == right_bytes(5, 0, ANSWER | START, 0.0, (0.5, 1.0))
-        thread.join()
 
 
 @pytest.mark.thorough
@@ -183,7 +223,7 @@ def test_record_writes_what_comes_to_a_port_and_show_says_what_is_wrong_with_it(
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
             line.sendto(packed(5, 1, ANSWER, 0.5, [7.25]), ("127.0.0.1", port))
             line.sendto(b"hello", ("127.0.0.1", port))
-        assert "2 datagrams" in recording.communicate(timeout=60)[0]
+        assert "2 datagrams" in recording.communicate(timeout=LIMIT)[0]
     assert recording.returncode == 0
     first, second = json.loads(dse("udp", "show", str(path), "--format", "json").stdout)
     assert (first["values"], first["wrong"]) == ({"1": 7.25}, "")
@@ -227,11 +267,8 @@ def test_a_component_is_asked_with_values_that_its_ports_can_have(tmp_path, dse)
     path.write_text('out: [force, "on [0 or 1]", "gear [0 park, 1 drive]"]\nback: []\n', encoding="utf-8")
     with listen_at("127.0.0.1", 0) as line:
         heard: list[Datagram] = []
-        options = {"most": 2, "seconds": 30}
-        thread = threading.Thread(target=tap, args=(line, None, heard.append), kwargs=options)
-        thread.start()
-        dse("udp", "check", f"127.0.0.1:{line.getsockname()[1]}", "--layout", str(path), "--timeout", "0.1")
-        thread.join()
+        with in_background(tap, line, None, heard.append, most=2, seconds=LIMIT):
+            dse("udp", "check", f"127.0.0.1:{line.getsockname()[1]}", "--layout", str(path), "--timeout", "0.1")
     assert unpacked(heard[0].data)[4] == (0.0, 0.0, 0.0)
     trial = trial_values(3, 1, frozenset({1, 2}))
     assert (0 < trial[0] < 1, trial[1:]) == (True, (1.0, 1.0))
@@ -277,7 +314,7 @@ def test_the_example_worlds_pass_the_check(language, request, dse):
     port = free_port()
     with running([*request.getfixturevalue(f"{language}_world"), str(port)]):
         for _ in range(2):  # a world is there for more than one client
-            done = dse("udp", "check", f"127.0.0.1:{port}", "--out", "1", "--back", "3", "--steps", "50")
+            done = dse("udp", "check", f"127.0.0.1:{port}", "--out", "1", "--back", "3", "--steps", "50", *PATIENT)
             assert done.returncode == 0, done.stdout
 
 
@@ -290,10 +327,12 @@ def test_in_free_mode_the_example_worlds_go_on_by_their_own_clock(language, requ
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line,
     ):
         line.connect(("127.0.0.1", port))
-        line.settimeout(30)
+        line.settimeout(LIMIT)
         for session in (5, 6):
             line.send(packed(session, 0, START, 2.0, [0.0]))
             heard = [unpacked(line.recv(65536))]
+            while heard[0][0] == session - 1:  # what was on its way
+                heard = [unpacked(line.recv(65536))]
             line.send(packed(session, 4, 0, 2.0, [1200.0]))
             line.send(packed(session, 3, 0, 2.0, [-1200.0]))  # overtaken: never back
             while heard[-1][4][1] < 0.05:
@@ -305,11 +344,6 @@ def test_in_free_mode_the_example_worlds_go_on_by_their_own_clock(language, requ
             assert [time for _, _, _, time, _ in heard] == pytest.approx([2 + 0.01 * k for k in range(len(heard))])
             speeds = [values[1] for *_, values in heard]
             assert speeds == sorted(speeds)
-            line.settimeout(0.2)
-            with contextlib.suppress(TimeoutError):
-                while True:  # what was on its way
-                    line.recv(65536)
-            line.settimeout(30)
 
 
 @pytest.mark.thorough
@@ -319,7 +353,8 @@ def test_a_model_in_modelica_drives_up_to_the_wall_of_the_example_worlds(languag
     shutil.copytree(CLIENTS / "modelica", tmp_path / "wall")
     port = free_port()
     component = tmp_path / "wall/components/outside/component.yaml"
-    component.write_text(component.read_text("utf-8").replace("5005", str(port)), encoding="utf-8")
+    patient = component.read_text("utf-8").replace("timeout: 5 s", f"timeout: {LIMIT:g} s")
+    component.write_text(patient.replace("5005", str(port)), encoding="utf-8")
     with running([*request.getfixturevalue(f"{language}_world"), str(port)]):
         done = run_dse(tmp_path / "wall", "simulate", "wall", "--format", "json", cache=tmp_path / "cache")
     told = json.loads(done.stdout)
@@ -352,37 +387,62 @@ def rubbish(count: int, size: int) -> list[bytes]:
     return made
 
 
-def send_all(port: int, datagrams: list[bytes]) -> None:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
-        for number, data in enumerate(datagrams):
-            line.sendto(data, ("127.0.0.1", port))
-            if number % 50 == 0:
-                threading.Event().wait(0.001)  # the other end's buffer is small
+def send_all(line: socket.socket, port: int, datagrams: list[bytes]) -> None:
+    for number, data in enumerate(datagrams):
+        line.sendto(data, ("127.0.0.1", port))
+        if number % 50 == 0:
+            threading.Event().wait(0.001)  # the other end's buffer is small
 
 
 @pytest.mark.parametrize("count", [2000, pytest.param(100_000, marks=pytest.mark.thorough)])
 def test_random_datagrams_neither_end_a_check_nor_go_uncounted(count):
-    with listen_at("127.0.0.1", 0) as line:
+    is_over = threading.Event()
+
+    def talk(line: socket.socket, port: int, datagrams: list[bytes]) -> None:
+        """Send the datagrams, then a session in order, again and again: the check's buffer may be full."""
+        send_all(line, port, datagrams)
+        heads = [struct.unpack_from("<4i", data) for data in datagrams if len(data) == 36]
+        begun = {session for _, session, sequence, flags in heads if flags & START and not sequence}
+        ends = [packed(session, 9, END, 1.0, [0.5]) for session in begun | {5}]
+        while not is_over.wait(0.01):
+            send_all(line, port, [packed(5, 0, START, 0.0, [0.5]), packed(5, 1, 0, 0.0, [0.5]), *ends])
+
+    with listen_at("127.0.0.1", 0) as line, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as theirs:
         line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
-        thread = threading.Thread(target=send_all, args=(line.getsockname()[1], rubbish(count, 1)))
-        thread.start()
-        found = check_client(line, 1, 2, step=0.01, wait=1.0, patience=1.0)
-        thread.join()
+        with in_background(talk, theirs, line.getsockname()[1], rubbish(count, 1)):
+            try:
+                found = check_client(line, 1, 2, step=0.01, wait=LIMIT, patience=LIMIT)
+            finally:
+                is_over.set()
     assert not found.is_right
     assert found.ignored > 0
 
 
 @pytest.mark.parametrize("count", [2000, pytest.param(100_000, marks=pytest.mark.thorough)])
 def test_random_datagrams_are_recorded_as_they_came(tmp_path, count):
-    sent, path = rubbish(count, 1), tmp_path / "rubbish.jsonl"
-    with listen_at("127.0.0.1", 0) as line, path.open("w", encoding="utf-8") as file:
+    sent, path, is_over = rubbish(count, 1), tmp_path / "rubbish.jsonl", threading.Event()
+
+    def talk(line: socket.socket, port: int) -> None:
+        """Send all, then as many others as were dropped."""
+        send_all(line, port, sent)
+        while not is_over.wait(0.001):
+            send_all(line, port, 20 * [b"in place of a dropped one"])
+
+    with (
+        listen_at("127.0.0.1", 0) as line,
+        path.open("w", encoding="utf-8") as file,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as theirs,
+    ):
         line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
         write_head(file)
-        thread = threading.Thread(target=send_all, args=(line.getsockname()[1], sent))
-        thread.start()
-        heard = tap(line, None, lambda datagram: write_datagram(file, datagram), most=count, seconds=count / 5000 + 2)
-        thread.join()
+        with in_background(talk, theirs, line.getsockname()[1]):
+            try:
+                heard = tap(line, None, lambda datagram: write_datagram(file, datagram), most=count, seconds=10 * LIMIT)
+            finally:
+                is_over.set()
     kept = [datagram.data for datagram in read_recording(path)]
-    assert len(kept) == heard > 0
+    assert len(kept) == heard == count
+    kept = [data for data in kept if data != b"in place of a dropped one"]
+    assert kept
     wanted = iter(sent)
     assert all(data in wanted for data in kept)  # in order; the system may have dropped some

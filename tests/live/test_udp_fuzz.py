@@ -5,10 +5,10 @@ from __future__ import annotations
 import random
 import socket
 import struct
-import threading
 
 import pytest
 from answerers import ANSWER, START, Answerer, Asker, packed, unpacked
+from background import LIMIT, in_background
 from live.conftest import COUNTED, outside, simulator_of
 
 from dse.domain.udp import LinkRole, UdpSource
@@ -55,7 +55,7 @@ def test_a_client_takes_no_harm(port, cache, count):
                         self.socket.sendto(junk(chance, good), sender)
                     self.socket.sendto(good, sender)
 
-    source = UdpSource(port, timeout=10.0)
+    source = UdpSource(port, timeout=LIMIT, wait=LIMIT)
     model = outside(source, cache, ["u"], ["y", "z", *COUNTED])
     with Noisy(lambda *_: [], port=port), simulator_of(model) as simulator:
         found = simulator.run(stop=steps * 0.01, step=0.01)
@@ -70,9 +70,8 @@ def test_a_server_takes_no_harm(port, cache, count):
     steps = count // BATCH
 
     def ask() -> None:
-        asker = Asker(port, 77)
-        asker.ask(0, [0.0], START)
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        with Asker(port, 77) as asker, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+            asker.ask(0, [0.0], START)
             for k in range(1, steps):
                 good = packed(77, k, 0, 0.0, [float(k)])
                 for number in range(BATCH):
@@ -82,13 +81,11 @@ def test_a_server_takes_no_harm(port, cache, count):
                     else:
                         stranger.sendto(bad, ("127.0.0.1", port))
                 asker.ask(k, [float(k)])
-        asker.end(steps, 1)
+            asker.end(steps, 1)
 
-    asking = threading.Thread(target=ask)
-    asking.start()
-    source = UdpSource(port, role=LinkRole.SERVER, timeout=10.0)
-    with simulator_of(outside(source, cache, ["u"], ["y", *COUNTED])) as simulator:
+    source = UdpSource(port, role=LinkRole.SERVER, timeout=LIMIT, wait=LIMIT)
+    model = outside(source, cache, ["u"], ["y", *COUNTED])
+    with in_background(ask), simulator_of(model) as simulator:
         found = simulator.run(stop=steps * 0.01, step=0.01)
-    asking.join()
     assert found[:, 0].tolist() == [0.0, *(float(k) for k in range(1, steps))]
     assert found[-1, 2] >= BATCH * (steps - 1)

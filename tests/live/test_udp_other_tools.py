@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from ctypes import byref, c_double, c_int
 
 import pytest
 from answerers import Answerer
+from background import LIMIT
 from fmu.conftest import Slave
 from live.conftest import outside
 
@@ -14,9 +16,12 @@ from dse.domain.udp import UdpSource
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_it_learns_of_the_end_by_status_and_of_what_was_ignored_by_the_log(port, cache, version):
-    model = outside(UdpSource(port, timeout=1.0), cache, ["u"], ["y"], version=version)
-    with Answerer(lambda time, step, values: [2.0 * values[0] + time], ends_at=3, port=port) as other:
-        slave = Slave(model).create().ready(u=3.0)
+    model = outside(UdpSource(port, timeout=LIMIT, wait=LIMIT), cache, ["u"], ["y"], version=version)
+    answering = Answerer(lambda time, step, values: [2.0 * values[0] + time], ends_at=3, port=port)
+    with answering as other, ExitStack() as ending:
+        slave = Slave(model).create()
+        ending.callback(slave.fmu.freeInstance)
+        slave.ready(u=3.0)
         assert slave.get("y") == 6.0
         slave.set("u", 4.0)
         other.socket.sendto(b"nonsense", slave_address(other))
@@ -36,8 +41,8 @@ def test_it_learns_of_the_end_by_status_and_of_what_was_ignored_by_the_log(port,
         assert slave.messages == []
         slave.fmu.terminate()
         (told,) = slave.messages
-        assert "packets ignored: 1 of a wrong size (the last of 8 bytes, right are 36)" in told
-        slave.fmu.freeInstance()
+        assert "packets ignored: 1 of a wrong size" in told  # and old ones, if a request was sent again
+        assert "(the last of 8 bytes, right are 36)" in told
 
 
 def slave_address(other: Answerer) -> tuple[str, int]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from background import LIMIT, in_background
 
 from dse.cosim import Simulator
 from dse.domain.bench import TestBench
@@ -43,13 +43,13 @@ def whole_of(bench: TestBench, cache: Path | None = None) -> PreparedBench:
 
 def near_of(bench: TestBench, port: int, parts: Parts, cache: Path | None = None, **source: float) -> PreparedBench:
     chosen = one_configuration(bench.design, None)
-    place = WorldPlace(UdpSource(port, **source), parts)
+    place = WorldPlace(UdpSource(port, **{"timeout": LIMIT, "wait": LIMIT, **source}), parts)
     return prepare_bench(bench, [chosen], cache=cache, world=place)[chosen.id]
 
 
 def far_of(bench: TestBench, port: int, parts: Parts, cache: Path | None = None) -> PreparedBench:
     chosen = one_configuration(bench.design, None)
-    source = UdpSource(port, role=LinkRole.SERVER, wait=60.0)
+    source = UdpSource(port, role=LinkRole.SERVER, timeout=LIMIT, wait=LIMIT)
     return prepare_world(bench, chosen, WorldPlace(source, parts), cache=cache)
 
 
@@ -71,11 +71,8 @@ def served(far: PreparedBench) -> Iterator[None]:
                 table = simulator.run(stop=simulation.stop + simulation.step, step=simulation.step)
                 rows = len(table)
 
-    thread = threading.Thread(target=serve, daemon=True)
-    thread.start()
-    yield
-    thread.join(60)
-    assert not thread.is_alive()
+    with in_background(serve):
+        yield
 
 
 def digest(run: Run) -> str:

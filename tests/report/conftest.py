@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from background import LIMIT
 from chromium import started_chromium
 from numpy.typing import NDArray
 from report_pages import Open
@@ -230,7 +231,7 @@ def open_report(browser: Browser, tmp_path: Path) -> Iterator[Open]:
     def opened(content: ReportContent) -> Page:
         write_report(content, report)
         page = context.new_page()
-        page.set_default_timeout(8000)
+        page.set_default_timeout(1000 * LIMIT)
         page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.on("request", lambda request: complaints.append(request.url) if request.url[:5] != "data:" else None)

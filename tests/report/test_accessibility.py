@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from chromium import rest
 from hard_contents import driven, furnished
 from report_pages import Open
 
@@ -43,7 +44,7 @@ def test_axe_finds_nothing_in_any_view(study: str, open_report: Open, request: p
         themes.add(theme)
         for tab in page.locator("[role=tab]").all():
             tab.click()
-            page.wait_for_timeout(300)
+            rest(page, 300)
             if said := complaints(page, *rules):
                 found[theme, tab.inner_text()] = said
         page.click("#theme")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from chromium import rest
 from playwright.sync_api import Page
 from report_pages import PLANE, Open, counts, ground, open_tab, selected, settle
 
@@ -51,7 +52,7 @@ def drag(page: Page, start: tuple[float, float], end: tuple[float, float], *, ke
 
 def fragment(page: Page) -> str:
     """The address's fragment, once it rests."""
-    page.wait_for_timeout(450)
+    rest(page, 450)
     return str(page.evaluate("location.hash.slice(1)"))
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from socket import create_connection
 
 import pytest
+from background import LIMIT
 from small_drive import drive_workspace
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
@@ -61,13 +62,13 @@ def sits(client, drive: str, **options) -> ClientConnection:
 
 def until(socket: ClientConnection, kind: str) -> dict:
     while True:
-        told = socket.recv(timeout=20)
+        told = socket.recv(timeout=LIMIT)
         if isinstance(told, str) and json.loads(told)["type"] == kind:
             return json.loads(told)
 
 
 def frame(socket: ClientConnection) -> tuple[float, ...]:
-    while isinstance(told := socket.recv(timeout=20), str):
+    while isinstance(told := socket.recv(timeout=LIMIT), str):
         pass
     return struct.unpack(f"<{len(told) // 8}d", told)
 
@@ -235,7 +236,7 @@ def test_a_message_that_is_too_large_or_one_too_many_hangs_up(field, served, tmp
 def closing(socket: ClientConnection) -> int:
     for _ in range(2000):
         try:
-            socket.recv(timeout=20)
+            socket.recv(timeout=LIMIT)
         except ConnectionClosed:
             break
     return socket.close_code or 0

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from chromium import started_chromium
+from chromium import rest, started_chromium
 from playwright.sync_api import Browser, Page
 from served_studies import TITLE, add_run
 
@@ -109,7 +109,7 @@ def test_two_studies_are_ticked_and_compared(opened) -> None:
 def test_no_page_is_wider_than_its_window(opened, path: str, width: int) -> None:
     page = opened(path)
     page.set_viewport_size({"width": width, "height": 900})
-    page.wait_for_timeout(300)
+    rest(page, 300)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
