@@ -54,8 +54,10 @@ drive: setup
 # Workers take whole stretches of the list, so that what tests share is made once; who is done early takes of the rest.
 PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
 
+# Only the tests that a change can reach: ROOMS=changed, or rooms of dse: ROOMS=cosim,fmu.
+ROOMS ?=
 test: setup
-	$(PYTEST) -m "not thorough and not nightly"
+	$(PYTEST) -m "not thorough and not nightly" $(if $(ROOMS),--rooms $(ROOMS))
 
 # Tests of properties are run once more, on twice as many examples.
 thorough: setup

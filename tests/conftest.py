@@ -1,4 +1,4 @@
-"""What holds for all tests: how much hypothesis tries, and that nothing is compiled twice."""
+"""What holds for all tests: how much hypothesis tries, that nothing is compiled twice, and which are left out."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import compile_cache
 import pytest
@@ -45,10 +46,52 @@ if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
+# What --rooms selects: a line about it, and the paths of the test files.
+_SELECTED = pytest.StashKey[tuple[str, frozenset[str]]]()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    what = "only tests that can reach these rooms of dse (cosim,fmu) or, if it is 'changed', what differs from main"
+    parser.addoption("--rooms", metavar="WHICH", help=what)
+
+
 def pytest_configure(config: pytest.Config) -> None:
-    """Keep what the C compiler makes in pytest's cache (``pytest --cache-clear`` empties it)."""
+    """Keep what the C compiler makes in pytest's cache (``pytest --cache-clear`` empties it); find tests by rooms."""
     if hasattr(config, "cache"):
         compile_cache.use(config.cache.mkdir("compiled"))
+    if which := config.getoption("--rooms"):
+        from affected import Reach, dse_graph, selected
+
+        of_controller = getattr(config, "workerinput", {}).get("rooms")
+        line, files = of_controller or selected(Reach(config.rootpath, dse_graph()), which)
+        config.stash[_SELECTED] = line, frozenset(files)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: Any) -> None:
+    if found := node.config.stash.get(_SELECTED, None):
+        node.workerinput["rooms"] = found[0], sorted(found[1])
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Print what ``--rooms`` selects; a report header would not be shown with ``-q``."""
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    if reporter and _SELECTED in session.config.stash:
+        reporter.write_line(session.config.stash[_SELECTED][0])
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Do not import test files that ``--rooms`` leaves out."""
+    found = config.stash.get(_SELECTED, None)
+    if not found or not collection_path.name.startswith("test_") or collection_path.suffix != ".py":
+        return None
+    return collection_path.relative_to(config.rootpath).as_posix() not in found[1] or None
+
+
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    """A change that no test can reach is no failure."""
+    if exitstatus == pytest.ExitCode.NO_TESTS_COLLECTED and _SELECTED in session.config.stash:
+        session.exitstatus = pytest.ExitCode.OK
 
 
 @pytest.fixture(scope="session")
