@@ -63,14 +63,18 @@ drive: $(VENV)/.run
 	$(DSE) drive $(BENCH)
 
 # Workers take whole stretches of the list, so that what tests share is made once; who is done early takes of the rest.
-PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
+PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal -p no:anyio
 
+# Only the tests that a change can reach: ROOMS=changed, or rooms of dse: ROOMS=cosim,fmu.
+ROOMS ?=
 test: setup
-	$(PYTEST) -m "not thorough and not nightly"
+	$(PYTEST) -m "not thorough and not nightly" $(if $(ROOMS),--rooms $(ROOMS),--budget)
 
-# Tests of properties are run once more, on twice as many examples.
+# As users compile, with the optimizer. PART=1/2 runs these folders, PART=2/2 the others.
+FIRST_PART := tests/api tests/cli tests/docs tests/exploration tests/report
 thorough: setup web
-	$(PYTEST) -m "(thorough or hypothesis) and not nightly" --hypothesis-profile=thorough
+	$(PYTEST) --optimized -m "(thorough or hypothesis) and not nightly" --hypothesis-profile=thorough \
+	  $(if $(filter 1/2,$(PART)),$(FIRST_PART)) $(if $(filter 2/2,$(PART)),$(FIRST_PART:%=--ignore=%))
 
 # All of CI: the everyday tests, then what they leave out.
 check: test rest
@@ -90,6 +94,10 @@ nightly: setup
 lint: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/python .ci/house.py
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/ci.yml
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-issue-forms .github/ISSUE_TEMPLATE/bug.yml .github/ISSUE_TEMPLATE/idea.yml
+	$(BIN)/check-jsonschema --builtin-schema vendor.citation-file-format CITATION.cff
 
 types: setup
 	$(BIN)/mypy

@@ -1,4 +1,4 @@
-"""What holds for all tests: how much hypothesis tries, and that nothing is compiled twice."""
+"""What holds for all tests: how much hypothesis tries, that nothing is compiled twice, and which are left out."""
 
 from __future__ import annotations
 
@@ -47,19 +47,24 @@ if threading.current_thread() is threading.main_thread():
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """How C is compiled, and where processor times are written."""
+    """Which tests are run, how C is compiled, and where processor times are written."""
+    what = "only tests that can reach these rooms of dse (cosim,fmu) or, if it is 'changed', what differs from main"
+    parser.addoption("--rooms", metavar="WHICH", help=what)
     parser.addoption("--optimized", action="store_true", help="compile C with the optimizer, as users do")
-    parser.addoption(
-        "--budget", action="store_true", help="in CI, fail if an everyday test or all of them cost too much"
-    )
+    what = "in CI, fail if an everyday test, or all of them together, cost too much processor time"
+    parser.addoption("--budget", action="store_true", help=what)
     parser.addoption("--processor-time", metavar="FILE", help="write the processor time of each test to FILE, as JSON")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     """Keep what the C compiler makes in pytest's cache (``pytest --cache-clear`` empties it); charge tests."""
-    config.pluginmanager.register(processor_time.ProcessorTime(config), "processor_time")
+    config.pluginmanager.register(processor_time.ProcessorTime(config))
     if hasattr(config, "cache"):
         compile_cache.use(config.cache.mkdir("compiled"), optimized=config.getoption("--optimized"))
+    if which := config.getoption("--rooms"):
+        from affected import ByRooms
+
+        config.pluginmanager.register(ByRooms(config, which))
 
 
 @pytest.fixture(scope="session")
