@@ -22,7 +22,9 @@ def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, real_compiler: None) -
     monkeypatch.delenv("DSE_TESTS_CC")
     folder = tmp_path / "kept"
     folder.mkdir()
-    compile_cache.use(folder)
+    monkeypatch.setenv("DSE_TESTS_CC_SPENT", "")  # same
+    monkeypatch.delenv("DSE_TESTS_OPTIMIZED", raising=False)
+    compile_cache.use(folder, optimized=False)
     return folder
 
 
@@ -63,3 +65,21 @@ def test_the_same_in_another_folder_is_not_compiled_again(tmp_path, kept):
 def test_a_warning_is_told_each_time(tmp_path):
     source = "int value(void) { int unused; return VALUE; }"
     assert all("unused" in compiled(tmp_path / "same", "-Wall", source=source) for _ in range(2))
+
+
+def test_the_optimizer_is_left_out_unless_it_is_asked_for_or_warnings_are(tmp_path: Path, monkeypatch) -> None:
+    source = "#ifdef __OPTIMIZE__\nint value(void) { return VALUE; }\n#else\nint value(void) { return 0; }\n#endif"
+    for name, options, optimized in (("plain", ("-O2",), 0), ("warned", ("-O2", "-Wall"), 1)):
+        compiled(tmp_path / name, *options, source=source)
+        assert value(tmp_path / name) == optimized
+    monkeypatch.setenv("DSE_TESTS_OPTIMIZED", "1")
+    compiled(tmp_path / "as users do", "-O2", source=source)
+    assert value(tmp_path / "as users do") == 1
+
+
+def test_what_is_compiled_for_all_is_charged_to_none(tmp_path: Path) -> None:
+    before = compile_cache.spent()
+    compiled(tmp_path / "one")
+    first = compile_cache.spent()
+    compiled(tmp_path / "two")
+    assert before < first == compile_cache.spent()

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import pytest
+from fmpy.validation import validate_fmu
 from language_case import CASES as FOLDER, Case
 from modelica_components import Built
 from slaves import numbers, run_cs, run_master, run_me
@@ -21,18 +22,17 @@ ALL = [*OF_EXPRESSIONS, *OF_CLASSES, *OF_DYNAMICS, *OF_EVENTS]
 TIGHT = 1e-9
 
 
-def cases(chosen: Callable[[Case], object] = lambda _: True) -> pytest.MarkDecorator:
-    """Every day a third of the cases: by the case, so that the FMU that one test builds is one that others use."""
-    everyday = {case.model for case in ALL[::3]}
-    marked = [case if case.model in everyday else pytest.param(case, marks=pytest.mark.thorough) for case in ALL]
-    kept = [entry for entry, case in zip(marked, ALL, strict=True) if chosen(case)]
-    return pytest.mark.parametrize("case", kept, ids=lambda case: case.model)
-
-
-every_case = cases()
-both_versions = pytest.mark.parametrize(
-    "version", [2, pytest.param(3, marks=pytest.mark.thorough)], ids=["fmi2", "fmi3"]
-)
+EVERY_DAY = {case.model for case in ALL[::3]}
+PARAMETERS = [
+    pytest.param(
+        case,
+        version,
+        id=f"{case.model}-fmi{version}",
+        marks=[] if version == 2 and case.model in EVERY_DAY else pytest.mark.thorough,
+    )
+    for case in ALL
+    for version in (2, 3)
+]
 
 
 def test_every_model_of_the_folder_has_a_solution() -> None:
@@ -74,10 +74,23 @@ def steps_of(case: Case, step: float) -> int:
     return int(case.stop / step + 1e-6)
 
 
-@every_case
-@both_versions
-def test_co_simulation_follows_the_solution(case: Case, version: int, built: Built) -> None:
+@pytest.mark.parametrize(("case", "version"), PARAMETERS)
+def test_however_it_is_run_a_model_follows_its_solution(case: Case, version: int, built: Built) -> None:
+    """One build for all. What does not depend on the version of FMI is looked at in one of them."""
     model = built(case.file, version)
+    follows_by_co_simulation(case, model)
+    if case.exchanged:
+        follows_by_model_exchange(case, model)
+    is_the_same_to_master_and_fmpy(case, model)
+    assert validate_fmu(str(model.archive)) == []
+    if version == 2:
+        follows_with_structural_parameters(case, model, built)
+        follows_with_other_steps_and_tolerances(case, model)
+        if case.residuals:
+            satisfies_its_equations(case, model)
+
+
+def follows_by_co_simulation(case: Case, model: FmuModel) -> None:
     for variant in ({}, *case.variants):
         if not_settable(model, variant):
             continue
@@ -85,9 +98,7 @@ def test_co_simulation_follows_the_solution(case: Case, version: int, built: Bui
         check(case, timed(case, rows, case.step), variant, case.error)
 
 
-@every_case
-def test_a_structural_parameter_is_built_in(case: Case, built: Built) -> None:
-    model = built(case.file, 2)
+def follows_with_structural_parameters(case: Case, model: FmuModel, built: Built) -> None:
     for variant in case.variants:
         if not not_settable(model, variant):
             continue
@@ -96,9 +107,7 @@ def test_a_structural_parameter_is_built_in(case: Case, built: Built) -> None:
         check(case, timed(case, rows, case.step), variant, case.error)
 
 
-@every_case
-def test_other_communication_steps_and_tolerances_tell_the_same(case: Case, built: Built) -> None:
-    model = built(case.file, 2)
+def follows_with_other_steps_and_tolerances(case: Case, model: FmuModel) -> None:
     factors = (1 / 7,) if case.moved else (1 / 7, 3.1)
     for factor in factors:
         step = case.step * factor
@@ -108,20 +117,14 @@ def test_other_communication_steps_and_tolerances_tell_the_same(case: Case, buil
     check(case, timed(case, rows, case.step), {}, max(1e4 * case.error, 1e-12))
 
 
-@cases(lambda case: case.exchanged)
-@both_versions
-def test_model_exchange_follows_the_solution(case: Case, version: int, built: Built) -> None:
-    model = built(case.file, version)
+def follows_by_model_exchange(case: Case, model: FmuModel) -> None:
     rows = run_me(model, names_of(case), steps_of(case, case.step), case.step, {}, case.inputs, 1e-8)
     jumps = {t for signal in case.inputs.values() for t in signal.times}
     quiet = [(t, row) for t, row in rows if all(abs(t - jump) > 1e-6 for jump in jumps if jump > 0)]
     check(case, quiet, {}, max(1000 * case.error, 1e-9))
 
 
-@every_case
-@both_versions
-def test_the_master_and_fmpy_agree_bit_for_bit(case: Case, version: int, built: Built) -> None:
-    model = built(case.file, version)
+def is_the_same_to_master_and_fmpy(case: Case, model: FmuModel) -> None:
     outputs = [name for name in names_of(case) if model.variables[name].causality == "output"]
     steps = min(steps_of(case, case.step), 12)
     own = run_master(model, outputs, steps, case.step, {})
@@ -129,21 +132,10 @@ def test_the_master_and_fmpy_agree_bit_for_bit(case: Case, version: int, built: 
     assert [bits(row) for row in own] == [bits(row) for row in theirs]
 
 
-@cases(lambda case: case.residuals)
-def test_all_variables_satisfy_the_equations_of_the_file(case: Case, built: Built) -> None:
-    assert case.residuals
-    model = built(case.file, 2)
+def satisfies_its_equations(case: Case, model: FmuModel) -> None:
     steps = steps_of(case, case.step)
     for row in run_cs(model, numbers(model), steps, case.step, {}, case.moved, TIGHT):
         assert max(map(abs, case.residuals(row))) < case.error
-
-
-@every_case
-@both_versions
-def test_the_archive_is_valid(case: Case, version: int, built: Built) -> None:
-    from fmpy.validation import validate_fmu
-
-    assert validate_fmu(str(built(case.file, version).archive)) == []
 
 
 def not_settable(model: FmuModel, variant: Mapping[str, float]) -> bool:
