@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from dse.cache import content_key
 from dse.cosim import Simulator
 from dse.domain.component import Causality, Component, Kind, Parameter, Port, Value
 from dse.errors import DseError
@@ -48,6 +49,12 @@ class KindSuite:
     def component(self, root: Path) -> Component:
         return the_component(root)
 
+    @pytest.fixture
+    def cache(self, example: Files, tmp_path_factory: pytest.TempPathFactory) -> Path:
+        """A cache folder that the tests of the example share, so that its FMU is built once."""
+        contents = ((name, text if isinstance(text, bytes) else text.encode()) for name, text in example.items())
+        return tmp_path_factory.getbasetemp() / f"kind-{content_key(contents)}"
+
     def test_the_example_is_read_as_this_kind(self, root: Path, component: Component) -> None:
         word = read_yaml(component_file(root)).data["source"]["kind"]
         assert component.source is not None
@@ -81,34 +88,33 @@ class KindSuite:
         assert kind is not None
         kind.check(component, component.source)
 
-    def test_its_fmu_has_the_ports_and_parameters(self, component: Component, tmp_path: Path) -> None:
+    def test_its_fmu_has_the_ports_and_parameters(self, component: Component, cache: Path) -> None:
         for version in self.versions:
-            model = open_fmu(build(component, version=version, cache=tmp_path), cache=tmp_path)
+            model = open_fmu(build(component, version=version, cache=cache), cache=cache)
             check_fmu(component, model)
             for port in component.interface.ports:
                 assert model.variables[component.variable(port.name)].causality == str(port.causality)
 
-    def test_its_fmu_is_the_same_bytes_in_any_folder(self, example: Files, tmp_path: Path) -> None:
+    def test_its_fmu_is_the_same_bytes_in_any_folder(
+        self, example: Files, component: Component, cache: Path, tmp_path: Path
+    ) -> None:
+        elsewhere = the_component(lay_out(example, tmp_path / "another workspace"))
         for version in self.versions:
-            made = []
-            for name in ("one", "two"):
-                folder = tmp_path / f"{name}{version}"
-                component = the_component(lay_out(example, folder / "workspace"))
-                made.append(build(component, version=version, cache=folder / "cache"))
-            first, second = made
+            first = build(component, version=version, cache=cache)
+            second = build(elsewhere, version=version, cache=tmp_path / "another cache")
             assert first != second
             assert first.name == second.name
             assert first.read_bytes() == second.read_bytes()
 
-    def test_a_start_of_a_parameter_reaches_the_simulation(self, component: Component, tmp_path: Path) -> None:
+    def test_a_start_of_a_parameter_reaches_the_simulation(self, component: Component, cache: Path) -> None:
         first = component.parameters[0]
         other = replace(first, start=another(first))
         changed = replace(component, parameters=(other, *component.parameters[1:]))
-        plain, started = simulated(component, tmp_path), simulated(changed, tmp_path)
+        plain, started = simulated(component, cache), simulated(changed, cache)
         assert np.isfinite(plain).all()
         assert not np.array_equal(plain, started), f"no output changes with '{first.name}'"
         if first.tunable:
-            given = simulated(component, tmp_path, {f"part.{first.name}": other.start})
+            given = simulated(component, cache, {f"part.{first.name}": other.start})
             assert np.array_equal(given, started), f"a start of '{first.name}' is not what a run is given"
 
 
