@@ -1,6 +1,5 @@
 # Everything starts from here: `make demo`, `make drive`, `make test`, `make check`, `make nightly`, `make bench`. Needs
-# Python 3.11+. LOCKED=1 sets up the versions of requirements.lock, and nothing with
-# another hash.
+# Python 3.11+. LOCKED=1 sets up the versions of requirements.lock, and nothing with another hash.
 
 PYTHON ?= python3
 VENV ?= .venv
@@ -54,7 +53,6 @@ demo: $(VENV)/.run
 	$(DSE) explore acc_gains -o out/acc_gains --workers $(WORKERS)
 	$(DSE) report out/acc_following
 	$(DSE) report out/acc_gains
-	$(DSE) figure out/acc_gains -o out/figures
 	@echo "Open out/acc_gains/report.html"
 
 # A test drive in the browser, on a bench to begin with: BENCH=drive_motorway is another.
@@ -73,7 +71,7 @@ test: setup
 # As users compile, with the optimizer. PART=1/2 runs these folders, PART=2/2 the others.
 FIRST_PART := tests/api tests/cli tests/docs tests/exploration tests/report
 thorough: setup web
-	$(PYTEST) --optimized -m "(thorough or hypothesis) and not nightly" --hypothesis-profile=thorough \
+	$(PYTEST) --optimized -m "thorough and not nightly" --hypothesis-profile=thorough \
 	  $(if $(filter 1/2,$(PART)),$(FIRST_PART)) $(if $(filter 2/2,$(PART)),$(FIRST_PART:%=--ignore=%))
 
 # All of CI: the everyday tests, then what they leave out.

@@ -56,21 +56,26 @@ def measured() -> dict[str, dict[str, int]]:
     }
 
 
-def main() -> int:
-    """Check, or lower."""
-    text = LINES.read_text(encoding="utf-8")
+def compared(text: str, numbers_of: dict[str, dict[str, int]], *, lowers: bool) -> tuple[list[str], str]:
+    """What is wrong with *numbers_of* by the lines in *text*, and *text* with lines lowered to them if asked for."""
     lines = tomllib.loads(text)
     lines |= {f"rooms.{name}": numbers for name, numbers in lines.pop("rooms").items()}
     wrong = []
-    for part, numbers in measured().items():
+    for part, numbers in numbers_of.items():
         for what, number in numbers.items():
             line = lines.get(part, {}).get(what)
             if line is None:
                 wrong.append(f"{part} has no line for {what} in house.toml; today: {number}")
             elif number > line:
                 wrong.append(f"{part}: {number} {what}, {number - line} above the line of {line} in house.toml")
-            elif number < line and "--lower" in sys.argv:
+            elif number < line and lowers:
                 text = _lowered(text, part, what, number)
+    return wrong, text
+
+
+def main() -> int:
+    """Check, or lower."""
+    wrong, text = compared(LINES.read_text(encoding="utf-8"), measured(), lowers="--lower" in sys.argv)
     LINES.write_text(text, encoding="utf-8")
     for each in wrong:
         print(f"house: {each}")
@@ -82,7 +87,7 @@ def main() -> int:
 def _lowered(text: str, part: str, what: str, number: int) -> str:
     """*text* with another number for *what*, in the table *part* or, for a room, on its line."""
     head, _, room = part.partition(".")
-    start = re.search(rf"^{room} =.*$", text, re.M) if room else re.search(rf"^\[{head}\]$", text, re.M)
+    start = re.search(rf"^{room} =.*$", text, re.M) if room else re.search(rf"^\[{head}\]", text, re.M)
     assert start is not None  # noqa: S101  # main found it
     at = start.start() if room else start.end()
     return text[:at] + re.sub(rf"\b{what} = \d+", f"{what} = {number}", text[at:], count=1)

@@ -22,8 +22,10 @@ if TYPE_CHECKING:
 
     import pytest
 
+OPTIMIZED = "DSE_TESTS_OPTIMIZED"
+"""The variable that leaves the optimizer on."""
+
 _REAL = "DSE_TESTS_CC"
-_OPTIMIZED = "DSE_TESTS_OPTIMIZED"
 _SPENT = "DSE_TESTS_CC_SPENT"
 _DAYS = 14
 _FEW = 100
@@ -45,7 +47,7 @@ def use(folder: Path, *, optimized: bool) -> None:
     if _REAL in os.environ:  # a worker of a parallel run has it from its parent
         return
     if optimized:
-        os.environ[_OPTIMIZED] = "1"
+        os.environ[OPTIMIZED] = "1"
     oldest = time.time() - _DAYS * 86400
     for path in folder.iterdir():
         if path.is_file() and path.stat().st_mtime < oldest:
@@ -73,11 +75,16 @@ def leave(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.delenv("CC", raising=False)
 
 
-def spent() -> float:
-    """Seconds of processor time that went into what is kept now, for tests of this process."""
+def account() -> str:
+    """The file in which launchers that work for this process write what they spend."""
+    return os.environ.get(_SPENT, "")
+
+
+def spent(account: str) -> float:
+    """Seconds of processor time that went into what is kept now, by the file *account*."""
     try:
-        return sum(map(float, _read(os.environ[_SPENT]).split()))
-    except (KeyError, OSError):
+        return sum(map(float, _read(account).split()))
+    except OSError:
         return 0.0
 
 
@@ -88,7 +95,7 @@ def main() -> None:
 
 
 def _compile(folder: str, identity: str, command: Sequence[str], arguments: Sequence[str]) -> int:
-    if "-Wall" not in arguments and _OPTIMIZED not in os.environ:
+    if "-Wall" not in arguments and OPTIMIZED not in os.environ:
         arguments = ["-O0" if word == "-O2" else word for word in arguments]
     makes_one_file = arguments.count("-o") == 1 and bool({"-shared", "-c", "-S"} & {*arguments})
     if not makes_one_file or any(name in os.environ for name in _READ):

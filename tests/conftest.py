@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
 import signal
@@ -58,13 +59,25 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Keep what the C compiler makes in pytest's cache (``pytest --cache-clear`` empties it); charge tests."""
-    config.pluginmanager.register(processor_time.ProcessorTime(config))
     if hasattr(config, "cache"):
         compile_cache.use(config.cache.mkdir("compiled"), optimized=config.getoption("--optimized"))
+    config.pluginmanager.register(processor_time.ProcessorTime(config))
     if which := config.getoption("--rooms"):
         from affected import ByRooms
 
         config.pluginmanager.register(ByRooms(config, which))
+
+
+def pytest_sessionstart() -> None:
+    """Thousands of tests are objects that stay: collecting garbage among them takes a tenth of all time."""
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    """See pytest_sessionstart."""
+    gc.collect()
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(scope="session")
@@ -78,9 +91,8 @@ def built_before(request: pytest.FixtureRequest) -> Callable[[Path], Path]:
     room = Path(request.config.cache.mkdir("built"))
     rooms = [folder for folder in _DSE.iterdir() if folder.is_dir() and folder.name not in _ABOVE_BUILDING]
     code = [*_DSE.glob("*.py"), *(path for folder in rooms for path in folder.rglob("*.[pch]*"))]
-    ours = room / content_key(
-        (path.relative_to(_DSE).as_posix(), path.read_bytes()) for path in sorted(code) if path.suffix in _CODE
-    )
+    sources = [(path.relative_to(_DSE).as_posix(), path.read_bytes()) for path in sorted(code) if path.suffix in _CODE]
+    ours = room / content_key([*sources, ("optimized", os.environ.get(compile_cache.OPTIMIZED, "").encode())])
     ours.mkdir(exist_ok=True)
     os.utime(ours)
     for other in room.iterdir():

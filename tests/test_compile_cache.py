@@ -23,7 +23,7 @@ def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, real_compiler: None) -
     folder = tmp_path / "kept"
     folder.mkdir()
     monkeypatch.setenv("DSE_TESTS_CC_SPENT", "")  # same
-    monkeypatch.delenv("DSE_TESTS_OPTIMIZED", raising=False)
+    monkeypatch.delenv(compile_cache.OPTIMIZED, raising=False)
     compile_cache.use(folder, optimized=False)
     return folder
 
@@ -72,14 +72,14 @@ def test_the_optimizer_is_left_out_unless_it_is_asked_for_or_warnings_are(tmp_pa
     for name, options, optimized in (("plain", ("-O2",), 0), ("warned", ("-O2", "-Wall"), 1)):
         compiled(tmp_path / name, *options, source=source)
         assert value(tmp_path / name) == optimized
-    monkeypatch.setenv("DSE_TESTS_OPTIMIZED", "1")
+    monkeypatch.setenv(compile_cache.OPTIMIZED, "1")
     compiled(tmp_path / "as users do", "-O2", source=source)
     assert value(tmp_path / "as users do") == 1
 
 
 def test_what_is_compiled_for_all_is_charged_to_none(tmp_path: Path) -> None:
-    before = compile_cache.spent()
+    account = compile_cache.account()
     compiled(tmp_path / "one")
-    first = compile_cache.spent()
+    first = compile_cache.spent(account)
     compiled(tmp_path / "two")
-    assert before < first == compile_cache.spent()
+    assert 0 < first == compile_cache.spent(account)

@@ -47,7 +47,6 @@ from .narrowing import (
     of_band as of_band,
     of_box as of_box,
 )
-from .pawn import Distance as Distance, pawn_distances as pawn_distances
 from .probability import Interval as Interval, Met as Met, probability_met as probability_met, wilson as wilson
 from .radial import (
     Formula as Formula,

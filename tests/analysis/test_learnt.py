@@ -71,6 +71,7 @@ def test_few_runs_say_little_and_why(count):
         assert _texts(found, Topic.RUNS) == ["there are no runs in the ranges of the study"]
 
 
+@pytest.mark.thorough
 def test_a_study_without_requirements_tells_what_matters():
     points = even(100, 2)
     found = findings(study(points, {"y": points[:, 0]}))
@@ -118,10 +119,12 @@ def test_values_are_told_in_their_units():
     assert " km/h: in " in box
 
 
+@pytest.mark.thorough
 def test_the_same_runs_lead_to_the_same_findings():
     assert findings(_plane(70)) == findings(_plane(70))
 
 
+@pytest.mark.thorough
 def test_facts_are_plain_data():
     import json
     from dataclasses import asdict

@@ -10,7 +10,6 @@ from dse.analysis import (
     fit,
     importances,
     main_effects,
-    pawn_distances,
     study_data,
 )
 from dse.errors import DseError
@@ -32,6 +31,7 @@ def test_a_quadratic_is_found_exactly():
     assert model.explained == pytest.approx(1.0)
 
 
+@pytest.mark.thorough
 def test_the_error_of_a_surrogate_is_that_on_runs_it_has_not_seen():
     """Of pure noise nothing is explained, however well the runs themselves are hit; the error is the noise."""
     data = _data(300, lambda points: np.random.default_rng(1).normal(size=len(points)))
@@ -97,6 +97,7 @@ def test_importance_counts_what_factors_do_together():
     assert found.factors[2].share.low > 0.05
 
 
+@pytest.mark.thorough
 def test_what_two_factors_do_only_together_is_told_of_the_pair():
     """Of (x1 - 1/2)(x2 - 1/2) nothing is due to either alone, and all to both: totals and the pair's share are 1."""
     found = importances(_data(400, lambda points: (points[:, 0] - 0.5) * (points[:, 1] - 0.5), 3), "y")
@@ -107,6 +108,7 @@ def test_what_two_factors_do_only_together_is_told_of_the_pair():
     assert max(pair.share.value for pair in others) < 0.1
 
 
+@pytest.mark.thorough
 def test_factors_that_go_together_have_one_total():
     points = even(300, 3)
     points[:, 1] = points[:, 0]
@@ -128,29 +130,19 @@ def test_importance_of_runs_at_few_points_is_withheld():
         importances(study_data(study(points, {"y": points[:, 0]})), "y")
 
 
+@pytest.mark.thorough
 def test_importance_of_what_cannot_be_predicted_is_withheld():
     data = _data(200, lambda points: np.random.default_rng(1).random(len(points)))
     with pytest.raises(DseError, match="too little to say what matters together with others"):
         importances(data, "y")
 
 
+@pytest.mark.thorough
 def test_importance_bears_absent_factors():
     points = even(300, 2)
     points[::2, 1] = np.nan
     found = importances(study_data(study(points, {"y": 3 * points[:, 0] + np.nan_to_num(points[:, 1])})), "y")
     assert found.factors[0].share.value > 0.6
-
-
-def test_pawn_tells_factors_apart_from_what_does_nothing():
-    first, second, third = pawn_distances(_data(1000, lambda points: points[:, 0] + 0.3 * points[:, 1], 3), "y")
-    assert first.distance > second.distance > second.chance
-    assert third.distance < 1.5 * third.chance
-
-
-def test_pawn_is_withheld_where_failed_runs_would_distort_it():
-    data = _data(500, lambda points: points[:, 0], done=even(500, 2)[:, 0] < 0.7)
-    with pytest.raises(DseError, match=r"undefined in 1\d\d of 500 runs: without them, indices would be distorted"):
-        pawn_distances(data, "y")
 
 
 def test_correlations_have_intervals_that_hold_the_truth():

@@ -70,6 +70,7 @@ def test_a_value_that_is_fixed_in_one_study_and_varied_in_the_other_is_the_same_
     assert any(change.startswith("design variable") for change in other.changed)
 
 
+@pytest.mark.thorough
 def test_a_requirement_that_changed_is_told_with_its_bounds(
     results: dse.Results, ws: dse.Workspace, tmp_path: Path
 ) -> None:

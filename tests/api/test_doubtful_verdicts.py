@@ -186,6 +186,7 @@ def test_a_run_is_replayed_as_before(fine: dse.Results, workspace: dse.Workspace
     assert not replay.different
 
 
+@pytest.mark.thorough
 def test_a_variation_that_fails_is_told_and_leaves_doubt(workspace: dse.Workspace, tmp_path: Path) -> None:
     results = workspace.studies["rough"].explore(tmp_path / "rough", workers=1)
     rows = results.to_pandas()
@@ -198,6 +199,7 @@ def test_a_variation_that_fails_is_told_and_leaves_doubt(workspace: dse.Workspac
     np.testing.assert_array_equal(unsettled, rows["R1.certainty"] == "doubtful")
 
 
+@pytest.mark.thorough
 def test_error_bars_of_all_runs_tell_what_is_doubtful(workspace: dse.Workspace, tmp_path: Path) -> None:
     rows = workspace.studies["every"].explore(tmp_path / "every", workers=1).to_pandas()
     expected = np.where(rows["R1.margin"].abs() > 2 * rows["end.error"], "certain", "doubtful")

@@ -102,6 +102,7 @@ def test_a_change_of_one_component_simulates_its_configurations_only(study, edit
     assert bytes_of(tmp_path / "out") == before
 
 
+@pytest.mark.thorough
 def test_the_same_study_in_another_folder_simulates_nothing(study, tmp_path):
     study().explore(tmp_path / "one", workers=1)
     assert study().plan(tmp_path / "two").known == 12

@@ -41,6 +41,7 @@ def test_a_study_keeps_what_the_constraints_leave_of_its_design_space(results: d
     assert notes.funnel.absent == ()
 
 
+@pytest.mark.thorough
 def test_an_alternative_that_no_design_has_is_told_with_what_forbids_it(folder: Path, results, tmp_path: Path) -> None:
     place = tmp_path / "strict"
     shutil.copytree(folder, place)

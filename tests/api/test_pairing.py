@@ -62,6 +62,7 @@ def place(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.thorough
 def test_two_that_are_equal_differ_in_nothing_and_every_input_moves_them(place: Path) -> None:
     shutil.copytree(place / "components" / "two", place / "components" / "twin")
     file = place / "components" / "twin" / "component.yaml"
@@ -75,6 +76,7 @@ def test_two_that_are_equal_differ_in_nothing_and_every_input_moves_them(place: 
     assert found.parameters == {}
 
 
+@pytest.mark.thorough
 def test_a_changed_gain_is_found_and_named(place: Path) -> None:
     found = compare_components("two", "more", near=place, inputs={"speed": (0.0, 40.0)})
     y, total = found.outputs
@@ -125,6 +127,7 @@ def test_what_cannot_be_compared_is_refused_by_name(place: Path, second: str, in
         compare_components("two", second, near=place, inputs=inputs)
 
 
+@pytest.mark.thorough
 def test_one_that_fails_is_named_with_the_time(tmp_path: Path) -> None:
     pytest.importorskip("clang.cindex")
     (tmp_path / "components").mkdir()

@@ -83,6 +83,7 @@ def test_values_are_set_in_the_parameters_unit_or_with_one(ws):
         bench.simulate(set={"controller.set_gap": "4 kg"})
 
 
+@pytest.mark.thorough
 def test_a_checked_step_gives_error_bars(ws, run):
     checked = ws.benches["acc_following"].simulate(run.configuration, check_step=True)
     assert 0.0 < checked.metrics["final_gap.error"] < 0.01

@@ -19,6 +19,7 @@ def shown(results: dse.Results, number: int) -> dict[str, float]:
     return {name: units[name].from_si(float(value)) for name, value in point.items()}
 
 
+@pytest.mark.thorough
 def test_the_point_of_a_run_gives_its_run(results: dse.Results, folder: Path) -> None:
     run = results.run(2)
     tried = try_point(results.definition, run.configuration, shown(results, 2), near=folder)
@@ -28,6 +29,7 @@ def test_the_point_of_a_run_gives_its_run(results: dse.Results, folder: Path) ->
     assert tried.run.waveforms["world.speed"].tolist() == run.waveforms["world.speed"].tolist()
 
 
+@pytest.mark.thorough
 def test_a_point_between_the_runs_gives_another(results: dse.Results, folder: Path) -> None:
     point = {**shown(results, 0), "controller.kp_speed": 1.0}
     tried = try_point(results.definition, results.run(0).configuration, point, near=folder)
@@ -35,6 +37,7 @@ def test_a_point_between_the_runs_gives_another(results: dse.Results, folder: Pa
     assert tried.run.metrics not in [results.run(number).metrics for number in range(len(results))]
 
 
+@pytest.mark.thorough
 def test_what_changed_in_the_workspace_is_told(results: dse.Results, folder: Path, tmp_path: Path) -> None:
     import shutil
 
@@ -70,6 +73,7 @@ def test_without_the_study_s_files_it_is_told_that_they_are_missing(
         try_point(results.definition, results.run(0).configuration, shown(results, 0), near=tmp_path)
 
 
+@pytest.mark.thorough
 def test_of_certain_values_one_is_taken_and_no_other(results: dse.Results, folder: Path) -> None:
     from dataclasses import replace
 

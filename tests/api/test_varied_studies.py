@@ -58,6 +58,7 @@ def test_a_study_varies_what_there_is_in_each_configuration(varied):
     assert "controller.kp_gap" not in results.run(int(frame.index[frame["controller.kp_gap"].isna()][0])).point
 
 
+@pytest.mark.thorough
 def test_a_derived_parameter_is_what_it_would_be_if_it_were_given(varied):
     study, results = varied
     frame = results.to_pandas()

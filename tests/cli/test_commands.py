@@ -153,6 +153,7 @@ def test_findings_are_told_and_given_as_data(dse, explored):
     assert any(each["topic"] == "requirements met" and each["facts"]["met"] for each in data)
 
 
+@pytest.mark.thorough
 def test_results_come_in_every_format(dse, explored, tmp_path):
     rows = list(csv.DictReader(io.StringIO(dse("results", str(explored)).stdout)))
     runs = json.loads(dse("results", str(explored), "--format", "json").stdout)["runs"]
@@ -187,6 +188,7 @@ def test_figures_are_drawn_in_every_format(dse, explored, tmp_path):
         assert all(path.read_bytes().startswith(start) for path in files)
 
 
+@pytest.mark.thorough
 def test_a_run_is_replayed_bit_for_bit(dse, explored):
     done = dse("replay", str(explored), "7")
     assert done.returncode == 0, done.stderr

@@ -67,6 +67,7 @@ def test_names_of_the_workspace_are_offered(workspace, cache, line, offered):
     assert completed(workspace / "designs", cache, line) == offered
 
 
+@pytest.mark.thorough
 def test_outside_of_a_workspace_there_are_no_names(tmp_path, cache):
     assert completed(tmp_path, cache, "dse explore ") == []
     assert completed(tmp_path, cache, "dse report ") == []

@@ -140,6 +140,7 @@ def test_choices_that_do_not_exist_are_named(dse, tmp_path):
     assert dse("space", "graph", "acc_vehicle", "-o", str(tmp_path / "g.png")).returncode == 2
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(3)
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no EPIPE")
 @pytest.mark.parametrize(

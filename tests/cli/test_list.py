@@ -39,6 +39,7 @@ def test_designs_benches_and_studies_are_listed_with_what_they_are_about(workspa
     }
 
 
+@pytest.mark.thorough
 def test_results_count_runs_by_what_came_of_all_requirements_together(workspace, dse_in):
     listed = json.loads(dse_in(workspace, "list", "--format", "json").stdout)
     (small,) = [each for each in listed["results"] if each["folder"] == "out/small"]
@@ -51,6 +52,7 @@ def test_results_count_runs_by_what_came_of_all_requirements_together(workspace,
     assert {verdict: count for verdict, count in small["verdicts"].items() if count} == counts
 
 
+@pytest.mark.thorough
 def test_what_cannot_be_read_is_listed_with_its_problem(workspace, dse_in):
     done = dse_in(workspace / "designs", "list")
     assert done.returncode == 0, done.stderr

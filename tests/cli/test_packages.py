@@ -133,6 +133,7 @@ def simulated(package, dse_in) -> dict[str, np.ndarray]:
     return waveforms(package.parent / "out.csv")
 
 
+@pytest.mark.thorough
 def test_a_package_is_simulated_as_it_says(dse, package):
     done = dse("simulate", str(package))
     assert done.returncode == 0, done.stderr
@@ -298,6 +299,7 @@ def test_a_foreign_package_and_its_variants_are_simulated(foreign, dse_in, tmp_p
         assert data["signals"]["level"]["end"] == pytest.approx(np.exp(-rate), abs=(0.1 * rate) ** 5)
 
 
+@pytest.mark.thorough
 def test_what_is_ignored_is_told_by_every_command_and_refused_if_asked(dse_in, tmp_path, dahlquist):
     text = decay("1", "slow").replace("<ssd:Component ", '<ssd:Component colour="red" ')
     fmu = rezipped(dahlquist, tmp_path / "Dahlquist.fmu", "extra/aux.txt")
@@ -476,6 +478,7 @@ def test_arrays_and_all_kinds_of_fmus_become_a_workspace(dse_in, tmp_path, tmp_p
     assert (tmp_path / "first.ssp").read_bytes() == (tmp_path / "second.ssp").read_bytes()
 
 
+@pytest.mark.thorough
 def test_a_run_that_an_fmu_ends_is_shown_until_there(dse_in, tmp_path, tmp_path_factory):
     stair = build("Stair", 2, "CoSimulation", tmp_path_factory.mktemp("stair")).read_bytes()
     text = description(elements(component("s", "output counter")))

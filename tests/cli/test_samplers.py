@@ -11,6 +11,7 @@ from example_study import small_study
 POINTS = "controller.kp_speed [1/s],controller.kd_speed\n0.75,0.25\n2.5,0.5\n"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("before", "after"),
     [

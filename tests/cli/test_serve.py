@@ -50,6 +50,7 @@ def fetched(address: str, path: str, data: object = None) -> tuple[int, str]:
     return found
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="interrupts are sent otherwise there")
 def test_a_study_is_served_until_ctrl_c(serve, explored) -> None:
     with serve(str(explored), "--port", "0") as (process, address):
@@ -153,6 +154,7 @@ def test_an_address_is_given_in_numbers(dse, explored, address) -> None:
     assert "is no address to listen on" in done.stderr
 
 
+@pytest.mark.thorough
 def test_whoever_listens_elsewhere_gets_a_token(serve, explored) -> None:
     with serve(str(explored), "--port", "0", "--listen", "127.0.0.1") as (_, address):
         start, _, token = address.partition("?token=")
@@ -167,6 +169,7 @@ def test_a_folder_that_is_not_there_is_named(dse, tmp_path) -> None:
     assert "there is no such folder" in done.stderr
 
 
+@pytest.mark.thorough
 def test_without_the_extra_its_name_is_told(explored) -> None:
     code = "import sys; sys.modules['starlette'] = None; from dse.cli import main; main()"
     done = subprocess.run(

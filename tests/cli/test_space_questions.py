@@ -149,6 +149,7 @@ def test_choices_that_are_not_complete_are_completed_or_refused(ask):
     assert ask("space", "explain", "pump").returncode == 2
 
 
+@pytest.mark.thorough
 def test_the_best_are_listed_with_their_unit(ask):
     shown = ask("space", "best", "pump", "--minimize", "sum(mass)").stdout
     assert "1.5 kg" in shown

@@ -20,6 +20,7 @@ def workspace(dse_in, tmp_path_factory):
     return folder
 
 
+@pytest.mark.thorough
 def test_a_study_goes_into_the_out_folder_of_its_workspace_and_goes_on_there(workspace, dse_in):
     assert (workspace / "out" / "small" / "study.sqlite").is_file()
     again = dse_in(workspace, "explore", "small")

@@ -49,6 +49,7 @@ def package(folder: Path, workshop: Workshop, *wires: tuple[str, str], timed: bo
 CLOCKS = ("a.Tx_Clock", "b.Rx_Clock"), ("b.Tx_Clock", "a.Rx_Clock")
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize("timed", [False, True], ids=["triggered", "countdown"])
 @pytest.mark.parametrize("wires", [CLOCKS, ()], ids=["clocks connected", "data alone"])

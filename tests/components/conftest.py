@@ -76,11 +76,12 @@ class Part:
 
 @dataclass(frozen=True)
 class Shelf:
-    """Compiles each component once per session."""
+    """Compiles each component once per session; every warning is an error unless *warnings* are left out."""
 
     folder: Path
     workspace: Workspace
     libraries: dict[str, ctypes.CDLL] = field(default_factory=dict)
+    warnings: tuple[str, ...] = WARNINGS
 
     def part(self, name: str, **parameters: Value) -> Part:
         """A fresh instance of what the library calls *name*."""
@@ -112,7 +113,7 @@ class Shelf:
         source = component.source
         assert isinstance(source, CSource)
         units = [str(file) for file in (*source.files, shim) if file.suffix == ".c"]
-        options = ["-std=c99", "-O2", "-ffp-contract=off", "-shared", *WARNINGS]
+        options = ["-std=c99", "-O2", "-ffp-contract=off", "-shared", *self.warnings]
         options += [] if sys.platform == "win32" else ["-fPIC"]
         math = [] if sys.platform == "win32" else ["-lm"]
         subprocess.run([*find_compiler().command, *options, *units, "-o", str(target), *math], check=True)

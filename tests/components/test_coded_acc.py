@@ -27,6 +27,7 @@ def bench() -> dse.Bench:
     return dse.open(ROOT).benches["acc_coded"]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("fuse", [False, pytest.param(True, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize(
     "gains",

@@ -143,6 +143,7 @@ def changes(states: Any) -> int:
     return found
 
 
+@pytest.mark.thorough
 def test_it_drives_as_an_independent_implementation_does(new_part: NewPart) -> None:
     seen = []
 
@@ -156,6 +157,7 @@ def test_it_drives_as_an_independent_implementation_does(new_part: NewPart) -> N
     assert sum(seen) > 5
 
 
+@pytest.mark.thorough
 def test_nobody_ever_jumps(new_part: NewPart) -> None:
     seen = []
 

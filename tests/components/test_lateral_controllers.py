@@ -255,6 +255,7 @@ def test_lq_holds_the_middle_of_a_banked_circle_with_the_steering_of_the_closed_
     assert turn == pytest.approx(heading, abs=2e-5)
 
 
+@pytest.mark.thorough
 def test_the_further_the_preview_the_less_what_the_lq_law_minimises(new_part: NewPart) -> None:
     speed, heading, effort = 70 / 3.6, math.radians(3), math.radians(3)
     costs = []

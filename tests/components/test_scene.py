@@ -46,6 +46,7 @@ def is_inside(p: Point, box: list[Point]) -> bool:
 pose = st.tuples(st.floats(-30, 120), st.floats(-30, 30), st.floats(-4, 4), st.floats(0.5, 15), st.floats(0.3, 3))
 
 
+@pytest.mark.thorough
 def test_the_nearest_hit_of_many_boxes_equals_exact_geometry(new_part: NewPart) -> None:
     part = new_part("ray_scanner", host_front=2.0)
     hits = []

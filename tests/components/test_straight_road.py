@@ -103,6 +103,7 @@ def nearest(near: float, length: float, offset: float, width: float, azimuths: l
     return best
 
 
+@pytest.mark.thorough
 def test_the_nearest_ray_hit_equals_exact_geometry(new_part: NewPart) -> None:
     part = new_part("straight_road")
     hits = []

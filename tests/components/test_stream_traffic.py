@@ -122,6 +122,7 @@ def never_jumps(states: Any) -> None:
         assert (before[name] == after[name])[same].all()
 
 
+@pytest.mark.thorough
 def test_nobody_ever_jumps_and_a_place_is_empty_before_another_one_takes_it(new_part: NewPart) -> None:
     came = []
 
@@ -148,6 +149,7 @@ def test_nobody_ever_jumps_and_a_place_is_empty_before_another_one_takes_it(new_
     assert sum(came) > 20
 
 
+@pytest.mark.thorough
 def test_nobody_touches_another_one_where_no_lanes_are_changed(new_part: NewPart) -> None:
     @settings(max_examples=10, deadline=None, derandomize=True)
     @given(**POPULATION)

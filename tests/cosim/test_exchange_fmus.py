@@ -125,6 +125,7 @@ def test_structural_parameters_set_the_number_of_states(folder, version, size):
         assert np.abs([found[name][k] for name in outputs] - exact).max() < 1e-6
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(2)
 @BOTH
 def test_a_stiff_oscillator_of_van_der_pol_takes_its_jacobian_from_the_fmu(folder, version):

@@ -121,6 +121,7 @@ def test_a_failed_run_does_not_spoil_the_next(lone, version):
         assert simulator.reset_is_trusted is True
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(4)
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the memory in use is read from /proc")
 @pytest.mark.parametrize("method", [PLAIN, Method(Algorithm.GAUSS_SEIDEL, Coupling.SOLVE)], ids=["plain", "by plan"])

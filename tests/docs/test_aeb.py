@@ -6,12 +6,14 @@ import re
 import shlex
 from pathlib import Path
 
+import pytest
 from command_line import run_dse
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "aeb.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.thorough
 def test_the_design_space_counts_as_the_page_says(tmp_path: Path) -> None:
     (block,) = re.findall(r"^```console\n(.*?)^```$", TEXT, re.DOTALL | re.MULTILINE)
     lines = block.splitlines()

@@ -86,6 +86,7 @@ def dse(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path],
     return call
 
 
+@pytest.mark.thorough
 def test_the_blocks_are_a_workspace_without_a_mistake(dse):
     done = dse("check")
     assert done.returncode == 0, done.stderr

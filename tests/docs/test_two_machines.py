@@ -22,6 +22,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path
     return built_before(tmp_path_factory.mktemp("cache"))
 
 
+@pytest.mark.thorough
 def test_its_layouts_are_printed_and_its_component_is_written(cache, tmp_path):
     layouts = [shlex.split(line)[1:] for line in COMMANDS if line.endswith("--layout")]
     assert len(layouts) == 2

@@ -123,6 +123,7 @@ def test_a_bench_without_requirements_has_no_boundary() -> None:
         Boundary(samples=4).start(replace(given, earlier=replace(given.earlier, margins={}, verdicts={})))
 
 
+@pytest.mark.thorough
 def test_an_accuracy_ends_the_search_before_its_samples() -> None:
     for margins in (circle, two, hole):
         found = rows(searched(margins, 160, accuracy=0.01))

@@ -59,6 +59,7 @@ def content(path: Path) -> list[bytes]:
         return [export(folder) for export in EXPORTS.values()]
 
 
+@pytest.mark.thorough
 def test_of_two_hundred_runs_those_near_the_boundary_are_checked_and_no_others(explored: Path, tmp_path: Path) -> None:
     shutil.copytree(explored, tmp_path, dirs_exist_ok=True)
     check(tmp_path)
@@ -84,6 +85,7 @@ def test_of_two_hundred_runs_those_near_the_boundary_are_checked_and_no_others(e
     }
 
 
+@pytest.mark.thorough
 def test_what_is_checked_is_not_checked_again_and_no_worker_is_started(
     explored: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -99,6 +101,7 @@ def test_what_is_checked_is_not_checked_again_and_no_worker_is_started(
     assert content(tmp_path) == before
 
 
+@pytest.mark.thorough
 def test_a_study_without_any_boundary_has_the_run_nearest_to_the_bound_checked(tmp_path: Path) -> None:
     # A line: only R1's margin, 1 - x, is judged, and it is never negative.
     line = study_of(LatinHypercube(samples=30), variables=1)
@@ -173,6 +176,7 @@ check(Path({folder!r}), seconds=0.03)
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="process groups")
 def test_killed_at_once_with_all_its_workers_it_goes_on_and_gives_the_same_bytes(
     explored: Path, tmp_path: Path

@@ -63,6 +63,7 @@ CONSTR_EX = (
 )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("problem", "whole"), [(zdt1, 0.8765), thorough(zdt2, 0.5432), thorough(zdt3, 1.3315)])
 def test_the_fronts_of_zdt_are_found(problem: Function, whole: float) -> None:
     """Six variables, the volume up to (1.1, 1.1) against that of the true front."""
@@ -215,6 +216,7 @@ def test_one_objective_is_too_few_for_reference_directions() -> None:
     assert "take 'nsga2'" in str(refused.value)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "evaluations",
     [1000, pytest.param(10_000, marks=pytest.mark.thorough), pytest.param(100_000, marks=pytest.mark.nightly)],
@@ -228,6 +230,7 @@ def test_no_proposal_is_invalid_and_none_is_made_twice(evaluations: int, acc: Op
     assert len(set(driven.candidates)) == len(driven.candidates) == evaluations
 
 
+@pytest.mark.thorough
 def test_a_space_that_is_all_asked_for_ends_the_study(acc: OpenedSpace) -> None:
     """227 configurations without variables: no more than so many runs."""
     order = {configuration.id: float(number) for number, configuration in enumerate(acc.configurations())}

@@ -51,6 +51,7 @@ def content(path: Path) -> tuple[bytes, dict[str, bytes]]:
         return to_csv(folder), files
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("sampler", "keep"),
@@ -127,11 +128,13 @@ def test_a_run_that_differs_when_simulated_again_is_reported(tmp_path: Path) -> 
     assert run(tmp_path, study).simulated == 0
 
 
+@pytest.mark.thorough
 def test_a_bench_is_a_study_without_variables(tmp_path: Path) -> None:
     summary = run(tmp_path, study_of(variables=0, keep=Keep.ALL), workers=2)
     assert (summary.runs, summary.kept) == (2, 2)
 
 
+@pytest.mark.thorough
 def test_progress_counts_what_was_there_and_ends_complete(tmp_path: Path) -> None:
     study = study_of(levels=8, keep=Keep.NEAR_BOUNDARY)
     told: list[Progress] = []
@@ -147,6 +150,7 @@ def test_progress_counts_what_was_there_and_ends_complete(tmp_path: Path) -> Non
     assert [progress.done for progress in again] == [told[-1].done]
 
 
+@pytest.mark.thorough
 def test_an_interrupted_exploration_keeps_what_is_finished_and_goes_on(tmp_path: Path) -> None:
     study = study_of(levels=12, keep=Keep.NEAR_BOUNDARY)
 

@@ -68,6 +68,7 @@ def points(path: Path) -> dict[int, tuple[str, tuple[float, ...]]]:
         }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("keep", [Keep.ALL, Keep.NEAR_BOUNDARY])
 @pytest.mark.sampled(2)
 def test_one_worker_and_two_make_the_same_study_of_a_sampler_that_looks_at_results(tmp_path: Path, keep: Keep) -> None:
@@ -128,6 +129,7 @@ def killed_on_the_way(folder: Path, keep: Keep, sampler: str, workers: int, kill
     return alive
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="process groups")
 @pytest.mark.parametrize(
     ("sampler", "workers", "kills", "seconds"),
@@ -216,6 +218,7 @@ def test_a_run_that_is_asked_for_again_is_told_again_and_not_made_again(tmp_path
     assert (summary.runs, summary.simulated) == (2, 2)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("keep", [Keep.ALL, pytest.param(Keep.NEAR_BOUNDARY, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize(
     ("before", "after", "new"),
@@ -275,6 +278,7 @@ def test_an_extended_study_is_the_same_on_one_worker_and_two_and_after_it_was_st
     assert content(tmp_path / "stopped") == content(tmp_path / "one")
 
 
+@pytest.mark.thorough
 def test_a_study_that_was_extended_before_it_was_complete_goes_on_with_what_is_there(tmp_path: Path) -> None:
     small, large = study_of(levels=6, variables=1), study_of(levels=11, variables=1)
     with StudyFolder.create(tmp_path, definition_of(small, NAMES)) as folder:

@@ -34,6 +34,7 @@ def test_a_process_that_makes_a_copy_of_itself_stays_one_worker(tmp_path: Path, 
     assert (summary.simulated, summary.irreproducible, summary.kept) == (2500, 0, len(kept))
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(4)
 @BOTH
 @pytest.mark.parametrize("levels", [5, 50])
@@ -99,6 +100,7 @@ def test_a_run_that_lowers_the_limit_for_files_harms_none_and_itself_neither(tmp
     assert all(kept[number] for number in range(levels**2))
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_run_that_fails_as_others_have_used_up_all_files_is_made_again(
@@ -110,6 +112,7 @@ def test_a_run_that_fails_as_others_have_used_up_all_files_is_made_again(
     assert failures == {}
 
 
+@pytest.mark.thorough
 def test_a_configuration_that_cannot_be_loaded_as_files_are_used_up_is_loaded_by_another_process(
     tmp_path: Path, few_files: None
 ) -> None:

@@ -58,6 +58,7 @@ def content(path: Path) -> tuple[bytes, dict[str, bytes]]:
         return to_csv(folder), files
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("keep", list(Keep))
 def test_a_study_that_was_made_before_is_taken_whole(tmp_path: Path, keep: Keep, monkeypatch: Any) -> None:
@@ -74,6 +75,7 @@ def test_a_study_that_was_made_before_is_taken_whole(tmp_path: Path, keep: Keep,
     assert content(tmp_path / "one") == content(tmp_path / "two")
 
 
+@pytest.mark.thorough
 def test_runs_that_another_study_makes_meanwhile_are_taken_with_their_rows(tmp_path: Path, monkeypatch: Any) -> None:
     study = study_of(levels=3, keep=Keep.ALL)
     run(tmp_path / "one", study)
@@ -117,6 +119,7 @@ def test_the_order_of_metrics_and_requirements_may_be_another(tmp_path: Path) ->
     assert content(tmp_path / "two") == content(tmp_path / "fresh")
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("mischief", ["fails", "raises", "crashes"])
 def test_runs_that_failed_are_simulated_again(tmp_path: Path, mischief: str) -> None:

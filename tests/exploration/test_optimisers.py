@@ -128,6 +128,7 @@ def best(driven: object, requirement: str = "R") -> float:
     return float(np.nanmin(np.where(margins >= 0, values, np.nan)))
 
 
+@pytest.mark.thorough
 def test_local_searches_end_at_the_least_of_every_configuration() -> None:
     """Before all evaluations are used up."""
 
@@ -142,6 +143,7 @@ def test_local_searches_end_at_the_least_of_every_configuration() -> None:
         assert driven.column("f")[own].min() < 1e-5
 
 
+@pytest.mark.thorough
 def test_a_local_search_goes_down_a_valley_to_a_bound_that_is_required() -> None:
     driven = drive(
         Local(evaluations=600, starts=3), replace(brief(variables(2), "f"), configurations=("a",)), rosenbrock
@@ -156,11 +158,13 @@ def test_a_local_search_stays_where_points_are_allowed() -> None:
     assert all(sum(point) > 0.8 for _, point in driven.candidates)
 
 
+@pytest.mark.thorough
 def test_processes_find_the_least_in_few_runs() -> None:
     driven = drive(MixedGp(evaluations=60, first=12, batch=2), brief(variables(2), "f"), rosenbrock)
     assert best(driven) == pytest.approx(0.1457, abs=0.06)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("sampler", [MixedGp(evaluations=60, first=20), Tpe(evaluations=200)], ids=lambda s: s.name)
 def test_the_best_of_many_configurations_is_found_with_its_gain(sampler: OptimizingSampler, acc: OpenedSpace) -> None:
     """What is chosen costs; a gain has to fit to it."""

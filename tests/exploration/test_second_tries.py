@@ -25,6 +25,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals, limits
 linux = pytest.mark.skipif(sys.platform != "linux", reason="/proc")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("mischief", ["crashes", "hangs", "exits", "raises", "is stopped", "is killed"])
 @pytest.mark.sampled(6)
 def test_what_happens_once_is_no_verdict(tmp_path: Path, mischief: str) -> None:
@@ -60,6 +61,7 @@ def test_a_thread_that_aborts_later_costs_no_innocent_run(tmp_path: Path) -> Non
     assert summary.retried == 1
 
 
+@pytest.mark.thorough
 def test_a_configuration_that_cannot_be_loaded_once_is_loaded_again(tmp_path: Path) -> None:
     bench = FakeBench("a", "cannot be loaded once", file=tmp_path / "happened")
     _, failures, _ = explored(tmp_path / "study", study_of(), bench)
@@ -175,6 +177,7 @@ def test_memory_that_is_locked_and_never_freed_ends_in_a_table(tmp_path: Path) -
         assert len({each.maker for each in folder.attempts()}) <= 16  # never more processes than runs
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
 def test_a_killed_worker_costs_the_run_at_hand_and_no_other(tmp_path: Path, keep: Keep) -> None:
     # Chunks have several runs, of which some were made when the worker is killed.

@@ -200,6 +200,7 @@ def test_waveforms_of_a_chunk_survive_a_crash_in_it(tmp_path: Path) -> None:
             assert waveforms.values["world.gap"].tolist() == [float(number)] * 11
 
 
+@pytest.mark.thorough
 def test_metrics_arrive_as_they_were_computed(tmp_path: Path) -> None:
     _, table, _ = explored(tmp_path, study_of(), workers=2)
     total = sum(table.points.values())
@@ -207,6 +208,7 @@ def test_metrics_arrive_as_they_were_computed(tmp_path: Path) -> None:
         assert (table.metric(name) == total * (i + 1)).all()
 
 
+@pytest.mark.thorough
 def test_no_worker_is_left_behind(tmp_path: Path) -> None:
     explored(tmp_path, study_of(), workers=2)
     assert multiprocessing.active_children() == []

@@ -34,6 +34,7 @@ def explored(path: Path, study: Study, bench: FakeBench, *, runs: int = 25, thre
     return summary, failures, kept
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_run_that_grows_beyond_its_memory_is_ended_and_named(tmp_path: Path, threads: int) -> None:
@@ -57,6 +58,7 @@ def pids(file: Path) -> list[str]:
     return [line.split()[0] for line in file.read_text(encoding="utf-8").splitlines()]
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
 def test_no_process_makes_more_runs_than_it_bears(tmp_path: Path, keep: Keep) -> None:
@@ -78,6 +80,7 @@ def test_a_chunk_is_no_larger_than_what_a_process_bears() -> None:
     assert sizes == {("a", 32), ("a", 2500 % 32), ("b", 5)}
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
 def test_after_a_fatal_failure_the_other_runs_are_made_by_another_process(tmp_path: Path, keep: Keep) -> None:

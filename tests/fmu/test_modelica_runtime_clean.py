@@ -54,6 +54,7 @@ def sanitize(tmp_path_factory):
     return options
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", _SANITIZED)
 def test_nothing_undefined_happens_on_any_call(tmp_path, sanitize, name):

@@ -102,6 +102,7 @@ def test_a_stiff_van_der_pol_oscillator_ends_at_the_published_point(new, solver)
     assert made.get("v") == pytest.approx(-0.8928097010248125e-3, rel=1e-5)
 
 
+@pytest.mark.thorough
 def test_an_explicit_solver_that_is_asked_for_too_much_says_so(new):
     made = new(replace(VAN_DER_POL, name="vdp_explicit", solver="EXPLICIT")).ready(tolerance=1e-6)
     with pytest.raises(FMICallException):

@@ -41,6 +41,7 @@ def echoed(live: LiveDrive, number: int) -> bool:
     return seen is not None and seen.echo >= number
 
 
+@pytest.mark.thorough
 def test_what_is_done_at_the_wheel_is_used_shown_and_recorded(driven: LiveDrive) -> None:
     driven.start()
     until(lambda: driven.session.newest)
@@ -86,6 +87,7 @@ def test_a_drive_made_again_from_its_record_gives_the_same_bits(driven: LiveDriv
     assert checked.is_same, (checked.from_driving, checked.from_study)
 
 
+@pytest.mark.thorough
 def test_an_fmu_that_crashes_is_named_and_the_next_drive_goes_on(driven: LiveDrive, field) -> None:
     driven.start()
     until(lambda: driven.session.newest)
@@ -98,6 +100,7 @@ def test_an_fmu_that_crashes_is_named_and_the_next_drive_goes_on(driven: LiveDri
     assert driven.result is None
 
 
+@pytest.mark.thorough
 def test_a_run_that_does_not_begin_is_ended(driven: LiveDrive) -> None:
     driven.start(Patience(start=0.0))
     ended = driven.session.wait(LIMIT)

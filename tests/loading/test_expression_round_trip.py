@@ -6,6 +6,7 @@ import contextlib
 from dataclasses import replace
 from fractions import Fraction
 
+import pytest
 from hypothesis import given, settings, strategies as st
 
 from dse.domain.expression import Between, Binary, Call, Chosen, Conditional, Name, Number, Truth, Unary
@@ -121,6 +122,7 @@ def without_spans(node):
     return replace(node, span=NOWHERE)
 
 
+@pytest.mark.thorough
 @settings(max_examples=300, deadline=None)
 @given(trees)
 def test_a_printed_tree_is_read_back_unchanged(tree):

@@ -41,6 +41,7 @@ def composites(inner):
     )
 
 
+@pytest.mark.thorough
 @settings(max_examples=500, deadline=None)
 @given(st.recursive(leaves, composites, max_leaves=12))
 def test_any_tree_reads_back_as_itself(tree):

@@ -268,6 +268,7 @@ def test_units_are_the_same_fractions_without_pint(tmp_path):
     assert not units(tmp_path, "mile", "km/h")[1]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("damage", [_cut, _noise, _forged, _deep])
 @pytest.mark.sampled(4)
 def test_damaged_units_are_asked_of_pint_again(tmp_path, damage):

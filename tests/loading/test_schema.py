@@ -42,6 +42,7 @@ def test_the_schemas_that_come_along_are_those_of_this_version(kind):
     assert json.loads((ROOT / "schemas" / f"{kind}.json").read_text(encoding="utf-8")) == file_schema(kind)
 
 
+@pytest.mark.thorough
 def test_every_file_of_the_example_names_the_schema_that_accepts_it():
     schemas = {(ROOT / "schemas" / f"{kind}.json").resolve(): validator(kind) for kind in FILE_KINDS}
     assert len(FILES) > 80

@@ -186,6 +186,7 @@ words = st.sampled_from(
 )  # fmt: skip
 
 
+@pytest.mark.thorough
 @settings(max_examples=500, deadline=None)
 @given(st.one_of(st.lists(words, max_size=30).map(" ".join), st.text(max_size=30)))
 def test_any_text_is_read_or_refused_but_never_breaks_the_reader(text):

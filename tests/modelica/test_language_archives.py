@@ -6,6 +6,7 @@ import struct
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import compile_cache
 import pytest
 from language_case import CASES
 from modelica_components import Built, component
@@ -103,9 +104,10 @@ def test_a_saved_state_goes_on_as_if_nothing_had_happened(name: str, version: in
 
 @pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", RUN_TWICE)
-def test_the_optimizer_changes_no_bit(name: str, cache: Path, built: Built) -> None:
+def test_the_optimizer_changes_no_bit(name: str, built: Built, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     quick = built(case(name), 2)
-    optimized = open_fmu(build(component(case(name)), cache=cache), cache=cache)
+    monkeypatch.setenv(compile_cache.OPTIMIZED, "1")
+    optimized = open_fmu(build(component(case(name)), cache=tmp_path), cache=tmp_path)
     assert quick.library.read_bytes() != optimized.library.read_bytes()
     outputs = [v.name for v in quick.variables.values() if v.causality == "output"]
     one, other = (run_cs(model, outputs, 14, 0.07, {}, {}, None) for model in (quick, optimized))

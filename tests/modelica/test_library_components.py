@@ -39,6 +39,7 @@ def constant_inputs(part: Component) -> Mapping[str, float]:
     return given
 
 
+@pytest.mark.thorough
 def test_the_library_has_all_its_components() -> None:
     assert len(PARTS) >= 17
     sources = {name: LIBRARY.component(name).source for name in LIBRARY.component_files}

@@ -55,6 +55,7 @@ end Ended;
 """
 
 
+@pytest.mark.thorough
 def test_terminate_ends_the_run_at_its_time_and_says_why(tmp_path: Path, built: Built) -> None:
     from fmpy.fmi1 import FMICallException
 
@@ -73,6 +74,7 @@ def test_terminate_ends_the_run_at_its_time_and_says_why(tmp_path: Path, built: 
         assert time == pytest.approx(0.5, abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_a_warning_is_told_once_and_the_run_goes_on(built: Built) -> None:
     file = FOLDER.parent / "cases" / "AssertsAndWarnings.mo"
     for version in (2, 3):

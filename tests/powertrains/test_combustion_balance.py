@@ -17,6 +17,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path
     return built_before(tmp_path_factory.mktemp("balance"))
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("model", ["QuasiStatic", "Automatic", "DualClutch"])
 def test_the_energy_balance_closes_over_the_cycle(model: str, cache: Path) -> None:

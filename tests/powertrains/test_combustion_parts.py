@@ -19,6 +19,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path
     return built_before(tmp_path_factory.mktemp("parts"))
 
 
+@pytest.mark.thorough
 def test_a_shaft_between_two_inertias_swings_as_the_matrix_exponential_says(cache: Path) -> None:
     times = np.linspace(0.0, 2.0, 81)
     names = ("first.speed", "second.speed", "twist", "loss", "energy")
@@ -107,6 +108,7 @@ def test_in_overrun_the_converter_drives_the_engine(cache: Path) -> None:
     assert heat == pytest.approx(-40.0 * given)
 
 
+@pytest.mark.thorough
 def test_the_brake_follows_its_demand_with_a_lag_and_within_its_limit(cache: Path) -> None:
     bench = Bench(
         opened("AdasPowertrain.Brakes.FrictionBrake", cache), 1e-9,

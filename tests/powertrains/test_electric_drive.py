@@ -116,6 +116,7 @@ def test_a_tighter_tolerance_gives_a_smaller_error(cache: Path, dynamic: tuple[D
     assert errors[2] < errors[1] / 10, errors
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("fidelity", ["QuasiStatic", "BatteryElectric"])
 def test_energy_is_kept_over_a_cycle_and_the_consumption_is_that_of_such_cars(cache: Path, fidelity: str) -> None:

@@ -137,6 +137,7 @@ def test_starting_and_stopping_the_generator_set_keeps_its_energy(cache: Path) -
     assert stored < 1e-3
 
 
+@pytest.mark.thorough
 def test_the_generator_runs_and_rests_for_its_least_time(cache: Path) -> None:
     bench = Bench(opened(PARTS + "SeriesControl", cache), 1e-6)
     changes, was = [], 0.0
@@ -167,6 +168,7 @@ def test_the_operating_point_follows_the_mean_power_with_hysteresis(cache: Path)
     assert seen == [8e3, 8e3, 22e3, 14e3, 8e3]
 
 
+@pytest.mark.thorough
 def test_the_engine_starts_for_power_and_stops_after_its_least_time(cache: Path) -> None:
     bench = Bench(opened(PARTS + "HybridControl", cache), 1e-6)
     bench.set({"ratio": 10.0, "machine_speed": 200.0, "engine_speed": 0.0, "soc": 0.5})

@@ -181,6 +181,7 @@ EVERYTHING = chart(
 )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("axis", [Axis("x", "s"), LOG, Axis("brake $", names=("drum", "_disc", "a", "b", "c"))])
 @pytest.mark.sampled(3)
 def test_everything_that_is_right_can_be_drawn(axis, tmp_path):

@@ -139,6 +139,7 @@ def selected(page: Page) -> str:
     return page.inner_text("#reasons h3").split("\n")[0].strip()
 
 
+@pytest.mark.thorough
 def test_the_page_finds_the_designs_that_python_finds(open_report: Open) -> None:
     runs = [(place, run) for place, case in enumerate(DESIGN_CASES) for run in case.runs]
     n = len(runs)
@@ -168,6 +169,7 @@ def test_the_page_finds_the_designs_that_python_finds(open_report: Open) -> None
         assert number(rows[place]["Least margin"]) == pytest.approx(share, abs=6e-2, nan_ok=True), place
 
 
+@pytest.mark.thorough
 def test_cheapest_architecture_that_meets_all_with_margin_is_found_by_one_slider(
     priced: ReportContent, open_report: Open
 ) -> None:

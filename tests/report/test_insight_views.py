@@ -64,6 +64,7 @@ def plain(text: str) -> str:
     return text.replace("\u202f", " ").replace("\u2212", "-")
 
 
+@pytest.mark.thorough
 def test_the_overview_says_what_was_found_and_opens_the_run_that_is_picked(open_report: Open) -> None:
     table = plane()
     page = opened(open_report(content_of(table)), "overview")
@@ -77,6 +78,7 @@ def test_the_overview_says_what_was_found_and_opens_the_run_that_is_picked(open_
     assert page.get_attribute("#tab-plot", "aria-selected") == "true"
 
 
+@pytest.mark.thorough
 def test_the_verdict_matrix_counts_what_the_runs_did_and_opens_the_worst(open_report: Open) -> None:
     table = conditions()
     page = opened(open_report(content_of(table)), "conditions")
@@ -97,6 +99,7 @@ def test_the_verdict_matrix_counts_what_the_runs_did_and_opens_the_worst(open_re
     assert selected(page) == int(there[np.argmin(table.margins("R1")[there])])
 
 
+@pytest.mark.thorough
 def test_the_profiler_says_what_the_formula_says(open_report: Open) -> None:
     table = plane()
     page = opened(open_report(content_of(table)), "understanding")

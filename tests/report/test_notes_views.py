@@ -33,6 +33,7 @@ def _with(content: ReportContent, notes: Notes | None, *retried: Retried) -> Rep
     return replace(content, insight=Insight(asked), notes=notes, retried=retried)
 
 
+@pytest.mark.thorough
 def test_files_are_shown_as_text_and_nothing_else(sliced: ReportContent, open_report: Open) -> None:
     source = SourceText("study", f"gains{HOSTILE}.yaml", TEXT, digest_of(TEXT))
     page = open_report(_with(sliced, Notes((source,))))
@@ -45,12 +46,14 @@ def test_files_are_shown_as_text_and_nothing_else(sliced: ReportContent, open_re
     assert page.evaluate("document.documentElement.scrollWidth") <= 1440
 
 
+@pytest.mark.thorough
 def test_a_study_without_its_files_says_so(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(_with(sliced, None))
     open_tab(page, "overview")
     assert "not kept with this study" in page.inner_text("#sources")
 
 
+@pytest.mark.thorough
 def test_tries_that_were_made_again_are_warned_of(sliced: ReportContent, open_report: Open) -> None:
     retried = (
         Retried("worker crashed (signal 11)", tuple(range(20))),
@@ -65,6 +68,7 @@ def test_tries_that_were_made_again_are_warned_of(sliced: ReportContent, open_re
     assert page.locator("#warnings li.note", has_text="stopped with the program").count() == 1
 
 
+@pytest.mark.thorough
 def test_what_constraints_leave_is_a_waterfall(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(_with(sliced, Notes(funnel=FUNNEL)))
     open_tab(page, "designs")

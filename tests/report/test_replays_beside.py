@@ -37,6 +37,7 @@ def test_runs_whose_replays_are_there_are_scenes_whatever_else_is_known(bench_on
     assert with_replays(bench_only, (3, 1)).scenes == Scenes("acc_gains", (1, 3))
 
 
+@pytest.mark.thorough
 def test_a_replay_that_is_there_is_linked_of_others_the_command_is_told(bench_only, open_report, tmp_path) -> None:
     page = open_report(replace(bench_only, scenes=Scenes("acc_gains", (0,))))
 
@@ -54,6 +55,7 @@ def test_a_replay_that_is_there_is_linked_of_others_the_command_is_told(bench_on
     assert of(4) == ""  # it failed
 
 
+@pytest.mark.thorough
 def test_a_study_without_scenes_says_nothing_of_replays(bench_only, open_report) -> None:
     page = open_report(bench_only)
     assert page.locator(".selected").count() == 1

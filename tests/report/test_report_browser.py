@@ -101,6 +101,7 @@ def test_a_requirement_with_two_bounds_has_two_sliders(sliced: ReportContent, op
     assert counts(page) == expected(stricter, 0.7, runs=PLANE) != expected(content, 0.7, runs=PLANE)
 
 
+@pytest.mark.thorough
 def test_a_click_selects_the_run_under_it(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     assert page.get_attribute(".figures", "data-run") == str(selected(page))

@@ -76,6 +76,7 @@ def part(content: ReportContent, rows: list[int]) -> ReportContent:
     )
 
 
+@pytest.mark.thorough
 def test_a_requirement_that_is_switched_off_counts_no_more(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     before, drawn = counts(page), ground(page)
@@ -91,6 +92,7 @@ def test_a_requirement_that_is_switched_off_counts_no_more(sliced: ReportContent
     assert ground(page) == drawn
 
 
+@pytest.mark.thorough
 def test_a_brush_in_the_plot_is_one_everywhere(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     # Between the third and the eighth level of the one, the second and the fifth of the other.
@@ -114,6 +116,7 @@ def test_a_brush_in_the_plot_is_one_everywhere(sliced: ReportContent, open_repor
     assert page.inner_text("#filter-all .count") == "242"
 
 
+@pytest.mark.thorough
 def test_an_address_opens_the_page_as_it_was_left(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     page.uncheck("#switch-1")

@@ -73,6 +73,7 @@ def test_a_browser_that_fails_or_hangs_leaves_the_file_as_it_was(
     assert (tmp_path / "report.pdf").read_bytes() == b"as it was"
 
 
+@pytest.mark.thorough
 def test_a_place_that_cannot_be_written_is_named(chromium: str, sliced: ReportContent, tmp_path: Path) -> None:
     with pytest.raises(DseError, match=r"cannot write .*missing"):
         print_report(sliced, tmp_path / "missing" / "report.pdf")

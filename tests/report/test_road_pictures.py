@@ -87,6 +87,7 @@ def test_a_path_that_was_driven_has_its_distance_from_the_middle_of_the_lane(net
     assert shown.offset == pytest.approx(np.interp(shown.station, stations, beside), abs=1e-4)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
 def test_the_same_road_gives_the_same_bytes(tmp_path, kind):
     for name in ("one", "other"):

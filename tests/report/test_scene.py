@@ -68,6 +68,7 @@ def lit_in(page) -> str:
     return " ".join(name for name, seen in (("red", red), ("yellow", yellow), ("green", green)) if seen.sum() > 3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("colour", "lit"), [(1, ""), (2, "red"), (3, "red yellow"), (4, "yellow"), (5, "green"), (None, "")]
 )
@@ -78,6 +79,7 @@ def test_a_light_shows_what_it_showed(shown, colour, lit):
     assert lit_in(page) == lit
 
 
+@pytest.mark.thorough
 def test_a_light_changes_when_it_did(shown):
     colour = np.where(np.linspace(0, 10, STEPS) < 4.55, 2.0, 5.0)
     page = shown("t=4.5&view=driver", lights={"L1": colour}, sensors=(), others=(), weather={})
@@ -160,6 +162,7 @@ def picture(page) -> np.ndarray:
     return np.asarray(Image.open(BytesIO(page.locator(".stage").screenshot())).convert("RGB"), dtype=float)
 
 
+@pytest.mark.thorough
 def test_it_plays_by_itself_and_stops_where_it_is_told(shown):
     page = shown()
     page.wait_for_function("() => parseFloat(document.querySelector('.clock').textContent) > 0.3")
@@ -173,6 +176,7 @@ def test_it_plays_by_itself_and_stops_where_it_is_told(shown):
     assert page.problems == []
 
 
+@pytest.mark.thorough
 def test_what_instruments_say_follows_the_time(shown):
     page = shown("t=4")
     assert page.locator(".instruments output").all_text_contents() == ["72.0 km/h", "calm"]
@@ -180,6 +184,7 @@ def test_what_instruments_say_follows_the_time(shown):
     page.wait_for_function("() => document.querySelectorAll('.instruments output')[1].textContent === 'alarm'")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("view", ["chase", "driver", "top", "side"])
 def test_every_camera_sees_something_and_not_the_same(shown, view):
     page = shown(f"t=2&view={view}")
@@ -190,6 +195,7 @@ def test_every_camera_sees_something_and_not_the_same(shown, view):
     assert page.problems == []
 
 
+@pytest.mark.thorough
 def test_fog_takes_the_far_away_the_colour_of_the_air(shown):
     def contrast(fog: float) -> float:
         page = shown("t=2&view=chase", weather={"fog": np.full(STEPS, fog)}, sensors=(), others=())

@@ -30,6 +30,7 @@ def simulated(root: Path, **options) -> dse.Run:
     return run
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("method", "distance"),
     [
@@ -85,6 +86,7 @@ def previous(times: list[str], values: list[float], at: Fraction) -> float:
     return values[max(number for number, time in enumerate(times) if Fraction(time) <= at)]
 
 
+@pytest.mark.thorough
 def test_at_every_communication_point_the_part_sees_the_value_of_the_series_then(tmp_path):
     """A step shorter than any double of the times can hit: sums of 0.01 fall short of decimals now and then."""
     times = [f"{k * 7 / 100:.2f}" for k in range(30)]

@@ -73,6 +73,7 @@ def frame(socket: ClientConnection) -> tuple[float, ...]:
     return struct.unpack(f"<{len(told) // 8}d", told)
 
 
+@pytest.mark.thorough
 def test_a_drive_from_its_start_to_its_report(client) -> None:
     with sits(client, opened(client)) as socket:
         scene = until(socket, "scene")
@@ -143,6 +144,7 @@ def test_a_page_that_comes_back_finds_its_drive(client) -> None:
         assert until(socket, "ended")["why"] == "finished"
 
 
+@pytest.mark.thorough
 def test_a_crash_is_told_by_name_and_the_server_goes_on(client) -> None:
     with sits(client, opened(client)) as socket:
         frame(socket)
@@ -153,6 +155,7 @@ def test_a_crash_is_told_by_name_and_the_server_goes_on(client) -> None:
     assert opened(client)
 
 
+@pytest.mark.thorough
 def test_more_drives_than_there_may_be_are_refused_in_words(client) -> None:
     assert opened(client)
     assert opened(client)
@@ -250,6 +253,7 @@ MISTAKES = [
 ]  # fmt: skip
 
 
+@pytest.mark.thorough
 def test_who_is_not_understood_twenty_times_is_hung_up_on_and_has_changed_nothing(client) -> None:
     drive = opened(client)
     with sits(client, drive) as socket:

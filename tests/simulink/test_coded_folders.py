@@ -107,6 +107,7 @@ def test_a_model_that_others_refer_to_is_no_model_by_itself(tmp_path: Path) -> N
         read_model(tree / trees.TOP)
 
 
+@pytest.mark.thorough
 def test_the_users_functions_are_found_in_the_sources_that_are_given(tmp_path: Path, cache: Path) -> None:
     tree = written(tmp_path, trees.calling())
     with pytest.raises(DseError, match=r"lag\.c:\d+:\d+: the code includes 'users\.h'.*\n.*sources: "):

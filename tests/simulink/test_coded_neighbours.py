@@ -56,6 +56,7 @@ def test_models_of_the_same_name_and_a_library_that_exports_theirs_do_not_meet(t
             assert values == pytest.approx(expected[: len(values)], rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_model_that_cannot_be_unloaded_is_not_the_next_one(tmp_path: Path) -> None:
     # A file with the number of the old one has its name, by which the dynamic linker would take the old one for it.
     stays = """

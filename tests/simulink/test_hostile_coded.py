@@ -53,6 +53,7 @@ def _written(folder: Path, code: Code) -> Path:
     return folder
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", _cases(REFUSED))
 def test_check_says_what_is_wrong_and_where(name: str, tmp_path: Path, cache: Path) -> None:
     code, expected = REFUSED[name]
@@ -101,6 +102,7 @@ def test_a_study_goes_on_with_the_designs_whose_code_is_innocent(tmp_path: Path,
     assert [row["outcome"] for row in rows].count("failed") == 2 * len(bad)
 
 
+@pytest.mark.thorough
 def test_what_a_model_prints_is_not_taken_for_what_dse_says(tmp_path: Path, cache: Path) -> None:
     code = in_step('extern int puts(const char *); extern int fflush(void *); puts("{\\"end\\": 1}"); fflush(0);')
     root = workspace(tmp_path / "workspace", {"bad": code})
@@ -109,6 +111,7 @@ def test_what_a_model_prints_is_not_taken_for_what_dse_says(tmp_path: Path, cach
     assert json.loads(done.stdout)["metrics"]["end"] != 1
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", LONG)
 def test_long_texts_of_one_kind_are_read_in_a_time_that_grows_as_they_do(name: str, tmp_path: Path) -> None:
     # A pattern that took the square of it would take minutes.

@@ -102,6 +102,7 @@ def test_gains_are_parameters_that_begin_with_what_the_code_has(workspace: Path)
     assert "gap_setting: {start: fixed, enum: [fixed, long, short]" in text
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("simulation", "h", "every"),
     [
@@ -198,6 +199,7 @@ def test_fused_or_not_the_code_gives_the_same_bits(
     assert (tmp_path / "plain.csv").read_bytes() == (tmp_path / "fused.csv").read_bytes()
 
 
+@pytest.mark.thorough
 def test_what_cannot_be_fused_is_named(dse: Dse, identity: Callable[[dict[str, str]], str]) -> None:
     said = dse("simulate", "following", "-c", identity(STUDIED), "--fuse", fails=True).stderr
     assert "ray_sensor is a finished FMU, which cannot be fused" in said

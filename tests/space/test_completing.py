@@ -59,6 +59,7 @@ def test_wishes_are_granted_in_their_order_wherever_a_row_has_them(
         assert row.tolist() in _granting(found, wishes)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
 @EXAMPLES
 @given(data=st.data(), found=asked())

@@ -115,6 +115,7 @@ def test_a_made_up_model_has_no_dead_value_and_its_rows_meet_its_rules(made_up: 
     assert meets_all(dnnf.flat, np.concatenate([sample(dnnf, 200, seed=3), next(rows(dnnf))]))
 
 
+@pytest.mark.thorough
 def test_a_made_up_model_is_compiled_the_same_twice(made_up: Path) -> None:
     flat = compiled(made_up).flat
     one, other = compile_dnnf(flat), compile_dnnf(flat)

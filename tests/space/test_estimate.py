@@ -64,6 +64,7 @@ def small_batches(monkeypatch):
     monkeypatch.setattr("dse.space.methods.sampling.estimate._BATCH", 200)
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", CASES)
 def test_intervals_hold_the_truth_about_nineteen_times_of_twenty(name, small_batches):

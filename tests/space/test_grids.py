@@ -85,6 +85,7 @@ def spaces(draw: st.DrawFn) -> FlatSpace:
     return FlatSpace("space", tuple(variables), (), tuple(rules))
 
 
+@pytest.mark.thorough
 @settings(max_examples=400, deadline=None)
 @given(spaces())
 def test_the_count_is_that_of_brute_force(space: FlatSpace) -> None:

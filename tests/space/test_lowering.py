@@ -228,6 +228,7 @@ def test_a_long_chain_of_alternatives_is_one_clause():
     assert [variable for variable, _ in rule.literals] == list(range(3000))
 
 
+@pytest.mark.thorough
 def test_a_decision_of_more_values_than_a_row_can_hold_is_refused_by_name():
     option = part("option")
     space = DesignSpace("wide", Compound("wide", {"shelf": Alternative((option,) * 32_767)}), where=HERE)

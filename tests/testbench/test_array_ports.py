@@ -111,6 +111,7 @@ def test_every_value_of_an_array_of_structures_arrives_a_step_later(root: Path, 
     assert np.array_equal(found["sink.first.y"], 1.0 / (3 + k))
 
 
+@pytest.mark.thorough
 @given(
     whole=st.fixed_dictionaries(dict.fromkeys(VALUES, st.booleans())),
     order=st.randoms(use_true_random=False),

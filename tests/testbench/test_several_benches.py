@@ -166,6 +166,7 @@ def test_fused_or_with_error_bars_the_benches_give_the_same(root: Path, explored
     assert rows(root / "fused") == rows(explored)
 
 
+@pytest.mark.thorough
 def test_a_part_that_crashes_is_named_with_the_bench_it_crashed_on(tmp_path: Path) -> None:
     study = STUDY.replace("values: [1, 2]", "values: [1, 9]").replace("[triple, single]", "[double, single]")
     root = workspace(tmp_path, study)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -22,22 +23,25 @@ PARAMETERS = (
 @pytest.fixture(scope="session")
 def new_road(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
     """A fresh road component with these paths; equal ones are compiled once."""
-    shelf = Shelf(tmp_path_factory.mktemp("roads"), WORKSPACE)
+    shelf = Shelf(tmp_path_factory.mktemp("roads"), WORKSPACE, warnings=())
     known: dict[str, Component] = {}
 
     def new(*paths: RoadPath, conflicts: tuple[Conflict, ...] = (), **parameters: float) -> Any:
-        files = road_files(RoadTables(paths, conflicts))
-        text = files["road_tables.c"]
+        tables = RoadTables(paths, conflicts)
+        text = road_files(tables)["road_tables.c"]
         if text not in known:
-            name = f"road_{len(known)}"
-            folder = shelf.folder / name
-            folder.mkdir()
-            for file, content in files.items():
-                (folder / file).write_text(content, encoding="utf-8")
-            units = tuple(folder / file for file in files if file.endswith(".c"))
-            source = CSource(units, folder / "road.h", "road", "road_init", "road_step", None)
-            interface = WORKSPACE.interfaces["road"]
-            known[text] = Component(name, interface, source=source, parameters=PARAMETERS)
+            known[text] = road_component(tables, shelf.folder / f"road_{len(known)}")
         return shelf.instance(known[text], **parameters)
 
     return new
+
+
+def road_component(tables: RoadTables, folder: Path) -> Component:
+    """The component in C of a road with these *tables*, written into the new *folder*."""
+    folder.mkdir()
+    files = road_files(tables)
+    for file, content in files.items():
+        (folder / file).write_text(content, encoding="utf-8")
+    units = tuple(folder / file for file in files if file.endswith(".c"))
+    source = CSource(units, folder / "road.h", "road", "road_init", "road_step", None)
+    return Component(folder.name, WORKSPACE.interfaces["road"], source=source, parameters=PARAMETERS)

@@ -5,6 +5,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+import pytest
 from hypothesis import given, strategies as st
 from opendrive_texts import geometry, lane, network, road, section
 
@@ -34,6 +35,7 @@ def _road(chain: Chain) -> str:
     return road("1", pieces, s, section(0.0, lane(1), lane(-1)))
 
 
+@pytest.mark.thorough
 @given(CHAINS)
 def test_a_chain_of_curves_is_continuous_and_its_lanes_are_as_long_as_its_pieces(chain: Chain) -> None:
     with tempfile.TemporaryDirectory() as folder:

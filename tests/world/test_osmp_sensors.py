@@ -130,6 +130,7 @@ def waveforms(root: Path, version: int) -> dict[str, dict[str, NDArray[np.float6
     return found
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize(("theirs", "version"), [(2, 2), (2, 3), (3, 3), (3, 2)])
 def test_an_fmu_by_osmp_is_a_sensor_of_ours_by_its_name(
@@ -150,6 +151,7 @@ def test_an_fmu_by_osmp_is_a_sensor_of_ours_by_its_name(
     assert told["eye.scan.mount"][-1] == 2.3
 
 
+@pytest.mark.thorough
 def test_what_stands_in_for_a_sensor_has_parameters_and_outputs_of_its_own(root: Path) -> None:
     more = "parameters: {eye.writer.mount: 1.5 m, eye.reader.least_existence: 0.2}\n"
     record = "record: [eye.scan, eye.reader.malformed, eye.reader.messages]"
@@ -160,6 +162,7 @@ def test_what_stands_in_for_a_sensor_has_parameters_and_outputs_of_its_own(root:
     assert found["eye.reader.messages"][-1] > 25
 
 
+@pytest.mark.thorough
 def test_the_cost_of_such_a_sensor_counts_and_rules_know_its_name(root: Path) -> None:
     as_fmu(root, 2)
     rules = "constraints:\n  dear: {require: sum(cost) <= 80 EUR, because: it is}\n"

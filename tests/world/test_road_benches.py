@@ -50,6 +50,7 @@ def driven(folder: Path, bench: str, sets: dict[str, float], fuse: bool = False,
 ON_ROAD = {"lateral": "pure_pursuit", "chassis": "longitudinal", "road": "road_straight"}
 
 
+@pytest.mark.thorough
 def test_on_a_straight_road_the_car_without_sideways_slip_repeats_the_paper(folder: Path) -> None:
     old = driven(folder, "acc_following", {}, video="absent")
     new = driven(folder, "road_clear", {}, **ON_ROAD)

@@ -211,6 +211,7 @@ def test_heads_of_the_hosts_path_show_what_it_is_told_of_the_light_ahead_to_the_
     assert part["light_heads[1].station"] == pytest.approx(60.0)
 
 
+@pytest.mark.thorough
 def test_more_than_a_road_can_tell_is_refused(tmp_path: Path) -> None:
     files = dict(EXAMPLES["road"]())
     many = ", ".join(f"p{i}: {{route: [1]}}" for i in range(8))

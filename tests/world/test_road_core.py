@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from components.conftest import WORKSPACE, Shelf
 from hypothesis import given, settings, strategies as st
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from world.conftest import road_component
 from world.traced_roads import ONE_LANE, TWO_LANES, Frame, Traced, constant, cubics, lane
 
-from dse.world import LaneBand, Patch
+from dse.world import LaneBand, Patch, RoadTables
 
 NewRoad = Callable[..., Any]
 
@@ -50,6 +53,10 @@ def test_a_place_on_a_path_is_that_of_the_closed_form(new_road: NewRoad) -> None
         assert part["lane.heading"] == pytest.approx(0, abs=1e-9)
         if abs(s - 410) > 1e-6:
             assert part["lane.curvature"] == pytest.approx(here.curvature, abs=1e-8)
+
+
+def test_a_road_compiles_without_a_warning(tmp_path: Path) -> None:
+    Shelf(tmp_path, WORKSPACE).instance(road_component(RoadTables((WINDING.path(), RING.path())), tmp_path / "road"))
 
 
 @pytest.mark.parametrize("hint", [True, False], ids=["followed", "put there"])

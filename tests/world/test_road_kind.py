@@ -37,6 +37,7 @@ def wired(parts: dict[str, str], wires: list[str]) -> Iterator[str]:
         yield from (f"{giving}.{a.name} -> {taking}.{b.name}" for a, b in ends)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "algorithm", [Algorithm.GAUSS_SEIDEL, pytest.param(Algorithm.JACOBI, marks=pytest.mark.thorough)]
 )

@@ -202,6 +202,7 @@ def test_who_drives_behind_brakes_for_the_host(tmp_path: Path) -> None:
     assert gaps[0.0].min() < 0.0, "without minding it, somebody would have driven through the host"
 
 
+@pytest.mark.thorough
 def test_another_road_than_the_hosts_is_told(component: Component, resources: Path, path: RoadPath) -> None:
     inputs = driven(path, np.full(3, 20.0))
     moved = [{**each, "motion.x": each["motion.x"] + 30.0} for each in inputs]
@@ -281,6 +282,7 @@ def test_a_sumo_that_hangs_ends_with_the_process_that_started_it(
     assert left == []
 
 
+@pytest.mark.thorough
 def test_what_sumo_says_of_a_demand_is_what_a_run_says(component: Component, tmp_path: Path, path: RoadPath) -> None:
     demand = tmp_path / "mine.rou.xml"
     demand.write_text('<routes><flow id="f" begin="0" end="9" number="3" from="nowhere" to="else"/></routes>')
@@ -402,6 +404,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.thorough
 def test_a_bench_that_fuses_refuses_it_by_name(workspace: Path) -> None:
     bench = dse.open(workspace).benches["among_others"]
     with pytest.raises(DseError, match=r"traffic: .* has a process of its own do its work"):

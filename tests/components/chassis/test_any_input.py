@@ -15,6 +15,7 @@ FINITE = st.floats(allow_nan=False, allow_infinity=False)
 VALUES = FINITE | st.floats(-3000, 3000) | st.sampled_from([0.0, 1.0])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ALL)
 def test_no_finite_input_makes_something_that_is_no_number(new_part: NewPart, name: str) -> None:
     part = new_part(name)

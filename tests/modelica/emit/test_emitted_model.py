@@ -125,6 +125,7 @@ def test_negated_aliases_and_those_of_time_get_places_of_their_own(emitted: Emit
     assert (v[model.own["minus"]], v[model.own["now"]]) == (-3.0, 2.5)
 
 
+@pytest.mark.thorough
 def test_a_model_of_hundreds_of_equations_becomes_several_functions_with_the_same_result(emitted: Emitter) -> None:
     made = Maker()
     graph = made.graph

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import pytest
 from emitted_model import Emitter
 from hypothesis import HealthCheck, given, settings, strategies as st
 
@@ -84,6 +85,7 @@ _RECIPES = st.lists(
 _NUMBERS = (0.0, 1.0, 2.0, 3.0)
 
 
+@pytest.mark.thorough
 @given(_RECIPES)
 @settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_a_model_fails_exactly_where_a_needed_index_is_outside(
