@@ -46,6 +46,14 @@ def is_inside(p: Point, box: list[Point]) -> bool:
 pose = st.tuples(st.floats(-30, 120), st.floats(-30, 30), st.floats(-4, 4), st.floats(0.5, 15), st.floats(0.3, 3))
 
 
+@pytest.mark.parametrize("heading", [0.0, 5e-324, 1e-310, 1e-250, -5e-324])
+def test_a_box_that_is_as_good_as_parallel_to_the_ray_beside_it_is_not_hit(new_part: NewPart, heading: float) -> None:
+    part = new_part("ray_scanner", host_front=2.0, ray_count=1)
+    place(part, 1, 0.0, 1.0, heading, length=4.0, width=1.0)
+    part.init()
+    assert not part["scene.hit"]
+
+
 @pytest.mark.thorough
 def test_the_nearest_hit_of_many_boxes_equals_exact_geometry(new_part: NewPart) -> None:
     part = new_part("ray_scanner", host_front=2.0)

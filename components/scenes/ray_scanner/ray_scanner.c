@@ -47,7 +47,7 @@ static seen_box see(const ray_scanner *self, const ray_scanner_actor *actor, dou
 
 /* The part of a ray between two parallel sides, as distances along it: *from* the origin's place across them. */
 static void between(double from, double along, double half, double *in, double *out) {
-    if (along == 0) {
+    if (fabs(along) < 1e-200) { /* its inverse would be infinite, or nearly: the ray stays at its place */
         if (fabs(from) > half) *in = HUGE_VAL;
         return;
     }
