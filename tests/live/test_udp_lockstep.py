@@ -53,8 +53,8 @@ def test_inputs_and_parameters_go_out_and_outputs_come_back(port, cache, version
 
 def test_every_run_of_a_simulator_is_a_session_of_its_own(port, cache):
     with Answerer(plain, port=port) as other, client(port, cache) as simulator:
-        first, second = (simulator.run(stop=0.02, step=0.01).tobytes() for _ in range(2))
-    assert first == second
+        first, second = (simulator.run(stop=0.02, step=0.01)[:, : -len(COUNTED)].tobytes() for _ in range(2))
+    assert first == second  # but for what is counted: a request that was sent again
     assert len({unpacked(packet)[0] for packet in other.heard}) == 2
 
 
