@@ -10,7 +10,7 @@ endif
 DSE := $(BIN)/python -m dse
 WORKERS ?= 2
 JOBS ?= 2
-# Byte code is written when a module is first imported: compiling all of pandas and scipy takes longer than the demo.
+# Byte code is written when a module is first imported, so only for what is used.
 unexport PYTHONDONTWRITEBYTECODE
 # uv takes a seventh of pip's processor time. If it is not on PATH, pip fetches it; where uv fails, pip installs.
 # uv does not read pip's configuration: an index that is named there is passed on.
