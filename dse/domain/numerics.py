@@ -37,3 +37,4 @@ class FmuNumerics:
     floor: float = nan
     exact: str = ""
     unknown: str = ""
+    shows_coupled: bool = False

@@ -24,7 +24,7 @@ from dse.exploration.near_boundary import near_boundary
 from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.variables import unit_of
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage import ERROR_IN_BARS, Attempt, Checks, Measures, RowBlock, RunTable, StudyFolder
+from dse.storage import Attempt, Checks, Measures, RowBlock, RunTable, StudyFolder
 from dse.testbench import make_runner
 
 _TELL_EVERY = 0.1
@@ -100,7 +100,7 @@ def _small(study: Study, table: RunTable, first: AbstractSet[int]) -> frozenset[
     found: set[int] = set()
     for requirement in table.header.definition.requirements:
         bars = table.errors(requirement.metric)
-        errors = ERROR_IN_BARS * np.where(np.isfinite(bars), bars, -1.0)[nearest].max(axis=1, initial=-1.0)
+        errors = np.where(np.isfinite(bars), bars, -1.0)[nearest].max(axis=1, initial=-1.0)
         near = _judged(table, requirement.name) & (np.abs(table.margins(requirement.name)) <= errors)
         found.update(table.numbers[near].tolist())
     return frozenset(found)

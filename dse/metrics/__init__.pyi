@@ -7,6 +7,7 @@ from .catalogue import (
     same as same,
 )
 from .program import MetricProgram as MetricProgram, compile_metrics as compile_metrics, judge_failed as judge_failed
+from .resolution import between_rows as between_rows
 from .rows import (
     RowProgram as RowProgram,
     compile_number as compile_number,

@@ -87,7 +87,11 @@ class MetricProgram:
             values = {name: float(registers[register]) for name, register in self.metrics.items()}
         except (TypeError, ValueError) as error:
             raise fail(f"a metric function did not give a number: {error}") from error
-        return values, tuple([_judge(check, registers) for check in self.checks])
+        return values, self.judge(registers)
+
+    def judge(self, registers: Sequence[Any]) -> tuple[Judgement, ...]:
+        """A judgement for every requirement, from what `registers` gives."""
+        return tuple([_judge(check, registers) for check in self.checks])
 
     def registers(
         self,

@@ -1,7 +1,6 @@
 from .attempts import STOPPED as STOPPED, Attempt as Attempt, made_by as made_by, this_process as this_process
 from .checks import (
     CERTAINTIES as CERTAINTIES,
-    ERROR_IN_BARS as ERROR_IN_BARS,
     NO_CHECKS as NO_CHECKS,
     Certainty as Certainty,
     Checks as Checks,

@@ -25,10 +25,6 @@ class Certainty(StrEnum):
 CERTAINTIES = tuple(Certainty)
 """By the number that stands for them in tables."""
 
-ERROR_IN_BARS = 2.0
-"""How many error bars the error of a metric may be: that of a method of first order is twice what half the step changes
-(Richardson), and that of the others is less."""
-
 _UNCHECKED, _CERTAIN, _DOUBTFUL = range(3)
 
 
@@ -60,10 +56,10 @@ def certainties(
     """How certain the *verdicts* of n checked runs on one requirement are, as positions in `CERTAINTIES`; all are (n,).
 
     A verdict is certain if all variations gave it (*under*, as `Checks` has it) and, where it is pass or fail, its
-    margin is larger than the metric's error may be, `ERROR_IN_BARS`. Where the margin is undefined, no error is larger.
+    margin is larger than the metric's error bar. Where the margin is undefined, no error is larger.
     """
     same = under == np.left_shift(1, verdicts.astype(np.int64))
-    apart = ~np.isin(verdicts, _JUDGED) | np.isnan(margins) | (np.abs(margins) > ERROR_IN_BARS * errors)
+    apart = ~np.isin(verdicts, _JUDGED) | np.isnan(margins) | (np.abs(margins) > errors)
     return np.where(same & apart, _CERTAIN, _DOUBTFUL).astype(np.uint8)
 
 
@@ -74,6 +70,6 @@ def certainties_by_bars(
 
     Where the margin is undefined, a bar that is infinite says that a variation has one.
     """
-    certain = np.where(np.isnan(margins), ~np.isinf(errors), np.abs(margins) > ERROR_IN_BARS * errors)
+    certain = np.where(np.isnan(margins), ~np.isinf(errors), np.abs(margins) > errors)
     found = np.where(certain, _CERTAIN, _DOUBTFUL)
     return np.where(np.isin(verdicts, _JUDGED), found, _UNCHECKED).astype(np.uint8)

@@ -106,6 +106,8 @@ def _key(prepared: PreparedBench) -> str:
         "tolerance": simulation.tolerance,
         "compared": [_variation(variation) for variation in prepared.checks.variations],
         "unmeasured": prepared.checks.unmeasured,
+        "unless": prepared.checks.unless,
+        "exact": sorted(prepared.checks.exact),
         "columns": sorted(zip(recording.columns, recording.variables, strict=True)),
         "kept": sorted(recording.kept),
         "measures": _measures(prepared.program),

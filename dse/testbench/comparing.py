@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,13 @@ from numpy.typing import NDArray
 from dse.cosim import RunFailed, Simulator
 from dse.domain.bench import VERDICTS, Judgement, Verdict
 from dse.domain.run import ERROR_BAR, VERDICTS_UNDER
+from dse.metrics import between_rows
 from dse.testbench.prepared import PreparedBench
-from dse.testbench.variations import Variation, shares
+from dse.testbench.variations import SAFETY, Variation, shares
 
+_ENOUGH = 2
+"""So many variations that change nothing show that a metric is exact."""
+_UNCHANGED = "no other step changes them, but only one could be tried"
 _FAILED = 1 << VERDICTS.index(Verdict.FAILED_TO_RUN)
 
 
@@ -44,37 +48,69 @@ class Comparison:
             self._repeated.append((variation, makes, np.arange(rows, dtype=np.float64) * step))
 
     def error_bars(
-        self, metrics: Mapping[str, float], constants: Mapping[str, float], start: Mapping[str, float]
+        self,
+        metrics: Mapping[str, float],
+        constants: Mapping[str, float],
+        start: Mapping[str, float],
+        time: NDArray[np.float64],
+        columns: Mapping[str, NDArray[np.float64]],
     ) -> tuple[dict[str, float], str]:
-        """How much each of *metrics* changes by all variations together, by ``NAME.error``, and what nobody can tell.
+        """How far each of *metrics* may be off, by ``NAME.error``, and what cannot be told. *time* and *columns* are
+        the run's own, as for `MetricProgram.evaluate`.
 
-        Besides, by ``R.verdicts``, which verdicts on each requirement the variations gave: see `VERDICTS_UNDER`. One
-        that fails to run gives that.
+        That is what happens between rows, and the errors that changes by the variations stand for. Besides, by
+        ``R.verdicts``, which verdicts on each requirement the variations gave: see `VERDICTS_UNDER`. One that fails to
+        run gives that.
 
         An error bar is NaN where the metric is undefined in all runs, or cannot be measured; infinite where it is
-        undefined in some of them, and 0 where it is infinite in all alike. For a method of order p the error of the
-        metric itself is about 2^p / (2^p - 1) of what half the step changes (Richardson).
+        undefined in some of them; 0 where no other step changes it, two having been tried or its parts being exact.
         """
-        unmeasured = self._prepared.checks.unmeasured
-        changes: dict[str, list[float]] = {name: [] for name in metrics if name not in unmeasured}
+        checks = self._prepared.checks
+        changes: dict[str, list[float]] = {name: [] for name in metrics if name not in checks.unmeasured}
         under = {requirement.name: 0 for requirement in self._prepared.requirements}
         failure = ""
-        for variation, simulator, time in self._repeated if changes else ():
+        for variation, simulator, rows in self._repeated if changes else ():
             try:
-                found, judged = self._measured(variation, simulator, time, constants, start)
+                found, judged = self._measured(variation, simulator, rows, constants, start)
             except RunFailed as error:
                 failure = f"{variation.what}: {error}"
                 under = {name: verdicts | _FAILED for name, verdicts in under.items()}
                 break
-            for each in judged:
-                under[each.requirement] |= 1 << VERDICTS.index(each.verdict)
+            _note(under, judged)
             for name, apart in changes.items():
                 apart.append(_distance(metrics[name], found[name]))
-        bars = {name: math.nan if failure else _together(apart) for name, apart in changes.items()}
+        off, judged = between_rows(self._prepared.program, time, columns, constants)
+        _note(under, judged)
+        bars: dict[str, float] = {}
+        unmeasured = dict(checks.unmeasured)
+        for name, apart in changes.items() if not failure else ():
+            bars[name] = self._together(apart) + SAFETY * off[name]
+            if name in checks.unless and not self._answers(apart):
+                unmeasured[name] = checks.unless[name]
+            elif bars[name] == 0.0 and len(apart) < _ENOUGH and name not in checks.exact:
+                unmeasured[name] = _UNCHANGED
         said = "; ".join(filter(None, (_said(unmeasured, metrics), failure)))
         under |= {each.name: 0 for each in self._prepared.requirements if each.metric in unmeasured}
-        numbers = {f"{name}{ERROR_BAR}": bars.get(name, math.nan) for name in metrics}
+        numbers = {
+            f"{name}{ERROR_BAR}": math.nan if name in unmeasured else bars.get(name, math.nan) for name in metrics
+        }
         return numbers | {f"{name}{VERDICTS_UNDER}": float(verdicts) for name, verdicts in under.items()}, said
+
+    def _answers(self, apart: Sequence[float]) -> bool:
+        """Whether a shorter step of the whole system changes a metric."""
+        return any(change > 0.0 for (v, _, _), change in zip(self._repeated, apart, strict=True) if v.step < 1.0)
+
+    def _together(self, apart: Sequence[float]) -> float:
+        """The error that changes by each variation stand for: the largest by shorter steps, which is one error, and the
+        others. Where they show none, what any variation changes.
+        """
+        system = self._prepared.system
+        told = [(v, v.errors * change) for (v, _, _), change in zip(self._repeated, apart, strict=True) if v.errors]
+        finer = [error for v, error in told if v.step < 1.0 and v.system is system]
+        other = [error for v, error in told if not (v.step < 1.0 and v.system is system)]
+        if odd := [error for error in (*finer, *other) if not math.isfinite(error)]:
+            return math.inf if math.inf in odd else math.nan
+        return max(finer, default=0.0) + math.fsum(other) or max(apart, default=0.0)
 
     def close(self) -> None:
         """Free the instances that are not the simulator's."""
@@ -96,6 +132,11 @@ class Comparison:
         return prepared.program.evaluate(time[: len(table)], columns, constants)
 
 
+def _note(under: dict[str, int], judged: Iterable[Judgement]) -> None:
+    for each in judged:
+        under[each.requirement] |= 1 << VERDICTS.index(each.verdict)
+
+
 def _said(unmeasured: Mapping[str, str], metrics: Mapping[str, float]) -> str:
     """Which of *metrics* have no error bar, and why."""
     by_reason: dict[str, list[str]] = {}
@@ -106,11 +147,6 @@ def _said(unmeasured: Mapping[str, str], metrics: Mapping[str, float]) -> str:
         f"error {'bar' if len(names) == 1 else 'bars'} of {', '.join(names)} not measurable: {why}"
         for why, names in by_reason.items()
     )
-
-
-def _together(changes: Iterable[float]) -> float:
-    changes = list(changes)
-    return math.inf if math.inf in changes else math.fsum(changes)
 
 
 def _distance(a: float, b: float) -> float:

@@ -72,7 +72,7 @@ class Runner(AbstractContextManager["Runner"]):
         metrics, judgements = prepared.program.evaluate(time, columns, constants)
         problem = "" if is_whole else f"ended early: {self._simulator.ended}"
         if self._comparison is not None:
-            bars, unknown = self._comparison.error_bars(metrics, constants, start)
+            bars, unknown = self._comparison.error_bars(metrics, constants, start, time, columns)
             metrics, problem = {**metrics, **bars}, "; ".join(filter(None, (problem, unknown)))
         waveforms = self._waveforms(time, columns) if keep else None
         return Run(request, Outcome.DONE, metrics, judgements, problem, waveforms)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -14,11 +15,16 @@ from dse.domain.system import Element, SystemStructure
 from dse.loading import is_multiple
 from dse.metrics import MetricProgram
 
+SAFETY = 1.25
+"""Times the error that a change stands for is the error bar: what the grid convergence index takes (P. J. Roache,
+Perspective: a method for uniform reporting of grid refinement studies, 1994)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Variation:
     """A run of *system* by *method* whose step is the bench's times *step*; *what* it does otherwise, in words.
 
+    The error is about *errors* times what this changes; 0 if it only shows whether another step changes anything.
     *cost* is how many times as long as the bench's own run it may well take.
     """
 
@@ -27,14 +33,21 @@ class Variation:
     method: Method
     step: float = 1.0
     cost: float = 1.0
+    errors: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class Checks:
-    """The *variations* that make error bars, and why metrics have none (*unmeasured*, by name)."""
+    """The *variations* that make error bars, and why metrics have none (*unmeasured*, by name).
+
+    Metrics of *unless* have none, for the reason given, unless a shorter step of the whole system changes them. Those
+    of *exact* come from parts without an error of their own.
+    """
 
     variations: tuple[Variation, ...] = ()
     unmeasured: Mapping[str, str] = field(default_factory=dict)
+    unless: Mapping[str, str] = field(default_factory=dict)
+    exact: frozenset[str] = frozenset()
 
 
 def checks_of(
@@ -48,9 +61,13 @@ def checks_of(
 ) -> Checks:
     """What makes the error bars of the metrics of *program*; *sources* are the system's names of its signals."""
     own = [variation] if (variation := _refined(system, simulation, numerics, exchanges)) else []
-    steps = [_half(system, simulation)] if can_halve(system, simulation) else [_twice(system, simulation)]
-    if any(Lever.DOUBLED in known.changes for known in numerics.values()) and len(steps) == 1 and steps[0].step < 1.0:
-        steps.append(_twice(system, simulation))
+    halves = can_halve(system, simulation)
+    steps = [_scaled(system, simulation, 0.5)] if halves else []
+    steps += [_scaled(system, simulation, factor) for factor in _others(system, simulation)]
+    if not steps or any(Lever.DOUBLED in known.changes for known in numerics.values()):
+        steps.append(_scaled(system, simulation, 2.0))
+    elif len(steps) == 1 and simulation.steps % 2 == 0:
+        steps.append(replace(_scaled(system, simulation, 2.0), errors=0.0))
     variations = (*steps, *own)
     if why := _not_again(system, facts, needs_more=any(not shares(v, system, simulation) for v in variations)):
         return Checks((), dict.fromkeys(program.metrics, why))
@@ -60,12 +77,17 @@ def checks_of(
         unknown |= {name: longer for name, known in numerics.items() if Lever.DOUBLED in known.changes}
         variations = tuple(variation for variation in variations if variation.step <= 1.0)
     unmeasured: dict[str, str] = {}
+    unless: dict[str, str] = {}
+    exact: set[str] = set()
     for metric in program.metrics:
         reach = _upstream(system, _elements(program.signals_of(metric), sources, system, simulation.method))
         if doubtful := [name for name in unknown if name in reach]:
+            coupled = halves and all(numerics[name].shows_coupled for name in doubtful)
             of = system.element(doubtful[0]).model.identifier
-            unmeasured[metric] = f"{doubtful[0]} ({of}): {unknown[doubtful[0]]}"
-    return Checks(variations if len(unmeasured) < len(program.metrics) else (), unmeasured)
+            (unless if coupled else unmeasured)[metric] = f"{doubtful[0]} ({of}): {unknown[doubtful[0]]}"
+        elif all(numerics[name].exact for name in reach):
+            exact.add(metric)
+    return Checks(variations if len(unmeasured) < len(program.metrics) else (), unmeasured, unless, frozenset(exact))
 
 
 def shares(variation: Variation, system: SystemStructure, simulation: Simulation) -> bool:
@@ -75,8 +97,13 @@ def shares(variation: Variation, system: SystemStructure, simulation: Simulation
 
 def can_halve(system: SystemStructure, simulation: Simulation) -> bool:
     """Whether all elements of *system* bear half of their steps."""
+    return _can_scale(system, simulation, 0.5)
+
+
+def _can_scale(system: SystemStructure, simulation: Simulation, factor: float) -> bool:
     return all(
-        element.model.fixed_step is None or is_multiple(_step_of(element, simulation) / 2, element.model.fixed_step)
+        element.model.fixed_step is None
+        or is_multiple(_step_of(element, simulation) * factor, element.model.fixed_step)
         for element in system.elements
     )
 
@@ -94,12 +121,23 @@ def scaled(method: Method, factor: float) -> Method:
     return replace(method, steps={part: step * factor for part, step in method.steps.items()}, adaptive=adaptive)
 
 
-def _half(system: SystemStructure, simulation: Simulation) -> Variation:
-    return Variation("with half the step", system, scaled(simulation.method, 0.5), 0.5, 2.0)
+def _scaled(system: SystemStructure, simulation: Simulation, factor: float) -> Variation:
+    """The run with *factor* times all steps. If h is the step and c h the error, that changes (1 - factor) c h: inputs
+    that are held are of first order, whatever computes the parts; the change of a higher order is a larger share of its
+    error (Richardson).
+    """
+    words = {0.5: "half the step", 2.0: "twice the step"}.get(factor, f"{factor:.3g} times the step")
+    errors = SAFETY / abs(1.0 - factor)
+    return Variation(f"with {words}", system, scaled(simulation.method, factor), factor, max(1.0, 1.0 / factor), errors)
 
 
-def _twice(system: SystemStructure, simulation: Simulation) -> Variation:
-    return Variation("with twice the step", system, scaled(simulation.method, 2.0), 2.0)
+def _others(system: SystemStructure, simulation: Simulation) -> Iterable[float]:
+    """The step whose rows lie elsewhere: what repeats with the step, and so with half of it, shows there.
+
+    None if how the steps of parts fit into one another forbids it.
+    """
+    factors = simulation.steps / math.ceil(simulation.steps * math.sqrt(2.0)), 1.0 / 3.0
+    return [factor for factor in factors if _can_scale(system, simulation, factor)][:1]
 
 
 def _refined(

@@ -92,7 +92,7 @@ def test_a_check_that_is_not_what_was_written_is_found(stored: Path, definition:
     [
         (PASS, 3.0, 1.0, {PASS}, "certain"),
         (FAIL, -3.0, 1.0, {FAIL}, "certain"),
-        (PASS, 2.0, 1.0, {PASS}, "doubtful"),  # of first order, the error is twice the bar
+        (PASS, 1.0, 1.0, {PASS}, "doubtful"),
         (PASS, 0.0, 0.0, {PASS}, "doubtful"),
         (PASS, 3.0, 1.0, {PASS, SKIPPED}, "doubtful"),
         (PASS, 3.0, 1.0, {PASS, FAILED}, "doubtful"),
@@ -113,7 +113,7 @@ def test_a_verdict_is_certain_if_no_variation_changes_it_nor_the_error_could(
 
 
 def test_of_error_bars_alone_nothing_is_known_of_verdicts_that_no_margin_decides() -> None:
-    margins = np.array([3.0, 2.0, 3.0, math.nan, math.nan, 3.0, math.nan])
+    margins = np.array([3.0, 1.0, 3.0, math.nan, math.nan, 3.0, math.nan])
     bars = np.array([1.0, 1.0, math.nan, math.nan, math.inf, 1.0, math.nan])
     verdicts = np.array([PASS, FAIL, PASS, FAIL, FAIL, SKIPPED, FAILED], np.uint8)
     words = [CERTAINTIES[code] for code in certainties_by_bars(verdicts, margins, bars)]

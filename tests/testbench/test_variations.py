@@ -16,7 +16,7 @@ from dse.domain.fmu import Capabilities, FmiInterface, FmuModel, Variable
 from dse.domain.method import Adaptive, Algorithm, Method
 from dse.domain.numerics import FmuNumerics, Lever
 from dse.domain.system import Element, SystemStructure, Wire
-from dse.testbench.variations import Checks, checks_of
+from dse.testbench.variations import SAFETY, Checks, checks_of
 
 BENCH = Simulation(1.0, 0.1, (), 0.1)
 EXACT = FmuNumerics(0.1, exact="it says so")
@@ -62,38 +62,57 @@ def checked(
 
 
 def test_half_the_step_shows_the_error_of_what_steps_as_it_is_asked_to():
-    (variation,) = checked({"a": EXACT, "b": AS_ASKED}).variations
-    assert (variation.what, variation.step, variation.method) == ("with half the step", 0.5, BENCH.method)
+    half, other = checked({"a": EXACT, "b": AS_ASKED}).variations
+    assert (half.what, half.step, half.method) == ("with half the step", 0.5, BENCH.method)
+    # A method of first order is off by twice what half the step changes.
+    assert half.errors == 2 * SAFETY
+    # Its rows lie elsewhere, and the last one at the end: 10 steps become 15.
+    assert (other.what, other.step) == ("with 0.667 times the step", 10 / 15)
+
+
+def test_where_steps_have_to_fit_a_third_of_the_step_or_twice_the_step_show_whether_another_one_matters():
+    third = checked({"a": AS_ASKED}, bench=replace(BENCH, stop=10.0), a=model("a", fixed_step=0.1 / 6)).variations
+    assert [v.step for v in third] == [0.5, 1 / 3]
+    twice = checked({"a": AS_ASKED}, a=model("a", fixed_step=0.05)).variations
+    assert [(v.step, v.errors > 0) for v in twice] == [(0.5, True), (2.0, False)]
+    assert len(checked({"a": AS_ASKED}, bench=replace(BENCH, stop=1.1), a=model("a", fixed_step=0.05)).variations) == 1
+
+
+def test_a_part_that_shows_nothing_alone_may_show_it_in_its_system():
+    relay = replace(UNKNOWN, shows_coupled=True)
+    found = checked({"a": relay, "b": EXACT, "c": EXACT}, "a b,b a")
+    assert (set(found.unless), found.unmeasured, found.exact) == ({"a", "b"}, {}, {"c"})
+    assert checked({"a": relay, "b": UNKNOWN}, "b a").unmeasured.keys() == {"a", "b"}
 
 
 def test_a_part_with_an_inner_step_is_stepped_below_it():
-    _, inner = checked({"a": EXACT, "b": COARSE}).variations
+    *_, inner = checked({"a": EXACT, "b": COARSE}).variations
     assert (inner.step, inner.method.steps) == (1.0, {"b": pytest.approx(0.0125)})
 
 
 def test_a_longer_step_of_its_own_becomes_a_part_of_the_bench_s():
     bench = replace(BENCH, method=Method(steps={"b": 0.5}))
-    half, inner = checked({"a": EXACT, "b": replace(COARSE, step=0.5)}, bench=bench).variations
+    half, _, inner = checked({"a": EXACT, "b": replace(COARSE, step=0.5)}, bench=bench).variations
     assert half.method.steps == {"b": 0.25}
     assert inner.method.steps == {"b": 0.05}  # the longest half of half of 0.1 s below 0.5 s / 8
 
 
 def test_with_adaptive_steps_all_parts_make_the_shortest():
     bench = replace(BENCH, method=Method(adaptive=Adaptive()))
-    _, inner = checked({"a": EXACT, "b": COARSE}, bench=bench).variations
+    *_, inner = checked({"a": EXACT, "b": COARSE}, bench=bench).variations
     assert (inner.step, inner.method) == (pytest.approx(0.125), bench.method)
 
 
 def test_a_tolerance_is_tightened_and_model_exchange_takes_the_place_of_co_simulation():
     both = replace(TOLERANT, changes={Lever.EXCHANGE: 1e-3})
-    _, inner = checked({"a": TOLERANT, "b": both, "c": EXACT}).variations
+    *_, inner = checked({"a": TOLERANT, "b": both, "c": EXACT}).variations
     a, b, c = inner.system.elements
     assert [e.model.experiment.tolerance for e in (a, b, c)] == [1e-8, 1e-8, None]
     assert [str(e.model.interface) for e in (a, b, c)] == ["CoSimulation", "ModelExchange", "CoSimulation"]
 
 
 def test_a_part_that_answers_to_longer_steps_only_is_given_them_besides():
-    assert [v.step for v in checked({"a": LAZY}).variations] == [0.5, 2.0]
+    assert [v.step for v in checked({"a": LAZY}).variations] == [0.5, 10 / 15, 2.0]
 
 
 def test_twice_the_step_takes_the_place_of_half_where_a_part_bears_none_shorter():
@@ -103,7 +122,7 @@ def test_twice_the_step_takes_the_place_of_half_where_a_part_bears_none_shorter(
 
 def test_an_odd_number_of_steps_cannot_be_doubled():
     found = checked({"a": LAZY, "b": EXACT}, bench=replace(BENCH, stop=1.1))
-    assert [v.step for v in found.variations] == [0.5]
+    assert [v.step for v in found.variations] == [0.5, 11 / 16]
     assert found.unmeasured == {"a": "a (a): shows its error in longer steps only, and the bench makes an odd number"}
 
 
@@ -129,7 +148,7 @@ def test_an_fmu_whose_instances_disturb_each_other_is_not_simulated_again(questi
 
 def test_an_fmu_that_can_be_there_once_is_still_given_half_the_step():
     once = model("a", capabilities=Capabilities(once_per_process=True))
-    assert len(checked({"a": AS_ASKED}, a=once).variations) == 1
+    assert len(checked({"a": AS_ASKED}, a=once).variations) == 2
     assert "second instance" in checked({"a": COARSE}, a=once).unmeasured["a"]
 
 

@@ -118,7 +118,8 @@ class _Numerics:
             if not longer.failure and longer.result is not None:
                 return replace(found, changes={Lever.DOUBLED: longer.result})
         unknown = self._unknown(found, by_step, grid, is_moving=is_moving)
-        return replace(found, unknown=unknown if self.is_ours else unknown + _VOUCHING)
+        shows_coupled = not isfinite(grid) and (by_step.reacts or not is_moving)
+        return replace(found, unknown=unknown if self.is_ours else unknown + _VOUCHING, shows_coupled=shows_coupled)
 
     def _exact(self, by_step: Settling, grid: float, *, is_moving: bool) -> str:
         model = self.element.model

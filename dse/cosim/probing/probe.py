@@ -14,7 +14,7 @@ from dse.cosim.probing.subject import Trajectory
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import FmuModel
 
-PROBE_VERSION = 2
+PROBE_VERSION = 3
 """Of the experiments: facts found by another version are not comparable."""
 
 _STRENGTHS = (1.0, 0.05, 0.0)

@@ -41,7 +41,6 @@ from dse.report.content.objectives import composites_of, objectives_of
 from dse.report.content.scenes import scenes_of
 from dse.storage import (
     CERTAINTIES,
-    ERROR_IN_BARS,
     Certainty,
     RunTable,
     StudyFolder,
@@ -211,7 +210,7 @@ def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> Requ
     unsettled = None
     if len(table.checks):
         doubtful = table.certainties(entry.name) == CERTAINTIES.index(Certainty.DOUBTFUL)
-        told = np.abs(table.margins(entry.name)) <= ERROR_IN_BARS * table.errors(entry.metric)
+        told = np.abs(table.margins(entry.name)) <= table.errors(entry.metric)
         unsettled = doubtful & ~(told & exercised)
     return RequirementRow(entry.name, entry.title, entry.metric, high, low, exercised, unsettled)
 

@@ -18,9 +18,6 @@ export interface Judgement {
   doubtful: Uint8Array;
 }
 
-/** How many error bars an error may be; dse/storage/checks.py says why. */
-const ERROR_IN_BARS = 2;
-
 export function judge(study: Study, thresholds: Threshold[]): Judgement {
   const each = study.requirements.map((_, index) => marksAt(study, index, thresholds[index]!));
   const overall = new Uint8Array(study.size);
@@ -55,7 +52,7 @@ export function isDoubtful(study: Study, index: number, run: number, threshold: 
   const error = errorOf(study, metric, run);
   if (error === null || !exercised[run]) return false;
   const by = margin(study.metrics[metric]!.values[run]!, threshold);
-  return Number.isNaN(by) ? error === Infinity : !(Math.abs(by) > ERROR_IN_BARS * error);
+  return Number.isNaN(by) ? error === Infinity : !(Math.abs(by) > error);
 }
 
 /** Positive inside the bounds, NaN where the metric is undefined. */
