@@ -18,6 +18,8 @@ from dse.metrics import MetricProgram
 SAFETY = 1.25
 """Times the error that a change stands for is the error bar: what the grid convergence index takes (P. J. Roache,
 Perspective: a method for uniform reporting of grid refinement studies, 1994)."""
+_SETTLING = 2.0 * SAFETY
+"""The same where inner numerics are made finer until what is left to change is no more than what has changed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +35,7 @@ class Variation:
     method: Method
     step: float = 1.0
     cost: float = 1.0
-    errors: float = 1.0
+    errors: float = SAFETY
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,12 +124,14 @@ def scaled(method: Method, factor: float) -> Method:
 
 
 def _scaled(system: SystemStructure, simulation: Simulation, factor: float) -> Variation:
-    """The run with *factor* times all steps. If h is the step and c h the error, that changes (1 - factor) c h: inputs
-    that are held are of first order, whatever computes the parts; the change of a higher order is a larger share of its
-    error (Richardson).
+    """The run with *factor* times all steps.
+
+    With an error of c h in steps of h, twice the step changes c h and half the step c h / 2 (Richardson): inputs that
+    are held are of first order, whatever computes the parts. Of a higher order the change is a larger share of the
+    error. Other shorter steps are taken as half the step is: they also move the instants at which things switch.
     """
     words = {0.5: "half the step", 2.0: "twice the step"}.get(factor, f"{factor:.3g} times the step")
-    errors = SAFETY / abs(1.0 - factor)
+    errors = SAFETY * (2.0 if factor < 1.0 else 1.0)
     return Variation(f"with {words}", system, scaled(simulation.method, factor), factor, max(1.0, 1.0 / factor), errors)
 
 
@@ -164,10 +168,10 @@ def _refined(
     what = "with what parts do inside made finer"
     refined = replace(system, elements=tuple(elements))
     if simulation.method.adaptive is None:
-        return Variation(what, refined, replace(simulation.method, steps=steps), cost=cost)
+        return Variation(what, refined, replace(simulation.method, steps=steps), 1.0, cost, _SETTLING)
     # Adaptive steps leave parts no steps of their own: all have to make the shortest.
     shortest = min((step / simulation.step for step in steps.values()), default=1.0)
-    return Variation(what, refined, simulation.method, shortest, cost)
+    return Variation(what, refined, simulation.method, shortest, cost, _SETTLING)
 
 
 def _told(element: Element, tolerance: float) -> Element:

@@ -11,12 +11,6 @@ from honesty.cases import CASES, truth
 from honesty.workspace import run_of
 
 QUICK = ("c, euler", "held")
-MISSES = {
-    # A highest value between two points: half the step comes no nearer to it.
-    "tolerance and model exchange": {"most"},
-    # What half the step and a tighter tolerance change happens to be of opposite sign.
-    "tolerance, stiff": {"mean"},
-}
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -39,12 +33,9 @@ def test_the_true_error_is_within_its_bar_or_not_measurable(name, tmp_path):
         return
     assert not run.problem
     missed = {metric for metric, bar in bars.items() if not abs(run.metrics[metric] - right[metric]) <= bar + 1e-12}
-    assert missed <= MISSES.get(name, set())
+    assert not missed
 
 
-def test_few_errors_are_missed_and_few_cannot_be_measured():
-    metrics = 4 * len(CASES)
+def test_few_errors_cannot_be_measured():
     assert len(CASES) >= 30
-    measured = metrics - 4 * sum(case.unmeasured for case in CASES.values())
-    assert sum(map(len, MISSES.values())) <= 0.05 * measured
-    assert measured >= 0.6 * metrics
+    assert sum(not case.unmeasured for case in CASES.values()) >= 0.6 * len(CASES)
