@@ -1,6 +1,11 @@
 from .boxes import Box as Box, best_boxes as best_boxes
 from .claims import Stage as Stage, stages as stages, static_bound as static_bound, strength as strength
-from .conditions import Condition as Condition, WorstCase as WorstCase, worst_case as worst_case
+from .conditions import (
+    Condition as Condition,
+    WorstCase as WorstCase,
+    worst_case as worst_case,
+    worst_designs as worst_designs,
+)
 from .data import ALL as ALL, Factor as Factor, StudyData as StudyData
 from .deciding import (
     Missed as Missed,
