@@ -10,16 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dse.analysis.data import ALL, MET, Codes, Rows, StudyData, withheld
+from dse.analysis.data import ALL, MET, Rows, StudyData, withheld
 from dse.analysis.once import once
 from dse.analysis.probability import Met, probability_met
 from dse.analysis.reading import weighted
 from dse.analysis.slack import FAILING, slack
-from dse.domain.bench import VERDICTS, Verdict
 from dse.exploration import equal_rows
+from dse.metrics import worst_codes
 
 MOST_LEVELS = 40
-_OPEN, _FAILED = VERDICTS.index(Verdict.NOT_EXERCISED), VERDICTS.index(Verdict.FAILED_TO_RUN)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,27 +106,25 @@ def _designs(data: StudyData, at: Rows) -> tuple[StudyData, Rows]:
     for number, rows in enumerate(groups):
         conditions[rows] = number
     order, starts = np.concatenate(designs), np.cumsum([0, *map(len, designs[:-1])])
-
-    def any_of(flags: Rows) -> Rows:
-        return np.asarray(np.logical_or.reduceat(flags[order], starts))
-
-    verdicts: dict[str, Codes] = {}
     margins = {}
-    failed = any_of(~data.done)
     for name, found in data.verdicts.items():
-        met, missed = any_of(found == MET), any_of(found == FAILING)
-        rest = np.where(failed, _FAILED, np.where(met, MET, _OPEN))
-        verdicts[name] = np.where(missed, FAILING, rest).astype(np.uint8)
         judged = np.where(np.isin(found, [MET, FAILING]), data.margins[name], np.inf)
         least = np.minimum.reduceat(judged[order], starts)
         margins[name] = np.where(np.isinf(least), np.nan, least)
+    verdicts = {name: worst_codes(found, designs) for name, found in data.verdicts.items()}
     severity = np.zeros(len(data))
     if verdicts:
         severity = slack(data.definition.requirements, data.margins, data.verdicts, data.metrics)
     severity = np.where(data.done, severity, -np.inf)
     deciding = np.array([rows[int(np.argmin(severity[rows]))] for rows in designs], dtype=np.intp)
     tried = np.array([len(np.unique(conditions[rows])) for rows in designs])
-    joined = replace(data.part(deciding), done=~failed, verdicts=verdicts, margins=margins, metrics={})
+    joined = replace(
+        data.part(deciding),
+        done=np.logical_and.reduceat(data.done[order], starts),
+        verdicts=verdicts,
+        margins=margins,
+        metrics={},
+    )
     joined = replace(
         joined,
         factors=tuple(factor for factor, is_at in zip(data.factors, at, strict=True) if not is_at),
