@@ -110,6 +110,7 @@ export interface ChanceMap {
   held: [number, number][];
   used: number;
   runs: number;
+  conditions: number;
 }
 
 /** The plane through the robust centre, of all requirements together (-1); an ellipse by places, 0 … 1. */

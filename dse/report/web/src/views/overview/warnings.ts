@@ -2,6 +2,7 @@
 import { el } from "../../dom";
 import { count, group, percent } from "../../format";
 import { studyThresholds, type Store } from "../../store";
+import { conditionsInWords, everyCondition } from "../../points";
 import type { Study } from "../../study";
 import { FAILED, NOT_EXERCISED, PASS, tally } from "../../verdicts";
 import { worstMargin } from "../shared/margins";
@@ -46,11 +47,11 @@ function warnings(store: Store): Warning[] {
 function nothingPasses(store: Store): Warning[] {
   const { study, state } = store;
   if (!study.size) return [{ level: "bad", text: "There are no runs." }];
-  const { overall, each } = store.judgement();
+  const { judgement: { overall, each }, noun } = store.designs();
   if (!study.requirements.length || overall.includes(PASS)) return [];
   const never = study.requirements.filter((_, index) => !state.thresholds[index]!.off && !each[index]!.includes(PASS)).map(({ title }) => title);
-  const why = never.length ? `No run meets ${never.join(", nor ")}.` : "Each requirement is met by some run, but not all by one.";
-  return [{ level: "bad", text: `No run meets all requirements. ${why}` }];
+  const why = never.length ? `No ${noun} meets ${never.join(", nor ")}.` : `Each requirement is met by some ${noun}, but not all by one.`;
+  return [{ level: "bad", text: `No ${noun} meets all requirements${conditionsInWords(study, everyCondition(study))}. ${why}` }];
 }
 
 function failures(study: Study): Warning[] {
@@ -118,9 +119,9 @@ function uncertain(study: Study): Warning[] {
 function atEdge(store: Store): Warning[] {
   const { study } = store;
   if (!study.requirements.length) return [];
-  const { overall } = store.judgement();
+  const { judgement: { overall }, runs, deciding, noun } = store.designs();
   let [best, most] = [-1, -Infinity];
-  for (let run = 0; run < study.size; run++) {
+  for (const run of Array.from(runs, deciding)) {
     const here = overall[run] === PASS ? worstMargin(store, run) : -Infinity;
     if (here > most) [most, best] = [here, run];
   }
@@ -131,7 +132,7 @@ function atEdge(store: Store): Warning[] {
     const place = (values[best]! - low) / (high - low);
     return place < 1e-6 ? [`lower end of ${title}`] : place > 1 - 1e-6 ? [`upper end of ${title}`] : [];
   });
-  return ends.length ? [{ level: "warn", text: `The run with most to spare lies at the ${ends.join(" and the ")}: a better one may lie beyond the range.`, run: best }] : [];
+  return ends.length ? [{ level: "warn", text: `The ${noun} with the largest least margin lies at the ${ends.join(" and the ")}: a better one may lie beyond the range.`, run: best }] : [];
 }
 
 function moved(store: Store): Warning[] {

@@ -56,7 +56,7 @@ export function chanceFigure(store: Store, map: ChanceMap, id: string, title: st
     el("figcaption", {}, el("b", {}, title), el("span", {}, `in doubt on ${percent(map.uncertain, 1)} of the plane`)),
     painted.element,
     reading,
-    el("p", { class: "hint" }, `From ${from}.${configuration}${held.length ? ` Held: ${held.join(", ")}.` : ""}`),
+    el("p", { class: "hint" }, `From ${from}.${configuration}${map.conditions > 1 ? ` At the worst of ${map.conditions} conditions.` : ""}${held.length ? ` Held: ${held.join(", ")}.` : ""}`),
   );
 }
 

@@ -1,9 +1,9 @@
 // Which designs meet the requirements, and by how much: the rule of dse/exploration/designs.py at the reader's
 // thresholds (both are held to tests/design_cases.py).
-import type { Study } from "../../study";
-import { FAIL, FAILED, judge, margin, NOT_EXERCISED, PASS, type Judgement, type Threshold } from "../../verdicts";
-import { scaleOf } from "../shared/margins";
-import { groupingOf } from "./grouping";
+import type { Study } from "./study";
+import { FAIL, FAILED, judge, margin, NOT_EXERCISED, PASS, type Judgement, type Threshold } from "./verdicts";
+import { scaleOf } from "./views/shared/margins";
+import { groupingOf, type Grouping } from "./grouping";
 
 export interface Standing {
   /** Overall mark of each design; `PASS` is feasible. */
@@ -33,8 +33,8 @@ export function tightened(study: Study, thresholds: Threshold[], demand: number)
 }
 
 /** Designs at *thresholds*, judged with the share *demand* of margin asked for; *judgement* is that of the runs without it. */
-export function standingOf(study: Study, thresholds: Threshold[], demand: number, judgement: Judgement): Standing {
-  const { size, start, rows, whole } = groupingOf(study);
+export function standingOf(study: Study, thresholds: Threshold[], demand: number, judgement: Judgement, grouping = groupingOf(study)): Standing {
+  const { size, start, rows, whole } = grouping;
   const { each } = demand ? judge(study, tightened(study, thresholds, demand)) : judgement;
   const standing: Standing = {
     mark: new Uint8Array(size),
@@ -45,7 +45,7 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
     shortfall: new Float64Array(size),
     deciding: new Int32Array(size),
   };
-  each.forEach((marks, index) => judgeOne(study, thresholds[index]!, index, marks, standing));
+  each.forEach((marks, index) => judgeOne(study, grouping, thresholds[index]!, index, marks, standing));
   const counted = each.map((_, index) => index).filter((index) => !thresholds[index]!.off);
   const { mark, slack, shortfall, deciding } = standing;
   // Whether each requirement has a verdict on a design all of whose runs came to their end.
@@ -91,8 +91,7 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
 }
 
 /** One requirement: *marks* are those of the runs. */
-function judgeOne(study: Study, threshold: Threshold, index: number, marks: Uint8Array, standing: Standing): void {
-  const { size, start, rows } = groupingOf(study);
+function judgeOne(study: Study, { size, start, rows }: Grouping, threshold: Threshold, index: number, marks: Uint8Array, standing: Standing): void {
   const { values } = study.metrics[study.requirements[index]!.metric]!;
   const [each, margins, worst] = [standing.each[index]!, standing.margins[index]!, standing.worst[index]!];
   for (let design = 0; design < size; design++) {
