@@ -46,8 +46,8 @@ def overall_codes(verdicts: Sequence[Codes], done: NDArray[np.bool_]) -> Codes:
 
 
 def worst_codes(codes: Codes, groups: Sequence[NDArray[np.intp]]) -> Codes:
-    """The verdict on a requirement of each of *groups* of runs, given by positions: fail if one fails, else failed to run
-    if one did, else pass if one passes. What is exercised at one condition only is met if it is met there."""
+    """The verdict on a requirement of each of *groups* of runs, by their positions: fail if one fails, else failed to
+    run if one did, else pass if one passes: what is exercised at one condition only is met if it is met there."""
     if not groups:
         return codes[:0]
     ranks = _WORST[codes[np.concatenate(groups)]]

@@ -62,7 +62,10 @@ def _narrowing(table: RunTable, towards: Towards, run: int, share: float, number
         case Towards.AROUND:
             return around(table, run, share)
         case Towards.FRONT:
-            return around_designs(table, ranked(table, objectives_of(definition, (), ()), number).best)
+            objectives = objectives_of(definition, (), ())
+            if not objectives:
+                raise fail("the study has no objective", hint="give it objectives, or narrow it to its box: --box")
+            return around_designs(table, ranked(table, objectives, number).best)
         case Towards.BOX:
             found = best_boxes(worst_designs(study_data(table)))
             if not found:

@@ -3,6 +3,7 @@ import { planeToSelected, selectConfiguration } from "../actions";
 import { choose, el, field } from "../dom";
 import { number, shortened, withUnit } from "../format";
 import { levels, movable } from "../plane/plane";
+import { groupingOf } from "../grouping";
 import { conditionsOf } from "../points";
 import type { State, Store } from "../store";
 import { axisLabel, type Configuration } from "../study";
@@ -129,7 +130,13 @@ function conditionField(store: Store, index: number): HTMLElement {
   const select = choose([["", "worst of all"], ...options], Number.isNaN(state.fixed[index]!) ? "" : String(state.fixed[index]), (value) => {
     const fixed = store.state.fixed.slice();
     fixed[index] = value === "" ? NaN : Number(value);
+    const designs = groupingOf(study).of;
     store.set({ fixed });
+    // The selected design stays selected, at the condition that is let through.
+    const points = store.points();
+    const { selected } = store.state;
+    const same = selected < 0 || points.first(selected) >= 0 ? -1 : points.runs.findIndex((run) => designs[run] === designs[selected]);
+    if (same >= 0) store.set({ selected: points.deciding(points.runs[same]!) });
   });
   select.id = `condition-${index}`;
   return field(`Condition: ${title}`, select);

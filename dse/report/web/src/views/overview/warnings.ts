@@ -5,9 +5,8 @@ import { studyThresholds, type Store } from "../../store";
 import { conditionsInWords, everyCondition } from "../../points";
 import type { Study } from "../../study";
 import { FAILED, NOT_EXERCISED, PASS, tally } from "../../verdicts";
-import { worstMargin } from "../shared/margins";
 import { planeName } from "../shared/planes";
-import { runButton } from "../shared/runs";
+import { positionOf, runButton } from "../shared/runs";
 import { isAsStudied } from "../shared/thresholds";
 
 interface Warning {
@@ -41,7 +40,7 @@ export function createWarnings(store: Store): HTMLElement {
 
 function warnings(store: Store): Warning[] {
   const { study } = store;
-  return [...nothingPasses(store), ...failures(study), ...missing(study), ...retried(study), ...notExercised(store), ...doubtful(store), ...uncertain(study), ...atEdge(store), ...moved(store), ...unchecked(study)];
+  return [...nothingPasses(store), ...failures(study), ...missing(study), ...retried(study), ...notExercised(store), ...doubtful(store), ...uncertain(study), ...atEdge(study), ...moved(store), ...unchecked(study)];
 }
 
 function nothingPasses(store: Store): Warning[] {
@@ -116,23 +115,18 @@ function uncertain(study: Study): Warning[] {
     }));
 }
 
-function atEdge(store: Store): Warning[] {
-  const { study } = store;
-  if (!study.requirements.length) return [];
-  const { judgement: { overall }, runs, deciding, noun } = store.designs();
-  let [best, most] = [-1, -Infinity];
-  for (const run of Array.from(runs, deciding)) {
-    const here = overall[run] === PASS ? worstMargin(store, run) : -Infinity;
-    if (here > most) [most, best] = [here, run];
-  }
-  if (best < 0) return [];
+/** Only an objective makes what lies beyond a range better: a requirement is met or not. */
+function atEdge(study: Study): Warning[] {
+  const best = study.insight!.search?.picks[0];
+  const run = best && study.insight!.search!.objectives.length === 1 ? positionOf(study, best.run) : -1;
+  if (run < 0) return [];
   const { roles } = study.insight!.asked;
   const ends = study.variables.flatMap(({ title, low, high, values, lack }, index) => {
-    if (roles[index] !== "design" || lack.includes(study.configuration[best]!)) return [];
-    const place = (values[best]! - low) / (high - low);
+    if (roles[index] !== "design" || lack.includes(study.configuration[run]!)) return [];
+    const place = (values[run]! - low) / (high - low);
     return place < 1e-6 ? [`lower end of ${title}`] : place > 1 - 1e-6 ? [`upper end of ${title}`] : [];
   });
-  return ends.length ? [{ level: "warn", text: `The ${noun} with the largest least margin lies at the ${ends.join(" and the ")}: a better one may lie beyond the range.`, run: best }] : [];
+  return ends.length ? [{ level: "warn", text: `The best design lies at the ${ends.join(" and the ")}: a better one may lie beyond the range.`, run }] : [];
 }
 
 function moved(store: Store): Warning[] {
