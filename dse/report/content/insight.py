@@ -80,13 +80,17 @@ class Centre:
 
 @dataclass(frozen=True, slots=True)
 class FactorAxis:
-    """A factor: *values* at even places from 0 to 1, or the *levels* of a choice, which has no *variable* (-1)."""
+    """A factor: *values* at even places from 0 to 1, or the *levels* of a choice, which has no *variable* (-1).
+
+    If it *is_condition*, it is no choice.
+    """
 
     title: str
     unit: str
     variable: int
     values: tuple[float, ...]
     levels: tuple[str, ...] = ()
+    is_condition: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,6 +47,7 @@ def _draw(content: ReportContent, chance: ChanceMap) -> Sheet:
     grids = [np.linspace(each.low, each.high, chance.size) for each in (x, y)]
     passing, misjudged = (np.asarray(p).reshape(chance.size, chance.size) for p in (chance.passing, chance.misjudged))
     held = ", ".join(f"{content.variables[i].title} = {content.variables[i].shown(value)}" for i, value in chance.held)
+    held += f"{', ' * bool(held)}the worst of {chance.conditions} conditions" * (chance.conditions > 1)
     note = (
         f"From {chance.used:,} of {chance.runs:,} runs{f', at {held}' * bool(held)}. Hatched: the verdict is another "
     )

@@ -1,7 +1,7 @@
 // What the reader has chosen. Parts of the page subscribe; changes of one animation frame arrive together.
 import { maskOf, type Brush } from "./brushing";
 import { createPlanes, type Plane } from "./plane/plane";
-import { everyCondition, pointsOf, type Points } from "./points";
+import { everyCondition, pointsOf, poolOf, type Points } from "./points";
 import type { Study } from "./study";
 import { judge, type Judgement, type Threshold } from "./verdicts";
 
@@ -82,7 +82,7 @@ export function createStore(study: Study, initial: State): Store {
     performance.measure("update", { start: started, end: performance.now() });
   };
 
-  return {
+  const store: Store = {
     study,
     get state() {
       return state;
@@ -112,13 +112,14 @@ export function createStore(study: Study, initial: State): Store {
     },
     plane: () => planes(state),
     points() {
+      if (poolOf(study, state) === poolOf(study, everyCondition(study))) return store.designs();
       const { x, y, fixed, thresholds, brushes } = state;
-      if (![x, y, fixed, thresholds, brushes].every((one, index) => one === shown?.of[index])) shown = { of: [x, y, fixed, thresholds, brushes], points: pointsOf(this, state) };
+      if (![x, y, fixed, thresholds, brushes].every((one, index) => one === shown?.of[index])) shown = { of: [x, y, fixed, thresholds, brushes], points: pointsOf(store, state) };
       return shown!.points;
     },
     designs() {
       const { thresholds, brushes } = state;
-      if (![thresholds, brushes].every((one, index) => one === whole?.of[index])) whole = { of: [thresholds, brushes], points: pointsOf(this, everyCondition(study)) };
+      if (![thresholds, brushes].every((one, index) => one === whole?.of[index])) whole = { of: [thresholds, brushes], points: pointsOf(store, everyCondition(study)) };
       return whole!.points;
     },
     within() {
@@ -126,6 +127,7 @@ export function createStore(study: Study, initial: State): Store {
       return brushed.mask;
     },
   };
+  return store;
 }
 
 /** The store as a view sees it: while the view is not shown it hears nothing, and all at once when it is shown again. */

@@ -156,7 +156,7 @@ function axisOf({ study }: Store, variable: number): { values: number[] } {
 }
 
 function placeOf(store: Store, variable: number, value: number): number {
-  return placeAt({ ...axisOf(store, variable), title: "", unit: "", variable, levels: [], label: "", labels: [] }, value) * (TICKS - 1);
+  return placeAt({ ...axisOf(store, variable), title: "", unit: "", variable, levels: [], label: "", is_condition: false, labels: [] }, value) * (TICKS - 1);
 }
 
 function ticks(store: Store, map: ChanceMap, axis: 0 | 1): { title: string; unit: string; names: string[] } {
