@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.analysis.slack import slack
+from dse.analysis.slack import slack_of_runs
 from dse.domain.definition import DefinedRequirement, StudyDefinition
 from dse.domain.sampler import Objective, Role
 from dse.errors import closest, fail
@@ -110,7 +110,7 @@ def ranked(table: RunTable, objectives: Sequence[Objective], number: int) -> Ran
     signs = np.array([-1.0 if each.maximize else 1.0 for each in objectives])
     values = _significant(signs * designs.objectives)
     feasible = designs.feasible & ~is_open & ~np.isnan(values).any(axis=1)
-    run_slack = _slack(table)
+    run_slack = slack_of_runs(table)
     least = np.array([run_slack[rows].min() for rows in designs.rows])
     by_one = values[:, 0] if objectives else -least
     chosen = _front(values, feasible) if len(objectives) > 1 else _first(by_one, feasible, number)
@@ -134,15 +134,6 @@ def ranked(table: RunTable, objectives: Sequence[Objective], number: int) -> Ran
 
 def _nearness(one: Standing, has_objectives: bool) -> tuple[bool, int, float, tuple[int, ...]]:
     return not one.is_whole, len(one.missed), 0.0 if has_objectives else -one.slack, one.runs
-
-
-def _slack(table: RunTable) -> NDArray[np.float64]:
-    entries = table.header.definition.requirements
-    if not entries:
-        return np.full(len(table), np.inf)
-    margins = {entry.name: table.margins(entry.name) for entry in entries}
-    verdicts = {entry.name: table.verdicts(entry.name) for entry in entries}
-    return slack(entries, margins, verdicts, {entry.metric: table.metric(entry.metric) for entry in entries})
 
 
 class _Reader:

@@ -9,6 +9,7 @@ import numpy as np
 from dse.analysis.data import MET, Codes, Floats
 from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.definition import DefinedRequirement
+from dse.storage import RunTable
 from dse.units import parse_unit
 
 FAILING = VERDICTS.index(Verdict.FAIL)
@@ -31,6 +32,16 @@ def slack(
         share = np.where(np.isnan(share), -np.inf, share)
         least = np.where(np.isin(codes, [MET, FAILING]), np.minimum(least, share), least)
     return least
+
+
+def slack_of_runs(table: RunTable) -> Floats:
+    """`slack` of the runs of a study."""
+    entries = table.header.definition.requirements
+    if not entries:
+        return np.full(len(table), np.inf)
+    margins = {entry.name: table.margins(entry.name) for entry in entries}
+    verdicts = {entry.name: table.verdicts(entry.name) for entry in entries}
+    return slack(entries, margins, verdicts, {entry.metric: table.metric(entry.metric) for entry in entries})
 
 
 def scale_of(requirement: DefinedRequirement, values: Floats) -> float:
