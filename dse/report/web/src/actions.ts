@@ -66,13 +66,15 @@ function planeThrough(store: Store, run: number, configuration: number): Partial
   return { fixed: fixedThrough(study, state.fixed, run) };
 }
 
-/** The run to begin with: that which decides on what is nearest to a boundary of all that passes, if it can with waveforms. */
+/** The run to begin with: the one nearest to a boundary among those that decide on what passes, of designs that pass at
+ * all conditions if there are any, with waveforms if it can. */
 export function startingRun(store: Store, among: Iterable<number>): number {
   const { study, state } = store;
   const { deciding, judgement: { overall } } = store.points();
-  const all = Array.from(among, deciding);
-  const kept = all.filter((run) => study.figures.some((figure) => figure.row.has(study.number[run]!)));
-  const candidates = kept.some((run) => overall[run] === PASS) ? kept : all;
+  const everywhere = store.designs().judgement.overall;
+  const narrowed = (runs: number[], suits: (run: number) => boolean): number[] => (runs.some(suits) ? runs.filter(suits) : runs);
+  const passing = Array.from(among, deciding).filter((run) => overall[run] === PASS);
+  const candidates = narrowed(narrowed(passing, (run) => everywhere[run] === PASS), (run) => study.figures.some((figure) => figure.row.has(study.number[run]!)));
   const scales = study.requirements.map(({ metric }) => {
     const known = study.metrics[metric]!.values.filter(Number.isFinite).sort();
     return Math.max(1e-12, (known[Math.floor(0.9 * known.length)] ?? 1) - (known[Math.floor(0.1 * known.length)] ?? 0));
@@ -80,7 +82,6 @@ export function startingRun(store: Store, among: Iterable<number>): number {
   let best = -1;
   let least = Infinity;
   for (const run of candidates) {
-    if (overall[run] !== PASS) continue;
     // The corner where all margins are small is where the requirements trade off.
     const worst = Math.max(
       0,
