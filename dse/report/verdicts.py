@@ -56,6 +56,20 @@ def worst_marks(content: ReportContent, designs: Sequence[NDArray[np.intp]], con
     return np.where((marks == Mark.PASS) & ~whole, Mark.NOT_EXERCISED, marks).astype(np.uint8)
 
 
+def deciding_runs(content: ReportContent, requirement: RequirementRow) -> tuple[NDArray[np.intp], Marks]:
+    """For each design the run with its smallest margin of *requirement* at any condition, and the design's mark for it;
+    every run where there are no conditions."""
+    marks = marks_of(content, requirement)
+    conditions = conditions_of(content)
+    if not conditions:
+        return np.arange(len(marks)), marks
+    designs = alike(content, [each.name for each in content.variables if each not in conditions])
+    margin = margins(content.metric(requirement.metric).values, requirement)
+    margin = np.where(marks <= Mark.FAIL, np.where(np.isnan(margin), -np.inf, margin), np.inf)
+    rows = np.array([rows[int(np.argmin(margin[rows]))] for rows in designs], dtype=np.intp)
+    return rows, worst_codes(marks, designs)
+
+
 def conditions_of(content: ReportContent) -> list[Variable]:
     """The variables that are conditions."""
     return [variable for variable in content.variables if variable.role == Role.CONDITION]

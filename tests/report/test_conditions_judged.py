@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from chromium import rest
+from known_functions import study, variable
 from report_pages import Open, counts, open_tab, settle
 
+from dse.analysis import planes
+from dse.report.charts.chart import Points
 from dse.report.content.nouns import (
     ConfigurationEntry,
     MetricColumn,
@@ -17,6 +20,9 @@ from dse.report.content.nouns import (
     Variable,
 )
 from dse.report.figures.constraints import axis_pairs, constraint_plot_data
+from dse.report.figures.margins import Margins
+from dse.report.insight.chances import chances_of
+from dse.report.insight.naming import Naming
 from dse.report.verdicts import Mark, alike, conditions_of, worst_marks
 
 
@@ -119,6 +125,35 @@ def test_a_condition_that_does_not_exercise_a_requirement_is_not_its_worst():
     content = _content(pairs().variables, pairs().metrics[0].values, 0.0, exercised=load == 0)
     data = constraint_plot_data(content, "gain", "rate", "c")
     assert int((data.marks == Mark.PASS).sum()) == int(data.feasible.sum()) == 81
+
+
+def test_margins_are_those_of_designs_at_their_worst_condition():
+    """Nine pairs each at the twelve gains, loaded; the runs are the loaded ones."""
+    (chart,) = Margins().charts(pairs())
+    points = [part for part in chart.drawn if isinstance(part, Points)]
+    assert {part.label: len(part.x) for part in points} == {"fail": 72, "pass": 36}
+    assert all((part.runs % 2 == 1).all() for part in points)
+    assert chart.note.startswith("108 of 108 designs judged: 36 pass, 72 fail;")
+
+
+def test_a_chance_is_that_at_the_worst_condition():
+    """A gain of 0.5 passes empty and fails loaded, one of 1 passes both, one of 0 none."""
+    content = pairs()
+    rows = np.isin(content.variables[1].values, [0.0, 0.5, 1.0])
+    gain, rate, load = (each.values[rows] for each in content.variables)
+    loads = variable("load", values=(0.0, 1.0), role="condition")
+    table = study(
+        np.column_stack([gain, rate, load]),
+        {"y": content.metrics[0].values[rows]},
+        {"y": 0.0},
+        variables=[variable("gain"), variable("rate"), loads],
+    )
+    (found,), (around,), reasons = chances_of(table, planes(table), Naming(table.header.definition))
+    assert (found.conditions, found.held, reasons) == (2, (), ())
+    passing = found.passing.reshape(found.size, found.size)
+    assert passing[:, found.size // 2].max() < 5
+    assert passing[:, -1].min() > 95
+    assert gain[around.run] > 0.7
 
 
 @pytest.mark.thorough
