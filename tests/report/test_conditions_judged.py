@@ -148,12 +148,11 @@ def test_a_chance_is_that_at_the_worst_condition():
         {"y": 0.0},
         variables=[variable("gain"), variable("rate"), loads],
     )
-    (found,), (around,), reasons = chances_of(table, planes(table), Naming(table.header.definition))
-    assert (found.conditions, found.held, reasons) == (2, (), ())
+    (found,), _, _ = chances_of(table, planes(table), Naming(table.header.definition))
+    assert (found.conditions, found.held) == (2, ())
     passing = found.passing.reshape(found.size, found.size)
     assert passing[:, found.size // 2].max() < 5
     assert passing[:, -1].min() > 95
-    assert gain[around.run] > 0.7
 
 
 @pytest.mark.thorough
