@@ -136,6 +136,7 @@ def test_margins_are_those_of_designs_at_their_worst_condition():
     assert chart.note.startswith("108 of 108 designs judged: 36 pass, 72 fail;")
 
 
+@pytest.mark.thorough
 def test_a_chance_is_that_at_the_worst_condition():
     """A gain of 0.5 passes empty and fails loaded, one of 1 passes both, one of 0 none."""
     content = pairs()

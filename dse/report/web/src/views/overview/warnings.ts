@@ -136,5 +136,5 @@ function moved(store: Store): Warning[] {
 
 function unchecked(study: Study): Warning[] {
   if (!study.size || study.metrics.some(({ error }) => error)) return [];
-  return [{ level: "note", text: "Nobody has looked at the numerical error of these runs: there are no error bars, and no verdict could be called doubtful." }];
+  return [{ level: "note", text: "Numerical error was not checked for these runs. There are no error bars, and doubtful verdicts cannot be flagged." }];
 }
