@@ -1,6 +1,11 @@
 from .boxes import Box as Box, best_boxes as best_boxes
 from .claims import Stage as Stage, stages as stages, static_bound as static_bound, strength as strength
-from .conditions import Condition as Condition, WorstCase as WorstCase, worst_case as worst_case
+from .conditions import (
+    Condition as Condition,
+    WorstCase as WorstCase,
+    worst_case as worst_case,
+    worst_designs as worst_designs,
+)
 from .data import ALL as ALL, Factor as Factor, StudyData as StudyData
 from .deciding import (
     Missed as Missed,
@@ -61,4 +66,5 @@ from .reading import planes as planes, study_data as study_data
 from .rivals import claim as claim, what_would_change as what_would_change
 from .robust import Centre as Centre, robust_centre as robust_centre
 from .said import Finding as Finding, Topic as Topic
+from .slack import slack_of_runs as slack_of_runs
 from .surrogates import Surrogate as Surrogate, best_surrogate as best_surrogate, fit as fit

@@ -64,17 +64,19 @@ def best_boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[
     """
     met = data.met(requirement)
     if len(data) < LEAST:
-        raise withheld(requirement, f"{len(data)} runs are too few for a box: {LEAST} are needed")
+        raise withheld(requirement, f"{len(data)} {data.rows} are too few for a box: {LEAST} are needed")
     if met.sum() < _LEAST_PASSES:
-        raise withheld(requirement, f"{int(met.sum())} runs meet it, too few for a box: {_LEAST_PASSES} are needed")
+        raise withheld(
+            requirement, f"{int(met.sum())} {data.rows} meet it, too few for a box: {_LEAST_PASSES} are needed"
+        )
     if data.weights[met].sum() >= _PURE * data.weights.sum():
         raise withheld(
-            requirement, f"nearly all runs meet it, {int(met.sum())} of {len(data)}: there is nothing to limit"
+            requirement, f"nearly all {data.rows} meet it, {int(met.sum())} of {len(data)}: there is nothing to limit"
         )
     made = np.random.default_rng(_SEED).permutation(len(data)) % 2 == 0
     found: list[Box] = []
     left = np.ones(len(data), dtype=np.bool_)
-    while len(found) < most and (met & made & left).sum() >= _LEAST_PASSES:
+    while len(found) < most and (met & made & left).sum() >= _LEAST_PASSES / 2:
         inside = _Inside(data.part(made & left), met[made & left])
         limits = inside.limits()
         limits = _confirmed(limits, data, met, left & ~made)

@@ -1,14 +1,22 @@
-"""Worst cases: how requirements fare at each value of one factor, and which designs pass at every one."""
+"""Designs at the worst of their conditions: what a study tells of its designs is told of these.
+
+The points of a study are designs at conditions. A designer chooses the design and has to do with every condition, so
+that the verdict on a design is the worst of the verdicts on its runs.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dse.analysis.data import ALL, MET, StudyData, withheld
+from dse.analysis.data import ALL, MET, Rows, StudyData, withheld
+from dse.analysis.once import once
 from dse.analysis.probability import Met, probability_met
-from dse.domain.bench import VERDICTS, Verdict
+from dse.analysis.reading import weighted
+from dse.analysis.slack import FAILING, slack
+from dse.exploration import equal_rows
+from dse.metrics import worst_codes
 
 MOST_LEVELS = 40
 
@@ -25,9 +33,9 @@ class Condition:
 class WorstCase:
     """What comes of a requirement over all conditions of *factor*.
 
-    *complete* designs, all else being equal, have a run under each condition; *passing* of them meet it under every
-    one, and *best* is the run of such a one whose least margin is largest: -1 without one, or where margins of several
-    requirements cannot be compared. *incomplete* designs lack a condition, and are counted neither way.
+    *complete* designs were run at all conditions; *passing* of them meet it, and *best* is the run of such a one whose
+    least margin is largest: -1 without one, or where margins of several requirements cannot be compared. *incomplete*
+    designs lack a condition, and are counted neither way.
     """
 
     factor: str
@@ -45,6 +53,25 @@ class WorstCase:
         )
 
 
+@once
+def worst_designs(data: StudyData) -> StudyData:
+    """The designs of *data* as its rows, each with the worst of its verdicts and margins and the number of the run that
+    decides; without metrics. *data* itself where no condition differs.
+
+    A design that was not run at all conditions is left out, unless it failed at one. DseError if none was run at all.
+    """
+    at = np.array([factor.is_condition for factor in data.factors], dtype=np.bool_)
+    if not at.any() or not len(data):
+        return data
+    designs, whole = _designs(data, at)
+    if not whole.any():
+        count = len(equal_rows(data.places[:, at]))
+        raise withheld(ALL, f"no design was run at all {count} conditions", "a study with another sampler runs it so")
+    failing = np.any([codes == FAILING for codes in designs.verdicts.values()], axis=0) if designs.verdicts else ~whole
+    known = whole | failing | ~designs.done
+    return weighted(replace(designs.part(known), incomplete=int((~known).sum())), data.on_grid)
+
+
 def worst_case(data: StudyData, over: str, requirement: str = ALL) -> WorstCase:
     """Over the values that the factor *over* has in the runs; runs without it are left out.
 
@@ -57,27 +84,56 @@ def worst_case(data: StudyData, over: str, requirement: str = ALL) -> WorstCase:
     which = which.reshape(-1)
     if len(places) > MOST_LEVELS:
         raise withheld(over, f"it has {len(places)} values, one for hardly more than a run: these are no conditions")
-    judged = there.codes(requirement)
     conditions = tuple(
         Condition(float(place), _met(there.part(which == number), requirement)) for number, place in enumerate(places)
     )
     if not any(condition.met for condition in conditions):
         raise withheld(requirement, "no run says whether it is met")
-    margins = there.margins.get(requirement, np.full(len(there), np.nan))
-    designs: dict[tuple[float, ...], dict[int, int]] = {}
-    others = np.nan_to_num(np.delete(there.places, k, axis=1), nan=-1.0)
-    for row, (point, condition) in enumerate(zip(map(tuple, others.tolist()), which.tolist(), strict=True)):
-        designs.setdefault(point, {})[condition] = row
-    complete = [list(rows.values()) for rows in designs.values() if len(rows) == len(places)]
-    passing = [rows for rows in complete if (judged[rows] == MET).all()]
-    worst = [float(margins[rows].min()) for rows in passing]
-    best = -1
-    if worst and not np.isnan(worst).all():
-        rows = passing[int(np.nanargmax(worst))]
-        best = int(there.numbers[rows[int(np.argmin(margins[rows]))]])
-    return WorstCase(over, conditions, len(complete), len(passing), len(designs) - len(complete), best)
+    at = np.array([n == k or factor.is_condition for n, factor in enumerate(data.factors)], dtype=np.bool_)
+    designs, whole = _designs(there, at)
+    passing = np.flatnonzero(whole & designs.met(requirement))
+    margins = designs.margins.get(requirement, np.full(len(designs), np.nan))[passing]
+    best = -1 if np.isnan(margins).all() else int(designs.numbers[passing[int(np.nanargmax(margins))]])
+    return WorstCase(over, conditions, int(whole.sum()), len(passing), int((~whole).sum()), best)
+
+
+def _designs(data: StudyData, at: Rows) -> tuple[StudyData, Rows]:
+    """A row for each design, runs of which differ in the factors *at* only; and which were run at all conditions."""
+    _, codes = np.unique(data.configurations, return_inverse=True)
+    designs = equal_rows(np.column_stack([codes.reshape(-1), np.nan_to_num(data.places[:, ~at], nan=-1.0)]))
+    conditions = np.empty(len(data), dtype=np.intp)
+    groups = equal_rows(np.nan_to_num(data.places[:, at], nan=-1.0))
+    for number, rows in enumerate(groups):
+        conditions[rows] = number
+    order, starts = np.concatenate(designs), np.cumsum([0, *map(len, designs[:-1])])
+    margins = {}
+    for name, found in data.verdicts.items():
+        judged = np.where(np.isin(found, [MET, FAILING]), data.margins[name], np.inf)
+        least = np.minimum.reduceat(judged[order], starts)
+        margins[name] = np.where(np.isinf(least), np.nan, least)
+    verdicts = {name: worst_codes(found, designs) for name, found in data.verdicts.items()}
+    severity = np.zeros(len(data))
+    if verdicts:
+        severity = slack(data.definition.requirements, data.margins, data.verdicts, data.metrics)
+    severity = np.where(data.done, severity, -np.inf)
+    deciding = np.array([rows[int(np.argmin(severity[rows]))] for rows in designs], dtype=np.intp)
+    tried = np.array([len(np.unique(conditions[rows])) for rows in designs])
+    joined = replace(
+        data.part(deciding),
+        done=np.logical_and.reduceat(data.done[order], starts),
+        verdicts=verdicts,
+        margins=margins,
+        metrics={},
+    )
+    joined = replace(
+        joined,
+        factors=tuple(factor for factor, is_at in zip(data.factors, at, strict=True) if not is_at),
+        places=joined.places[:, ~at],
+        conditions=len(groups),
+    )
+    return joined, np.asarray(tried == len(groups))
 
 
 def _met(data: StudyData, requirement: str) -> Met | None:
-    judged = np.isin(data.codes(requirement), [MET, VERDICTS.index(Verdict.FAIL)])
+    judged = np.isin(data.codes(requirement), [MET, FAILING])
     return probability_met(data, requirement) if judged.any() else None

@@ -75,7 +75,8 @@ class StudyData:
     count: how much of the space there is to a run, 1 on average. So many runs are *different*: of those that share
     their values with others, as blocks of a design do, each tells little that is new; not so *on_grid*. *plane* are the
     variables that are varied where all others are held; () if none is. *apart* is how many runs of the study are not
-    among them. *known* is what was computed of it already (`dse.analysis.once`).
+    among them. Where they are designs at the worst of so many *conditions* (`dse.analysis.conditions`), *incomplete*
+    were left out; a run is one at 0 conditions. *known* is what was computed of it already (`dse.analysis.once`).
     """
 
     definition: StudyDefinition
@@ -92,10 +93,17 @@ class StudyData:
     on_grid: bool = False
     plane: tuple[str, ...] = ()
     apart: int = 0
+    conditions: int = 0
+    incomplete: int = 0
     known: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     def __len__(self) -> int:
         return len(self.numbers)
+
+    @property
+    def rows(self) -> str:
+        """What its rows are: ``runs``, or ``designs``."""
+        return "designs" if self.conditions else "runs"
 
     def met(self, requirement: str = ALL) -> Rows:
         """Which runs meet *requirement*: neither those that did not exercise it nor those that failed to run."""

@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.analysis.slack import slack_of_runs
 from dse.domain.definition import DefinedRequirement, StudyDefinition
 from dse.domain.sampler import Objective, Role
 from dse.errors import closest, fail
-from dse.exploration import Designs, design_variable, designs_of, front_of, knee
+from dse.exploration import Designs, design_variable, designs_of, equal_rows, front_of, knee
 from dse.storage import CERTAINTIES, Certainty, RunTable
 from dse.testbench import compile_objective, with_composites
 
@@ -34,8 +35,9 @@ class Standing:
 
     *values* are its objectives (SI) at the condition where they are worst, *margins* (SI) by requirement those of its
     worst run that exercised it; *runs* are the numbers of its runs, of which *failed* failed to run. It *is_whole* if
-    it was run at as many conditions as any other. Verdicts on the requirements *doubtful* may be others with finer
-    numerics, in some run.
+    it was run at all conditions. Verdicts on the requirements *doubtful* may be others with finer
+    numerics, in some run. *slack* is the least of the margins as a share of its scale (`dse.analysis.slack`): infinite
+    where no requirement was exercised.
     """
 
     configuration: str
@@ -47,6 +49,7 @@ class Standing:
     failed: int = 0
     is_whole: bool = True
     doubtful: tuple[str, ...] = ()
+    slack: float = np.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +57,9 @@ class Ranking:
     """Designs under *objectives*, of *designs* in all that were run.
 
     *best* are feasible ones, best first; of several objectives those that no other one beats in all, by the first
-    objective, with the place of the *knee*. *better* are such as would be among the best if requirements were others,
-    nearest first. *feasible* is how many are; *open* were not run at all conditions, and failed nothing so far.
+    objective, with the place of the *knee*; without objectives by their least margin. *better* are such as would be
+    among the best if requirements were others, nearest first. *feasible* is how many are; *open* were not run at all
+    conditions, and failed nothing so far.
     """
 
     objectives: tuple[Objective, ...]
@@ -91,10 +95,11 @@ def objectives_of(definition: StudyDefinition, minimize: Sequence[str], maximize
 
 
 def ranked(table: RunTable, objectives: Sequence[Objective], number: int) -> Ranking:
-    """The *number* best designs of *table* under one objective, or the front of several. DseError without any."""
-    if not objectives:
-        hint = "name one: --minimize METRIC, or --minimize 'sum(cost)'; or give the study objectives"
-        raise fail("the study has no objective", None, hint)
+    """The *number* best designs of *table* under one objective, or the front of several.
+
+    Without objectives, of the designs that meet all requirements none is better: their order is that of their least
+    margins, as is that of designs that miss as many requirements.
+    """
     definition = table.header.definition
     variables = tuple(map(design_variable, definition.variables))
     totals = [name for each in objectives for name in each.totals]
@@ -105,19 +110,30 @@ def ranked(table: RunTable, objectives: Sequence[Objective], number: int) -> Ran
     signs = np.array([-1.0 if each.maximize else 1.0 for each in objectives])
     values = _significant(signs * designs.objectives)
     feasible = designs.feasible & ~is_open & ~np.isnan(values).any(axis=1)
-    chosen = _front(values, feasible) if len(objectives) > 1 else _first(values[:, 0], feasible, number)
+    run_slack = slack_of_runs(table)
+    least = np.array([run_slack[rows].min() for rows in designs.rows])
+    by_one = values[:, 0] if objectives else -least
+    chosen = _front(values, feasible) if len(objectives) > 1 else _first(by_one, feasible, number)
     standing = _Reader(table, designs, [v.name for v in variables if v.role is Role.DESIGN])
-    best = tuple(standing.of(row) for row in chosen)
-    better = [replace(standing.of(n), is_whole=not unfinished[n]) for n in _better(values, designs, chosen, is_open)]
+    best = tuple(replace(standing.of(row), slack=float(least[row])) for row in chosen)
+    ahead = chosen if objectives else []
+    better = [
+        replace(standing.of(n), is_whole=not unfinished[n], slack=float(least[n]))
+        for n in _better(values, designs, ahead, is_open)
+    ]
     return Ranking(
         tuple(objectives),
         best,
-        tuple(sorted(better, key=lambda one: (not one.is_whole, len(one.missed), one.runs))[:number]),
+        tuple(sorted(better, key=lambda one: _nearness(one, bool(objectives)))[:number]),
         len(designs),
         int(feasible.sum()),
         int(is_open.sum()),
         knee([(signs * one.values).tolist() for one in best]) if len(objectives) > 1 else None,
     )
+
+
+def _nearness(one: Standing, has_objectives: bool) -> tuple[bool, int, float, tuple[int, ...]]:
+    return not one.is_whole, len(one.missed), 0.0 if has_objectives else -one.slack, one.runs
 
 
 class _Reader:
@@ -171,12 +187,14 @@ def unit_of_objective(definition: StudyDefinition, objective: Objective) -> str:
 
 
 def _unfinished(designs: Designs, table: RunTable) -> NDArray[np.bool_]:
-    """Which designs were run at fewer conditions than others."""
+    """Which designs were not run at all conditions."""
     definition = table.header.definition
     at = [n for n, variable in enumerate(definition.variables) if variable.role == Role.CONDITION]
     conditions = table.coordinates()[:, at]
-    tried = np.array([len(np.unique(conditions[rows], axis=0)) if at else 1 for rows in designs.rows], dtype=np.int64)
-    return np.asarray(tried < tried.max(initial=0))
+    if not at:
+        return np.zeros(len(designs), dtype=np.bool_)
+    tried = np.array([len(equal_rows(conditions[rows])) for rows in designs.rows], dtype=np.int64)
+    return np.asarray(tried < len(equal_rows(conditions)))
 
 
 def _first(values: NDArray[np.float64], feasible: NDArray[np.bool_], number: int) -> list[int]:

@@ -39,7 +39,7 @@ def shares(data: StudyData, metric: str) -> Iterator[Finding]:
     defined = data.response(metric, 2)[0]
     where = "" if len(defined) == len(data) else f" where it is defined ({len(defined)} of {len(data)} runs)"
     trends = _trends(data, metric)
-    told = parts([(each.factor, each.share, trends.get(each.factor, "")) for each in named])
+    told = parts([(_called(data, each.factor), each.share, trends.get(each.factor, "")) for each in named])
     most = max(each.share.high for each in found)
     text = f"{label}{where}: {told or f'nothing has more than {percent(most)} of the variance by itself'}"
     pairs = [pair for pair in going_together(defined) if {*pair} & {each.factor for each in named}]
@@ -61,7 +61,7 @@ def interactions(data: StudyData, metric: str) -> Iterator[Finding]:
     named = [each for each in ranked if each.share.low > _HARDLY][:_MOST_NAMED]
     if not named:
         return
-    told = parts([(each.factor, _capped(each.share), "") for each in named])
+    told = parts([(_called(data, each.factor), _capped(each.share), "") for each in named])
     if found.pairs and (most := found.pairs[0]).share.low > _HARDLY:
         told += f"; {percent(most.share.value)} ({between(most.share)}) depends on both {most.one} and {most.other}"
     predicted = f"by {found.model} that predicts {percent(found.explained)} of it in held-out runs"
@@ -87,6 +87,11 @@ def designed_findings(data: StudyData, metric: str) -> Iterator[Finding]:
         told = ", ".join(f"{_change(each, unit)} over the range of {each.factor}" for each in ranked_)
         text = f"{label} changes by {told}; {found.blocks} trajectories{lacking}"
     yield Finding(Topic.TOGETHER, metric, text, asdict(found))
+
+
+def _called(data: StudyData, factor: str) -> str:
+    """What varies a metric may be a condition; it is no choice."""
+    return factor + " (condition)" * data.factors[data.factor(factor)].is_condition
 
 
 def _alone(each: Indices) -> str:

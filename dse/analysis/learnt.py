@@ -7,10 +7,10 @@ from dataclasses import asdict, replace
 from functools import partial
 
 from dse.analysis.boxes import best_boxes
-from dse.analysis.conditions import worst_case
+from dse.analysis.conditions import worst_case, worst_designs
 from dse.analysis.data import ALL, StudyData
 from dse.analysis.dependence import DESIGNED, designed_findings, interactions, metric_label, shares
-from dse.analysis.phrases import between, condition, likely, listed, percent, point, requirement_label, value
+from dse.analysis.phrases import at_all, between, condition, likely, listed, percent, point, requirement_label, value
 from dse.analysis.probability import Met, probability_met
 from dse.analysis.reading import planes
 from dse.analysis.robust import robust_centre
@@ -103,6 +103,7 @@ def _runs(data: StudyData) -> Iterator[Finding]:
 
 
 def _met(data: StudyData, name: str) -> Iterable[Finding]:
+    data = worst_designs(data)
     met = probability_met(data, name)
     return [Finding(Topic.MET, name, f"{requirement_label(data, name)}: {_how_often(met, data)}", asdict(met))]
 
@@ -112,15 +113,19 @@ def _how_often(met: Met, data: StudyData) -> str:
     others += [f"{met.failed_to_run} failed to run"] if met.failed_to_run else []
     # All there are, or those that were chosen: no sample of anything.
     is_sample = any(factor.variable for factor in data.factors)
+    others += [f"{data.incomplete} were not run at all of them"] if data.incomplete else []
     rest = f"; {listed(others)}" if others else ""
     if is_sample and met.failed and met.met:
         crowded = round(met.counts_as) < _CROWDED * met.judged
-        weighed = f", which tell as much as {met.counts_as:.0f} spread evenly" if crowded else ""
+        weighed = f", which count as {met.counts_as:.0f} spread evenly" if crowded else ""
         exercised = " where it is exercised" if met.not_exercised else ""
-        return f"met in {likely(met.share)} of the space{exercised}, by {met.judged} runs{weighed}{rest}"
+        by = f"{met.met} of {met.judged} {data.rows}" if data.conditions else f"{met.judged} runs"
+        share = f"{likely(met.share)} of the space{exercised} (estimated from {by}{weighed})"
+        return f"met{at_all(data.conditions)} in {share}{rest}"
     bound = f"at least {percent(met.share.low)}" if met.met else f"at most {percent(met.share.high)}"
     exercised = " that exercise it" if met.not_exercised else ""
-    return f"met in {met.met} of {met.judged} runs{exercised}{f' ({bound} of the space)' if is_sample else ''}{rest}"
+    space = f" ({bound} of the space)" if is_sample else ""
+    return f"met{at_all(data.conditions)} in {met.met} of {met.judged} {data.rows}{exercised}{space}{rest}"
 
 
 def _worst(data: StudyData, over: str, name: str) -> Iterable[Finding]:
@@ -132,22 +137,23 @@ def _worst(data: StudyData, over: str, name: str) -> Iterable[Finding]:
     if silent := [value(factor, each.place) for each in found.conditions if each.met is None]:
         text += f"; at {listed(silent)} no run says whether it is met"
     if found.complete:
-        text += f"; {found.passing} of {found.complete} designs meet it at all {len(found.conditions)} values"
+        text += f"; {found.passing} of {found.complete} designs meet it at all conditions"
     if found.best >= 0:
-        text += f", the one with most to spare has its worst in run {found.best}"
+        text += f", the one with the largest least margin has it in run {found.best}"
     if found.incomplete and found.complete:
-        text += f"; {found.incomplete} designs were not run at all of them"
+        text += f"; {found.incomplete} designs were not run at all conditions"
     return [Finding(Topic.CONDITIONS, name, text, asdict(found))]
 
 
 def _boxes(data: StudyData, name: str) -> Iterator[Finding]:
-    label, start = requirement_label(data, name), "met if"
+    data = worst_designs(data)
+    label, start = requirement_label(data, name), f"met{at_all(data.conditions)} if"
     found = best_boxes(data, name)
     if not found:
         text = f"{label}: no limits were found within which it is met more often than elsewhere, but by chance"
         yield Finding(Topic.BOX, name, text, {"limits": []})
     for box in found:
-        held_out = f"in {percent(box.density.value)} of {box.checked} held-out runs ({between(box.density)})"
+        held_out = f"in {percent(box.density.value)} of {box.checked} held-out {data.rows} ({between(box.density)})"
         text = f"{label}: {start} {condition(box.limits)}: {held_out}; {percent(box.coverage)} of all that meet it"
         facts = {"condition": condition(box.limits), "density": asdict(box.density), "coverage": box.coverage}
         yield Finding(Topic.BOX, name, text, facts | {"checked": box.checked, "luck": box.luck})
@@ -155,12 +161,13 @@ def _boxes(data: StudyData, name: str) -> Iterator[Finding]:
 
 
 def _centre(data: StudyData, name: str) -> Iterable[Finding]:
+    data = worst_designs(data)
     found = robust_centre(data, name)
     ends = f"run {found.limit} does not" if found.limit >= 0 else "there a range ends"
     text = (
         f"{requirement_label(data, name)}: most may change around run {found.number} ({point(data, found.number)}): "
-        f"every number by {percent(found.margin)} of its range at once, where {found.around} other runs meet it, too; "
-        f"{ends}"
+        f"every number by {percent(found.margin)} of its range at once, where {found.around} other {data.rows} "
+        f"meet it, too; {ends}"
     )
     return [Finding(Topic.CENTRE, name, text, asdict(found))]
 

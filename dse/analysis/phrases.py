@@ -55,6 +55,11 @@ def listed(words: Sequence[str], last: str = "and") -> str:
     return f" {last} ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
+def at_all(conditions: int) -> str:
+    """``at both conditions``; "" where there are none."""
+    return f" at {'both' if conditions == 2 else f'all {conditions}'} conditions" if conditions > 1 else ""
+
+
 def condition(limits: Sequence[Limit]) -> str:
     """All of *limits* in words: ``controller.kp < 0.96 1/s and sensor is lidar or radar``."""
     return listed([_limit(limit) for limit in limits])

@@ -43,7 +43,7 @@ def study_data(table: RunTable) -> StudyData:
         len(table),
         apart=int((~inside).sum()),
     )
-    return _weighted(data.part(inside), header.slices is not None)
+    return weighted(data.part(inside), header.slices is not None)
 
 
 def planes(table: RunTable) -> tuple[StudyData, ...]:
@@ -64,7 +64,7 @@ def planes(table: RunTable) -> tuple[StudyData, ...]:
             _, nominal = _scaled(variable, np.array([variable.nominal]))
             rows &= np.abs(data.places[:, data.factor(variable.name)] - nominal[0]) <= _ROUNDING
         part = replace(data.part(rows), plane=names, apart=data.apart + int((~rows).sum()))
-        parts.append(_weighted(part, on_grid=True))
+        parts.append(weighted(part, on_grid=True))
     return tuple(parts)
 
 
@@ -78,7 +78,7 @@ def groups(data: StudyData) -> NDArray[np.intp]:
     return np.unique(keys, axis=0, return_inverse=True)[1].reshape(len(data))
 
 
-def _weighted(data: StudyData, on_grid: bool) -> StudyData:
+def weighted(data: StudyData, on_grid: bool) -> StudyData:
     """With weights, and without the factors that are the same in every run."""
     differs = [len(np.unique(column)) > 1 for column in data.places.T]
     data = replace(

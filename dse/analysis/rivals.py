@@ -26,11 +26,15 @@ def what_would_change(ranking: Ranking, definition: StudyDefinition) -> Iterator
         for place, other in enumerate(best[1:], 2):
             yield f"{place}. {_name(other)} wins if its {_must(ranking, definition, best[0], other)}"
     for other in ranking.better:
+        if not ranking.objectives:
+            wins, what = "meets all requirements", ""
+        else:
+            wins = "wins" if len(ranking.objectives) == 1 else "is on the front"
+            what = f", with {_values(ranking, definition, other)},"
         needs = [_needs(missed, definition) for missed in other.missed]
-        wins = "wins" if len(ranking.objectives) == 1 else "is on the front"
         if not other.is_whole:
             needs.append("it does no worse at the conditions it was not run at")
-        yield f"{_name(other)}, with {_values(ranking, definition, other)}, {wins} if {listed(needs)}"
+        yield f"{_name(other)}{what} {wins} if {listed(needs)}"
 
 
 def _name(design: Standing) -> str:

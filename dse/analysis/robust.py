@@ -33,15 +33,15 @@ def robust_centre(data: StudyData, requirement: str = ALL) -> Centre:
     """The passing run with the largest margin: the distance, in the factor that differs most and as a part of its
     range, to the nearest run with the same choices that does not pass, or to the end of a range.
 
-    Not exercised and failed runs do not pass. DseError if no run passes, none has a number to change, or fewer than
+    Of designs at the worst of their conditions (`worst_designs`) it is a design. Not exercised and failed runs do not
+    pass. DseError if no run passes, none has a number to change, or fewer than
     three runs lie around the best: what was not tested is no margin.
     """
     from scipy.spatial import cKDTree
 
     met = data.met(requirement)
     if not met.any():
-        raise withheld(requirement, "no run meets it: there is no robust centre")
-    # A design that fails under any condition is no margin away from failing.
+        raise withheld(requirement, f"no {data.rows[:-1]} meets it: there is no robust centre")
     decided = [not factor.is_choice and factor.is_decided for factor in data.factors]
     best: Centre | None = None
     kinds = groups(data)
@@ -67,9 +67,13 @@ def robust_centre(data: StudyData, requirement: str = ALL) -> Centre:
                 int(data.numbers[rows[inside]][first]), margin, max(int(near.sum()) - 1, 0), int(limits[first])
             )
     if best is None:
-        raise withheld(requirement, "no number differs between runs with the same choices: there is no robust centre")
+        raise withheld(
+            requirement, f"no number differs between {data.rows} with the same choices: there is no robust centre"
+        )
     if best.margin <= 0:
         raise withheld(requirement, "no run that meets it does so at another condition, or right beside it, too")
     if best.around < _LEAST_AROUND:
-        raise withheld(requirement, f"around the best point there are {best.around} other runs: too few for a margin")
+        raise withheld(
+            requirement, f"around the best point there are {best.around} other {data.rows}: too few for a margin"
+        )
     return best

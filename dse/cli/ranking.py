@@ -22,7 +22,8 @@ def show_ranking(results: Results, found: Ranking, study: Study | None = None) -
     """
     from dse.analysis import claim, what_would_change
 
-    say(f"{claim(found)}; {' and '.join(map(str, found.objectives))}", style="bold")
+    order = " and ".join(map(str, found.objectives)) or "without objectives, by their least margin"
+    say(f"{claim(found)}; {order}", style="bold")
     if found.best:
         _print_table(results, found)
     for line in results.strength(found, study):
@@ -44,15 +45,17 @@ def _print_table(results: Results, found: Ranking) -> None:
     varied = list(dict.fromkeys(name for each in found.best for name in each.point))
     margins = [entry.name for entry in definition.requirements]
     headings = [f"sum({each.name})" if each.is_total else each.name for each in found.objectives]
-    table = plain_table("", "configuration", *headings, *varied, *shown, *(f"{m} margin" for m in margins), "runs")
+    ordered = headings or ["least margin"]
+    table = plain_table("", "configuration", *ordered, *varied, *shown, *(f"{m} margin" for m in margins), "runs")
     for place, each in enumerate(found.best):
-        mark = "knee" if found.knee == place else f"{place + 1}." if len(headings) == 1 else ""
+        mark = "knee" if found.knee == place else f"{place + 1}." if len(headings) < 2 else ""
         values = zip(each.values, found.objectives, strict=True)
         requirements = {entry.name: entry.unit for entry in definition.requirements}
         table.add_row(
             mark,
             each.configuration,
             *(quantity(value, unit_of_objective(definition, objective)) for value, objective in values),
+            *([] if headings else ["–" if each.slack == float("inf") else f"{100 * each.slack:.3g} %"]),
             *(quantity(each.point[name], units[name]) if name in each.point else "–" for name in varied),
             *(choices[place].get(path, "–") for path in shown),
             *(

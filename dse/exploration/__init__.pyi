@@ -4,7 +4,12 @@ from .checking import (
     check_measures as check_measures,
     check_near_boundary as check_near_boundary,
 )
-from .designs import Designs as Designs, designs_of as designs_of, front_of as front_of
+from .designs import (
+    Designs as Designs,
+    designs_of as designs_of,
+    equal_rows as equal_rows,
+    front_of as front_of,
+)
 from .executor import Executor as Executor, Pool as Pool, load_executor as load_executor
 from .failures import in_words as in_words
 from .known_runs import KnownRuns as KnownRuns, give as give

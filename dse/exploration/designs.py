@@ -58,7 +58,7 @@ def designs_of(
     at = [variable.name for variable in variables if variable.role is Role.CONDITION]
     points, conditions = (_columns(outcomes, names) for names in (decided, at))
     names, codes = np.unique(np.array(outcomes.configurations, dtype=np.str_), return_inverse=True)
-    groups = _groups(np.column_stack([codes.reshape(-1).astype(np.float64), points]))
+    groups = equal_rows(np.column_stack([codes.reshape(-1).astype(np.float64), points]))
     firsts = [int(rows[0]) for rows in groups]
     passed, failing = (
         np.array([[v is verdict for v in verdicts] for verdicts in outcomes.verdicts.values()], dtype=np.bool_)
@@ -115,12 +115,8 @@ def front_of(objectives: Array) -> NDArray[np.bool_]:
     return on_front
 
 
-def _columns(outcomes: Outcomes, names: Sequence[str]) -> Array:
-    return np.array([outcomes.points[name] for name in names]).reshape(len(names), len(outcomes)).T
-
-
-def _groups(keys: Array) -> list[NDArray[np.intp]]:
-    """Rows with equal *keys*, in the order of the first of each."""
+def equal_rows(keys: Array) -> list[NDArray[np.intp]]:
+    """Positions of the rows of *keys*, (n, k), that are equal, in the order of the first of each."""
     if not len(keys):
         return []
     _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
@@ -131,10 +127,14 @@ def _groups(keys: Array) -> list[NDArray[np.intp]]:
     return [np.asarray(part) for part in np.split(order, ends[:-1])]
 
 
+def _columns(outcomes: Outcomes, names: Sequence[str]) -> Array:
+    return np.array([outcomes.points[name] for name in names]).reshape(len(names), len(outcomes)).T
+
+
 def _values(outcomes: Outcomes, objective: Objective) -> Array:
     return (outcomes.totals if objective.is_total else outcomes.metrics)[objective.name]
 
 
 def _worst(values: Array, conditions: Array) -> Array:
     """The largest of the means at each condition, (m,), NaN where one is not a number."""
-    return np.asarray(np.max([values[rows].mean(axis=0) for rows in _groups(conditions)], axis=0))
+    return np.asarray(np.max([values[rows].mean(axis=0) for rows in equal_rows(conditions)], axis=0))

@@ -19,4 +19,5 @@ from .verdicts import (
     margin_to_bounds as margin_to_bounds,
     overall_codes as overall_codes,
     verdict_codes as verdict_codes,
+    worst_codes as worst_codes,
 )

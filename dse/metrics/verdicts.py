@@ -45,9 +45,22 @@ def overall_codes(verdicts: Sequence[Codes], done: NDArray[np.bool_]) -> Codes:
     return found
 
 
+def worst_codes(codes: Codes, groups: Sequence[NDArray[np.intp]]) -> Codes:
+    """The verdict on a requirement of each of *groups* of runs, by their positions: fail if one fails, else failed to
+    run if one did, else pass if one passes: what is exercised at one condition only is met if it is met there."""
+    if not groups:
+        return codes[:0]
+    ranks = _WORST[codes[np.concatenate(groups)]]
+    starts = np.cumsum([0, *map(len, groups[:-1])])
+    found: Codes = _BY_WORST[np.maximum.reduceat(ranks, starts)].astype(np.uint8)
+    return found
+
+
 _PASS, _FAIL, _OPEN, _FAILED = (
     VERDICTS.index(verdict) for verdict in (Verdict.PASS, Verdict.FAIL, Verdict.NOT_EXERCISED, Verdict.FAILED_TO_RUN)
 )
 _BY_CASE = np.array([_FAILED] * 4 + [_OPEN, _OPEN, _FAIL, _PASS], dtype=np.uint8)
 _BY_RANK = np.array([_PASS, _OPEN, _FAIL, _FAILED], dtype=np.uint8)
 _RANK = np.argsort(_BY_RANK).astype(np.uint8)
+_BY_WORST = np.array([_OPEN, _PASS, _FAILED, _FAIL], dtype=np.uint8)
+_WORST = np.argsort(_BY_WORST).astype(np.uint8)

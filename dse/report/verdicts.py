@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import IntEnum
 
+import numpy as np
+from numpy.typing import NDArray
+
 from dse.domain.bench import VERDICTS, Verdict
-from dse.metrics import Codes, margin_to_bounds, overall_codes, verdict_codes
-from dse.report.content.nouns import Floats, ReportContent, RequirementRow
+from dse.domain.sampler import Role
+from dse.exploration import equal_rows
+from dse.metrics import Codes, margin_to_bounds, overall_codes, verdict_codes, worst_codes
+from dse.report.content.nouns import Floats, ReportContent, RequirementRow, Variable
 
 
 class Mark(IntEnum):
@@ -31,6 +37,42 @@ def marks_of(content: ReportContent, requirement: RequirementRow) -> Marks:
 def overall_marks(content: ReportContent) -> Marks:
     """The mark of every run for all requirements."""
     return overall_codes([marks_of(content, requirement) for requirement in content.requirements], content.runs.done)
+
+
+def alike(content: ReportContent, names: Sequence[str]) -> list[NDArray[np.intp]]:
+    """Positions of the runs of one configuration with the same values of the variables *names*, first ones first."""
+    _, codes = np.unique(np.array(content.runs.configurations, dtype=np.str_), return_inverse=True)
+    return equal_rows(np.column_stack([codes.reshape(-1), *(content.variable(name).values for name in names)]))
+
+
+def worst_marks(content: ReportContent, designs: Sequence[NDArray[np.intp]], conditions: Sequence[Variable]) -> Marks:
+    """The mark of each of *designs*, given by its runs, over all *conditions*: one that lacks some does not pass."""
+    each = [worst_codes(marks_of(content, requirement), designs) for requirement in content.requirements]
+    done = np.array([content.runs.done[rows].all() for rows in designs], dtype=np.bool_)
+    marks: Marks = overall_codes(each, done)
+    at = np.column_stack([np.zeros(len(content.runs)), *(each.values for each in conditions)])
+    most = len(equal_rows(at))
+    whole = np.array([len(equal_rows(at[rows])) == most for rows in designs], dtype=np.bool_)
+    return np.where((marks == Mark.PASS) & ~whole, Mark.NOT_EXERCISED, marks).astype(np.uint8)
+
+
+def deciding_runs(content: ReportContent, requirement: RequirementRow) -> tuple[NDArray[np.intp], Marks]:
+    """For each design the run with its smallest margin of *requirement* at any condition, and the design's mark for it;
+    every run where there are no conditions."""
+    marks = marks_of(content, requirement)
+    conditions = conditions_of(content)
+    if not conditions:
+        return np.arange(len(marks)), marks
+    designs = alike(content, [each.name for each in content.variables if each not in conditions])
+    margin = margins(content.metric(requirement.metric).values, requirement)
+    margin = np.where(marks <= Mark.FAIL, np.where(np.isnan(margin), -np.inf, margin), np.inf)
+    rows = np.array([rows[int(np.argmin(margin[rows]))] for rows in designs], dtype=np.intp)
+    return rows, worst_codes(marks, designs)
+
+
+def conditions_of(content: ReportContent) -> list[Variable]:
+    """The variables that are conditions."""
+    return [variable for variable in content.variables if variable.role == Role.CONDITION]
 
 
 def margins(values: Floats, requirement: RequirementRow) -> Floats:

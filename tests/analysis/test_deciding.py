@@ -94,8 +94,29 @@ def test_a_study_says_what_it_looks_for_unless_something_else_is_asked():
     assert objectives_of(definition, (), ("slip",)) == [Objective("slip", maximize=True)]
     with pytest.raises(DseError, match="neither a metric nor a sum 'sum\\(cost\\)'"):
         objectives_of(definition, ("sum(cost)",), ())
-    with pytest.raises(DseError, match="no objective"):
-        ranked(table, [], 5)
+
+
+def test_without_objectives_designs_are_ranked_by_verdict_then_by_least_margin():
+    """Slip is 0.4, 0.2 at worst in the two that meet it: margins of 20 % and 60 %; 0.8 is a miss by 60 %."""
+    table = _table(*RUNS)
+    found = ranked(table, [], 5)
+    assert [(each.runs, each.slack, each.values) for each in found.best] == [
+        ((0, 1), pytest.approx(0.6), ()),
+        ((2, 3), pytest.approx(0.2), ()),
+    ]
+    assert [(each.runs, each.slack) for each in found.better] == [((4, 5), pytest.approx(-0.6))]
+    names = {each.choices["motor"]: each.id for each in table.header.definition.configurations}
+    assert list(what_would_change(found, table.header.definition)) == [
+        f"{names['large']} (runs 4, 5) meets all requirements if R1 were at most 0.8 instead of 0.5"
+    ]
+
+
+def test_of_designs_that_miss_as_many_the_one_that_misses_least_comes_first():
+    runs = [
+        ("small", gain, slope, 1.0, slip) for gain, slip in ((0.2, 0.9), (0.4, 0.6), (0.6, 0.7)) for slope in (0, 1)
+    ]
+    found = ranked(_table(*runs), [], 5)
+    assert (found.best, [each.point["gain"] for each in found.better]) == ((), [0.4, 0.6, 0.2])
 
 
 def test_a_design_with_a_run_that_failed_is_no_design_to_take():

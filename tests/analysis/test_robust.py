@@ -103,7 +103,8 @@ def test_a_condition_under_which_nothing_is_judged_is_not_the_worst():
     found = worst_case(study_data(table), "x2", "R1")
     assert found.conditions[1].met is None
     assert found.worst.place == 0.0
-    assert found.passing == 0
+    # It is met where it is exercised, as `Designs.feasible` has it.
+    assert found.passing == 2
 
 
 def test_values_of_a_continuum_are_no_conditions():

@@ -95,7 +95,7 @@ def test_the_front_holds_the_passing_runs_that_no_other_is_better_than(sliced: R
         objectives=(ObjectiveEntry(sliced.metrics[1].name), ObjectiveEntry("cost", is_property=True)),
     )
     (axes,) = drawn("front", content)["front_1"].axes
-    front = next(line for line in axes.lines if line.get_label() == "front of the runs that pass")
+    front = next(line for line in axes.lines if line.get_label() == "front of the designs that pass")
     passing = overall_marks(content) == Mark.PASS
     names, values = np.array(content.runs.configurations), content.metrics[1].values
     cheap = values[passing & (names == "radar") & np.isfinite(values)].min()

@@ -45,16 +45,29 @@ def refine(folder: Path, name: str, towards: Towards, *, run: int = 0, share: fl
 
 
 def _narrowing(table: RunTable, towards: Towards, run: int, share: float, number: int) -> Narrowing:
-    from dse.analysis import around, around_designs, best_boxes, objectives_of, of_band, of_box, ranked, study_data
+    from dse.analysis import (
+        around,
+        around_designs,
+        best_boxes,
+        objectives_of,
+        of_band,
+        of_box,
+        ranked,
+        study_data,
+        worst_designs,
+    )
 
     definition = table.header.definition
     match towards:
         case Towards.AROUND:
             return around(table, run, share)
         case Towards.FRONT:
-            return around_designs(table, ranked(table, objectives_of(definition, (), ()), number).best)
+            objectives = objectives_of(definition, (), ())
+            if not objectives:
+                raise fail("the study has no objective", hint="give it objectives, or narrow it to its box: --box")
+            return around_designs(table, ranked(table, objectives, number).best)
         case Towards.BOX:
-            found = best_boxes(study_data(table))
+            found = best_boxes(worst_designs(study_data(table)))
             if not found:
                 raise fail("no box was found in which requirements are met more often than elsewhere, but by chance")
             return of_box(definition, found[0])

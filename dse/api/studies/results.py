@@ -260,7 +260,8 @@ class Results:
         return Path(target)
 
     def best(self, number: int = 5, *, minimize: Sequence[str] = (), maximize: Sequence[str] = ()) -> Ranking:
-        """The *number* best designs under one objective, or the front of several.
+        """The *number* best designs under one objective, or the front of several; without objectives those that meet
+        all requirements, by their least margin.
 
         A design is a configuration with values for the design variables; its worst run counts. Objectives are metrics,
         or ``sum(PROPERTY)``; without any those of the study. Raises DseError for what the study does not know.
@@ -285,11 +286,13 @@ class Results:
         bounds = [static_bound(space, each) if space else None for each in ranking.objectives]
         table = self._read(lambda store: store.table())
         said = [strength(ranking, len(table), bounds, self.definition)]
+        if len(ranking.objectives) < 2:
+            return tuple(said)
         ends = [round(len(table) * share) for share in (0.25, 0.5, 0.75)]
         shares = [
             stage.volume for stage in stages(table, ranking.objectives, [int(table.numbers[end]) for end in ends])
         ]
-        if len(ranking.objectives) > 1 and not any(share != share for share in shares):  # noqa: PLR0124  # NaN
+        if not any(share != share for share in shares):  # noqa: PLR0124  # NaN
             told = ", ".join(f"{100 * share:.0f} %" for share in shares)
             said.append(f"of the volume the front dominates, a quarter, half and three quarters of the runs had {told}")
         return tuple(said)

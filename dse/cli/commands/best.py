@@ -27,6 +27,7 @@ def best(
     """Rank the designs of a study, and say what would have to change for another one to win.
 
     A design is a configuration with values for its variables. It has to meet all requirements at all conditions.
+    Without an objective the order is that of the least margins.
     """
     from dse.api import Results
 

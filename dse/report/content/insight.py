@@ -80,13 +80,17 @@ class Centre:
 
 @dataclass(frozen=True, slots=True)
 class FactorAxis:
-    """A factor: *values* at even places from 0 to 1, or the *levels* of a choice, which has no *variable* (-1)."""
+    """A factor: *values* at even places from 0 to 1, or the *levels* of a choice, which has no *variable* (-1).
+
+    If it *is_condition*, it is no choice.
+    """
 
     title: str
     unit: str
     variable: int
     values: tuple[float, ...]
     levels: tuple[str, ...] = ()
+    is_condition: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +176,8 @@ class ChanceMap:
     """How probable it is that the requirement at a position is met, and that its verdict is another than the likeliest.
 
     On even places in the ranges of two variables, (*size*, *size*) percents each with x fastest, of one configuration;
-    *held* are values of the other variables. From *used* of *runs* runs. *uncertain* is the share of misjudged places.
+    *held* are values of the other design variables; of the *conditions* of its runs it is the worst at each place.
+    From *used* of *runs* runs. *uncertain* is the share of misjudged places.
     """
 
     plane: Plane
@@ -185,6 +190,7 @@ class ChanceMap:
     held: tuple[tuple[int, float], ...]
     used: int
     runs: int
+    conditions: int = 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)

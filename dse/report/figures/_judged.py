@@ -16,11 +16,11 @@ def bounds(requirement: RequirementRow, metric: MetricColumn) -> list[tuple[floa
     return [(bound, f"{word} {bound:g} {metric.unit_symbol}".rstrip()) for word, bound in both if bound is not None]
 
 
-def counted(marks: Marks) -> str:
-    """How many runs were judged and how, and how many were not and why."""
+def counted(marks: Marks, noun: str = "runs") -> str:
+    """How many runs, or designs, were judged and how, and how many were not and why."""
     counts = np.bincount(marks, minlength=len(Mark))
     judged = counts[Mark.PASS] + counts[Mark.FAIL]
-    text = f"{judged:,} of {len(marks):,} runs judged: {counts[Mark.PASS]:,} pass, {counts[Mark.FAIL]:,} fail; "
+    text = f"{judged:,} of {len(marks):,} {noun} judged: {counts[Mark.PASS]:,} pass, {counts[Mark.FAIL]:,} fail; "
     return text + f"{counts[Mark.NOT_EXERCISED]:,} not exercised, {counts[Mark.FAILED_TO_RUN]:,} failed to run."
 
 

@@ -47,12 +47,13 @@ def _draw(content: ReportContent, chance: ChanceMap) -> Sheet:
     grids = [np.linspace(each.low, each.high, chance.size) for each in (x, y)]
     passing, misjudged = (np.asarray(p).reshape(chance.size, chance.size) for p in (chance.passing, chance.misjudged))
     held = ", ".join(f"{content.variables[i].title} = {content.variables[i].shown(value)}" for i, value in chance.held)
+    held += f"{', ' * bool(held)}the worst of {chance.conditions} conditions" * (chance.conditions > 1)
     note = (
-        f"From {chance.used:,} of {chance.runs:,} runs{f', at {held}' * bool(held)}. Hatched: the verdict is another "
+        f"From {chance.used:,} of {chance.runs:,} runs{f', at {held}' * bool(held)}. Hatched: the likeliest verdict is "
     )
-    note += f"one with {_DOUBT} % or more; of the plane {chance.uncertain:.1%} is believed to be misjudged."
+    note += f"wrong with a probability of {_DOUBT} % or more ({chance.uncertain:.1%} of the plane)."
     with style():
-        title = f"{requirement.title or requirement.name}: how probable it is that it is met"
+        title = f"Probability of meeting “{requirement.title or requirement.name}”"
         figure = sheet(title, note.replace("%", " %").replace("  %", " %"), height=4.8)
         (axes,) = axes_of(figure)
         filled = axes.contourf(*grids, passing, levels=np.linspace(0, 100, 11), cmap="RdYlBu", vmin=-15, vmax=115)

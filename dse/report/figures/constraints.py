@@ -6,51 +6,96 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from dse.domain.sampler import Role
 from dse.errors import fail
+from dse.exploration import equal_rows
 from dse.report.charts.chart import Chart
 from dse.report.content.nouns import Floats, ReportContent, RequirementRow, Variable, label
 from dse.report.drawing.constraint_plot import ConstraintPlotData, Line, RequirementLayer, draw_constraint_plot
 from dse.report.figure import View
-from dse.report.interpolation.planes import Plane, plane_of
-from dse.report.verdicts import margins, outside, overall_marks
+from dse.report.interpolation.planes import Plane, PlaneFields, plane_of
+from dse.report.verdicts import alike, conditions_of, margins, outside, worst_marks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet
 
 
+_EXERCISED = 0.5
+
+
 def constraint_plot_data(content: ReportContent, x: str, y: str, configuration: str) -> ConstraintPlotData:
-    """Figure 6 over the variables *x* and *y*, the others at their nominal value. Raises DseError if it has no such."""
+    """Figure 6 over the variables *x* and *y*, other design variables at their nominal value, at the worst condition.
+
+    DseError if it has no such.
+    """
     horizontal, vertical = _variable(content, x), _variable(content, y)
     if x == y:
         raise fail(f"a constraint plot needs two different variables, not '{x}' twice")
     if configuration not in {entry.id for entry in content.configurations}:
         raise fail(f"the study has no configuration '{configuration}'")
-    plane = plane_of(content, x, y, configuration)
-    layers = tuple(_layer(content, requirement, plane) for requirement in content.requirements if plane.fields)
+    planes = _planes(content, x, y, configuration)
+    fields = [plane.fields for plane in planes if plane.fields]
+    note = planes[0].note
+    if any(each.known.shape != fields[0].known.shape for each in fields) or len(fields) < len(planes):
+        fields, note = [], planes[0].note if len(planes) == 1 else "Too few runs of this plane: no boundaries."
+    pooled = _pooled(content, x, y)
+    rows, strength = _designs(content, pooled, planes)
     return ConstraintPlotData(
-        title=content.title,
+        title=content.title if len(planes) == 1 else f"{content.title}: worst of {len(planes)} conditions",
         x_label=label(horizontal.title, horizontal.unit_symbol),
         y_label=label(vertical.title, vertical.unit_symbol),
         x_range=(horizontal.low, horizontal.high),
         y_range=(vertical.low, vertical.high),
-        xs=plane.fields.xs if plane.fields else np.empty(0),
-        ys=plane.fields.ys if plane.fields else np.empty(0),
-        layers=layers,
-        known=plane.fields.known if plane.fields else np.empty((0, 0)),
-        points=np.stack([horizontal.values[plane.rows], vertical.values[plane.rows]], axis=1),
-        marks=overall_marks(content)[plane.rows],
-        strength=plane.strength,
-        note=plane.note,
+        xs=fields[0].xs if fields else np.empty(0),
+        ys=fields[0].ys if fields else np.empty(0),
+        layers=tuple(_layer(content, requirement, fields) for requirement in content.requirements if fields),
+        known=np.min([each.known for each in fields], axis=0) if fields else np.empty((0, 0)),
+        points=np.array([[horizontal.values[one[0]], vertical.values[one[0]]] for one in rows]).reshape(-1, 2),
+        marks=worst_marks(content, rows, pooled),
+        strength=strength,
+        note=note,
     )
 
 
+def _planes(content: ReportContent, x: str, y: str, configuration: str) -> list[Plane]:
+    """One at each condition that runs of the configuration were made at."""
+    varied = _pooled(content, x, y)
+    rows = content.rows_of(configuration)
+    points = np.column_stack([np.zeros(len(rows)), *(variable.values[rows] for variable in varied)])
+    cases = [points[each[0], 1:] for each in equal_rows(points)] or [np.array([v.nominal for v in varied])]
+    names = [variable.name for variable in varied]
+    return [plane_of(content, x, y, configuration, dict(zip(names, case.tolist(), strict=True))) for case in cases]
+
+
+def _pooled(content: ReportContent, x: str, y: str) -> list[Variable]:
+    """The conditions over which designs are judged: those on no axis."""
+    return [variable for variable in conditions_of(content) if variable.name not in (x, y)]
+
+
+def _designs(
+    content: ReportContent, pooled: Sequence[Variable], planes: Sequence[Plane]
+) -> tuple[list[NDArray[np.intp]], Floats]:
+    """The runs of each point, which differ in conditions only, and how strongly it is shown."""
+    strength = np.zeros(len(content.runs))
+    for plane in planes:
+        strength[plane.rows] = plane.strength
+    groups = alike(content, [each.name for each in content.variables if each not in pooled])
+    shown = [rows for rows in groups if strength[rows[0]] > 0]
+    return shown, np.array([strength[rows[0]] for rows in shown])
+
+
 def axis_pairs(content: ReportContent) -> list[tuple[str, str]]:
-    """The pairs of design variables to draw constraint plots over: one for each slice, else the first two variables."""
+    """The pairs of design variables to draw constraint plots over: one for each slice, else the first two variables.
+
+    A condition is an axis only where there is a single design variable.
+    """
     pairs = [(names[0], names[1]) for names in content.slices if len(names) > 1]
     if pairs or len(content.variables) < 2:
         return pairs
-    return [(content.variables[0].name, content.variables[1].name)]
+    first, second = sorted(content.variables, key=lambda each: each.role == Role.CONDITION)[:2]
+    return [(first.name, second.name)]
 
 
 def _variable(content: ReportContent, name: str) -> Variable:
@@ -61,14 +106,16 @@ def _variable(content: ReportContent, name: str) -> Variable:
         raise fail(f"the study has no design variable '{name}'", hint=f"its design variables: {known}") from None
 
 
-def _layer(content: ReportContent, requirement: RequirementRow, plane: Plane) -> RequirementLayer:
-    assert plane.fields is not None  # noqa: S101  # the caller asks for layers only where there are fields
+def _layer(content: ReportContent, requirement: RequirementRow, fields: Sequence[PlaneFields]) -> RequirementLayer:
+    """The smallest margin of any condition at which the requirement is exercised."""
     metric = content.metric(requirement.metric)
-    margin = margins(plane.fields.metric(metric), requirement)
-    exercised = plane.fields.exercised(requirement)
-    boundary = _zero_lines(plane.fields.xs, plane.fields.ys, margin)
+    margin = np.array([margins(each.metric(metric), requirement) for each in fields])
+    exercised = np.array([each.exercised(requirement) for each in fields])
+    counted = (exercised >= _EXERCISED) | (exercised < _EXERCISED).all(axis=0)
+    least = np.where(counted, margin, np.inf).min(axis=0)
+    boundary = _zero_lines(fields[0].xs, fields[0].ys, least)
     caption = f"{metric.title or metric.name} {outside(requirement)} {metric.unit_symbol}".rstrip()
-    return RequirementLayer(requirement.title or requirement.name, caption, margin, exercised, boundary)
+    return RequirementLayer(requirement.title or requirement.name, caption, least, exercised.max(axis=0), boundary)
 
 
 def _zero_lines(xs: Floats, ys: Floats, margin: Floats) -> tuple[Line, ...]:

@@ -7,13 +7,15 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from dse.exploration import front_of
+from dse.domain.sampler import Role
+from dse.exploration import equal_rows, front_of
 from dse.report.charts.chart import Axis, Chart, Line, Points, Rule
-from dse.report.content.nouns import Floats, ReportContent
+from dse.report.content.nouns import Floats, ReportContent, Variable
 from dse.report.drawing.chart import draw_chart
 from dse.report.figure import View
-from dse.report.verdicts import Mark, overall_marks
+from dse.report.verdicts import Mark, alike, conditions_of, worst_marks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet
@@ -44,7 +46,7 @@ class Front:
 FIGURE = Front()
 
 _Quantity = tuple[str, str, Floats, int, float | None]
-"""Title, unit, a value for each run, whether it is to be small (1), large (-1) or neither (0), and a bound."""
+"""Title, unit, a value for each run, whether small (1) or large (-1) is better, and a bound of what is required."""
 
 
 def _objective(content: ReportContent, index: int) -> _Quantity:
@@ -64,24 +66,37 @@ def _metric(content: ReportContent, name: str) -> _Quantity:
     metric = content.metric(name)
     bounds = next(r for r in content.requirements if r.metric == name)
     bound = bounds.at_most if bounds.at_most is not None else bounds.at_least
-    return metric.title or name, metric.unit_symbol, metric.values, 0, bound
+    sense = 1 if bounds.at_most is not None else -1
+    return metric.title or name, metric.unit_symbol, metric.values, sense, bound
 
 
 def _chart(content: ReportContent, x: _Quantity, y: _Quantity, name: str) -> Chart:
-    marks = overall_marks(content)
+    conditions = conditions_of(content)
+    designs = alike(content, [each.name for each in content.variables if each.role == Role.DESIGN])
+    marks = worst_marks(content, designs, conditions)
+    numbers = np.array([content.runs.numbers[rows[0]] for rows in designs])
+    across, up = (_at_worst(each, designs, conditions) for each in (x, y))
+    there = np.isfinite(across) & np.isfinite(up)
     drawn: list[Points | Line | Rule] = [
-        Points(x[2][rows], y[2][rows], content.runs.numbers[rows], words, mark)
+        Points(across[chosen], up[chosen], numbers[chosen], words, mark)
         for mark, words in _WORDS.items()
-        if len(rows := np.flatnonzero((marks == mark) & np.isfinite(x[2]) & np.isfinite(y[2])))
+        if len(chosen := np.flatnonzero((marks == mark) & there))
     ]
-    passing = np.flatnonzero((marks == Mark.PASS) & np.isfinite(x[2]) & np.isfinite(y[2]))
-    if x[3] and y[3] and len(passing):
-        front = passing[front_of(np.column_stack([x[3] * x[2][passing], y[3] * y[2][passing]]))]
-        front = front[np.argsort(x[2][front], kind="stable")]
-        drawn.append(Line(x[2][front], y[2][front], "front of the runs that pass"))
+    passing = np.flatnonzero((marks == Mark.PASS) & there)
+    if x[4] is None and len(passing):  # a requirement is met or not: more margin is no objective
+        front = passing[front_of(np.column_stack([x[3] * across[passing], y[3] * up[passing]]))]
+        front = front[np.argsort(across[front], kind="stable")]
+        drawn.append(Line(across[front], up[front], "front of the designs that pass"))
     if x[4] is not None:
         drawn.append(Rule("x", x[4], "bound"))
     names = " over ".join(each[0] for each in (y, x))
-    return Chart(
-        name, f"{content.title}: {names}", Axis(x[0], x[1]), Axis(y[0], y[1]), tuple(drawn), "A point is a run."
-    )
+    note = "A point is a design at its worst condition." if len(designs) < len(content.runs) else "A point is a run."
+    return Chart(name, f"{content.title}: {names}", Axis(x[0], x[1]), Axis(y[0], y[1]), tuple(drawn), note)
+
+
+def _at_worst(quantity: _Quantity, designs: Sequence[NDArray[np.intp]], conditions: Sequence[Variable]) -> Floats:
+    """The mean over what is uncertain, at the condition where that is worst."""
+    _, _, values, sense, _ = quantity
+    at = np.column_stack([np.zeros(len(values)), *(each.values for each in conditions)])
+    means = [[values[rows[case]].mean() for case in equal_rows(at[rows])] for rows in designs]
+    return np.array([sense * max(sense * mean for mean in each) for each in means])

@@ -1,4 +1,4 @@
-"""How the runs lie about each bound: the margins, sorted, as a cumulative distribution."""
+"""How the runs lie about each bound, or designs at their worst condition: the margins as a cumulative distribution."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from dse.report.charts.chart import Axis, Chart, Points, Rule, Steps, bulk
 from dse.report.content.nouns import ReportContent, RequirementRow
 from dse.report.figures._judged import JUDGED, bounds, counted, hidden
-from dse.report.verdicts import Mark, margins, marks_of
+from dse.report.verdicts import Mark, conditions_of, deciding_runs, margins
 
 
 class Margins:
-    """For each requirement the share of its judged runs that have at most some margin: at 0, the share that fails."""
+    """For each requirement the share of what it judges that has at most some margin: at 0, the share that fails."""
 
     title = "Margins of the requirements"
 
@@ -28,8 +28,9 @@ FIGURE = Margins()
 
 def _chart(content: ReportContent, requirement: RequirementRow) -> Chart | None:
     metric = content.metric(requirement.metric)
-    marks = marks_of(content, requirement)
-    margin = margins(metric.values, requirement)
+    deciding, marks = deciding_runs(content, requirement)
+    noun = "designs" if conditions_of(content) else "runs"
+    margin = margins(metric.values, requirement)[deciding]
     judged = marks <= Mark.FAIL
     # An undefined metric fails: for the shares it lies below every bound.
     rows = np.flatnonzero(judged)
@@ -41,7 +42,7 @@ def _chart(content: ReportContent, requirement: RequirementRow) -> Chart | None:
     rows, shares = rows[drawn], shares[drawn]
     low, high = bulk(margin[rows], 0.0)
     points = tuple(
-        Points(margin[rows][chosen], shares[chosen], content.runs.numbers[rows][chosen], words, verdict)
+        Points(margin[rows][chosen], shares[chosen], content.runs.numbers[deciding[rows]][chosen], words, verdict)
         for verdict, words in JUDGED
         if (chosen := marks[rows] == verdict).any()
     )
@@ -52,7 +53,7 @@ def _chart(content: ReportContent, requirement: RequirementRow) -> Chart | None:
         requirement.name,
         f"{requirement.title or requirement.name}: {metric.title or metric.name} {words}",
         Axis(f"margin of {metric.title or metric.name}", metric.unit_symbol, low=low, high=high),
-        Axis("runs with at most this margin", "%"),
+        Axis(f"{noun} with at most this margin", "%"),
         (steps, Rule("x", 0.0, f"bound: {words}"), *points),
-        counted(marks) + hidden(margin, judged, low, high),
+        counted(marks, noun) + hidden(margin, judged, low, high),
     )

@@ -8,12 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.analysis import StudyData, drawn, first_order_shares, robust_centre
+from dse.analysis import StudyData, drawn, first_order_shares, robust_centre, worst_designs
 from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.definition import DefinedVariable
-from dse.domain.sampler import DesignVariable
+from dse.domain.sampler import DesignVariable, Role
 from dse.errors import DseError, fail
-from dse.exploration import Band, design_variable, scaled, unit_of
+from dse.exploration import Band, Chances, design_variable, equal_rows, scaled, unit_of
 from dse.report.content.insight import Around, ChanceMap
 from dse.report.content.nouns import Floats
 from dse.report.insight.drawing import part_of_table
@@ -75,7 +75,8 @@ def _map(table: RunTable, data: StudyData, name: str, naming: Naming) -> ChanceM
     names = [variable.name for variable in variables]
     x, y = names.index(across), names.index(along)
     nominal = np.array([variable.nominal for variable in variables])
-    there = _band(table, data, name, configuration).at(_grid(variables, nominal, x, y))
+    cases = _conditions(table, data, mine)
+    there = _at_worst(_band(table, data, name, configuration), _grid(variables, nominal, x, y), cases)
     return ChanceMap(
         (x, y),
         naming.configurations[configuration],
@@ -87,12 +88,14 @@ def _map(table: RunTable, data: StudyData, name: str, naming: Naming) -> ChanceM
         _held(definition.variables, nominal, x, y),
         len(rows),
         len(mine),
+        len(cases),
     )
 
 
 def _around(table: RunTable, data: StudyData, plane: tuple[int, ...], naming: Naming) -> Around:
     """All requirements together, through the robust centre; those that no run of its configuration fails are met."""
-    centre, (x, y) = robust_centre(data, whole_of(data)), plane
+    designs = worst_designs(data)
+    centre, (x, y) = robust_centre(designs, whole_of(designs)), plane
     (row,) = np.flatnonzero(data.numbers == centre.number)
     configuration = str(data.configurations[row])
     mine = np.flatnonzero(data.configurations == configuration)
@@ -100,10 +103,11 @@ def _around(table: RunTable, data: StudyData, plane: tuple[int, ...], naming: Na
     (at,) = np.flatnonzero(table.numbers == centre.number)
     point = table.coordinates()[at]
     points, missing = _grid(variables, point, x, y), np.zeros(SIZE * SIZE)
+    cases = _conditions(table, data, mine)
     for name in data.verdicts:
         if (data.codes(name)[mine] == _JUDGED[1]).any():
             # The least that it can be, however the requirements hang together (Fréchet).
-            missing += 1 - _band(table, data, name, configuration).at(points).passing
+            missing += 1 - _at_worst(_band(table, data, name, configuration), points, cases).passing
     passing = np.maximum(1 - missing, 0.0)
     middle = unit_of(point[None], variables)[0, [x, y]]
     outline = largest_ellipse(middle, passing.reshape(SIZE, SIZE), 1 - _DOUBTFUL)
@@ -119,6 +123,7 @@ def _around(table: RunTable, data: StudyData, plane: tuple[int, ...], naming: Na
         _held(data.definition.variables, point, x, y),
         len(drawn(mine, MOST_RUNS)),
         len(mine),
+        len(cases),
     )
     return Around(centre.number, there, tuple((float(a), float(b)) for a, b in outline))
 
@@ -134,9 +139,27 @@ def _band(table: RunTable, data: StudyData, name: str, configuration: str) -> Ba
     return band
 
 
+def _conditions(table: RunTable, data: StudyData, mine: NDArray[np.intp]) -> list[Floats]:
+    """The conditions that the runs *mine* of *data* were made at: for each a point, NaN where a variable is none."""
+    points = table.coordinates()[np.searchsorted(table.numbers, data.numbers[mine])]
+    points[:, [each.role != Role.CONDITION for each in table.header.definition.variables]] = np.nan
+    return [points[rows[0]] for rows in equal_rows(np.nan_to_num(points))]
+
+
+def _at_worst(band: Band, points: Floats, cases: Sequence[Floats]) -> Chances:
+    """The chances at each of *points* of a verdict at the worst of *cases*: the requirement fails if it fails at one,
+    and has no verdict if it has none at any."""
+    found = [band.at(np.where(np.isnan(case), points, case)) for case in cases]
+    failing = np.max([each.failing for each in found], axis=0)
+    without = np.min([each.without_verdict for each in found], axis=0)
+    return Chances(np.maximum(1 - failing - without, 0.0), failing, without)
+
+
 def _held(defined: Sequence[DefinedVariable], point: Floats, x: int, y: int) -> tuple[tuple[int, float], ...]:
+    """The variables that are on no axis, and no condition, with their values."""
     units = [parse_unit(each.unit) for each in defined]
-    return tuple((k, units[k].from_si(float(value))) for k, value in enumerate(point) if k not in (x, y))
+    rest = [k for k, each in enumerate(defined) if k not in (x, y) and each.role != Role.CONDITION]
+    return tuple((k, units[k].from_si(float(point[k]))) for k in rest)
 
 
 def _plane(data: StudyData, name: str) -> tuple[str, str]:

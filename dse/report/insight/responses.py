@@ -200,10 +200,11 @@ def _estimate(value: float, low: float, high: float, unit: Unit) -> Estimate:
 
 def _axis(factor: Factor, naming: Naming) -> FactorAxis:
     if factor.is_choice:
-        return FactorAxis(naming.titled(factor.name), "", -1, (), factor.levels)
+        return FactorAxis(naming.titled(factor.name), "", -1, (), factor.levels, factor.is_condition)
     unit = parse_unit(factor.unit)
     values = tuple(unit.from_si(factor.value(place)) for place in np.linspace(0, 1, _STEPS).tolist())
-    return FactorAxis(naming.titled(factor.name), factor.unit, naming.variables[factor.name], values)
+    place = naming.variables[factor.name]
+    return FactorAxis(naming.titled(factor.name), factor.unit, place, values, is_condition=factor.is_condition)
 
 
 def _or_reason(make: Callable[[], T], what: str, about: str, withheld: list[str]) -> T | None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from dse.analysis import Ranking, Standing, objectives_of, ranked, stages, unit_of_objective
+from dse.analysis import Ranking, Standing, objectives_of, ranked, slack_of_runs, stages, unit_of_objective
 from dse.domain.definition import StudyDefinition
 from dse.errors import DseError
 from dse.report.content.insight import Pick, Search, Stage
+from dse.report.content.nouns import Floats
 from dse.report.insight.naming import Naming
 from dse.storage import RunTable
 from dse.units import parse_unit
@@ -31,10 +32,11 @@ def search_of(table: RunTable, naming: Naming) -> tuple[Search | None, tuple[str
     except DseError as error:
         return None, (f"best designs: {error.problems[0].what}",)
     units = tuple(unit_of_objective(definition, each) for each in objectives)
+    least = slack_of_runs(table)
     return Search(
         tuple(naming.objectives(definition)),
         units,
-        tuple(_pick(each, table, naming, units) for each in ranking.best[:_MOST_PICKS]),
+        tuple(_pick(each, table, least, naming, units) for each in ranking.best[:_MOST_PICKS]),
         -1 if ranking.knee is None or ranking.knee >= _MOST_PICKS else ranking.knee,
         ranking.designs,
         ranking.feasible,
@@ -43,25 +45,14 @@ def search_of(table: RunTable, naming: Naming) -> tuple[Search | None, tuple[str
     ), ()
 
 
-def _pick(standing: Standing, table: RunTable, naming: Naming, units: tuple[str, ...]) -> Pick:
+def _pick(standing: Standing, table: RunTable, least: Floats, naming: Naming, units: tuple[str, ...]) -> Pick:
     values = zip(standing.values, units, strict=True)
+    rows = np.searchsorted(table.numbers, standing.runs)
     return Pick(
-        _worst(standing, table),
+        standing.runs[int(np.argmin(least[rows]))],
         naming.configurations[standing.configuration],
         tuple(parse_unit(unit).from_si(value) for value, unit in values),
     )
-
-
-def _worst(standing: Standing, table: RunTable) -> int:
-    """The run with the least margin, as a part of what margins of that requirement usually are."""
-    rows = np.searchsorted(table.numbers, standing.runs)
-    least = np.full(len(rows), np.inf)
-    for name in table.header.requirements:
-        margins = table.margins(name)
-        usual = float(np.nanmedian(np.abs(margins))) if np.isfinite(margins).any() else 0.0
-        here = margins[rows] / (usual or 1.0)
-        least = np.fmin(least, here)
-    return int(standing.runs[int(np.argmin(least))])
 
 
 def _stages(table: RunTable, ranking: Ranking, definition: StudyDefinition) -> tuple[Stage, ...]:

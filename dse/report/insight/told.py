@@ -7,7 +7,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dse.analysis import Box as FoundBox, Centre as FoundCentre, Finding, StudyData, best_boxes, robust_centre
+from dse.analysis import (
+    Box as FoundBox,
+    Centre as FoundCentre,
+    Finding,
+    StudyData,
+    best_boxes,
+    robust_centre,
+    worst_designs,
+)
 from dse.errors import DseError
 from dse.report.content.insight import Box, Centre, Range, Told
 from dse.report.insight.naming import Naming
@@ -22,17 +30,19 @@ def told_of(findings: Sequence[Finding], naming: Naming) -> tuple[Told, ...]:
 def boxes_of(data: StudyData, findings: Sequence[Finding], naming: Naming) -> tuple[Box, ...]:
     """The boxes of all requirements together, as they are told in *findings*; none where they are withheld."""
     try:
+        data = worst_designs(data)
         found = best_boxes(data, whole_of(data))
     except DseError:
         return ()
     texts = [each.text for each in findings if each.plane == data.plane and each.about == whole_of(data)]
-    conditions = [text for text in texts if " held-out runs" in text]
+    conditions = [text for text in texts if f" held-out {data.rows}" in text]
     return tuple(_box(each, data, naming, naming.spoken(text)) for each, text in zip(found, conditions, strict=False))
 
 
 def centres_of(data: StudyData, naming: Naming) -> tuple[Centre, ...]:
     """The robust centre of all requirements together; none where it is withheld."""
     try:
+        data = worst_designs(data)
         found = robust_centre(data, whole_of(data))
     except DseError:
         return ()

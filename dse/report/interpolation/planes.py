@@ -5,7 +5,7 @@ The page does the same in the browser (``web/src/plane``).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,14 +41,15 @@ class Plane:
     note: str
 
 
-def plane_of(content: ReportContent, x: str, y: str, configuration: str) -> Plane:
-    """The plane over *x* and *y* of one configuration, the other variables at (or nearest to) their nominal value."""
+def plane_of(content: ReportContent, x: str, y: str, configuration: str, at: Mapping[str, float]) -> Plane:
+    """The plane over *x* and *y* of one configuration, other variables at their values in *at*, else at (or nearest to)
+    their nominal ones. Runs elsewhere in what is *at* are as strong as others."""
     rows = content.rows_of(configuration)
     others = [variable for variable in content.variables if variable.name not in (x, y)]
     if content.sampler is SamplerKind.SCATTERED:
-        return _scattered(content, x, y, configuration, rows, others)
+        return _scattered(content, x, y, configuration, rows, at)
     for variable in others:
-        fixed = _nearest_level(variable)
+        fixed = at.get(variable.name, _nearest_level(variable))
         rows = rows[np.abs(variable.values[rows] - fixed) <= 1e-9 * (variable.high - variable.low)]
     strength = np.ones(len(rows))
     if content.sampler is SamplerKind.SLICED and not any({x, y} <= set(names) for names in content.slices):
@@ -83,8 +84,9 @@ def _lattice(xs: Floats, ys: Floats, nodes: NDArray[np.intp], done: Flags, known
 
 
 def _scattered(
-    content: ReportContent, x: str, y: str, configuration: str, rows: NDArray[np.intp], others: list[Variable]
+    content: ReportContent, x: str, y: str, configuration: str, rows: NDArray[np.intp], at: Mapping[str, float]
 ) -> Plane:
+    others = [variable for variable in content.variables if variable.name not in (x, y, *at)]
     square = np.zeros(len(rows))
     for variable in others:
         square += ((variable.values[rows] - variable.nominal) / (variable.high - variable.low)) ** 2
@@ -98,8 +100,8 @@ def _scattered(
     xs, ys = (np.linspace(v.low, v.high, _SIZE) for v in (horizontal, vertical))
     points = np.empty((_SIZE * _SIZE, len(content.variables)))
     for index, variable in enumerate(content.variables):
-        place = (variable.nominal - variable.low) / (variable.high - variable.low)
-        points[:, index] = place
+        value = at.get(variable.name, variable.nominal)
+        points[:, index] = (value - variable.low) / (variable.high - variable.low)
         if variable.name == x:
             points[:, index] = np.tile(np.linspace(0, 1, _SIZE), _SIZE)
         elif variable.name == y:

@@ -1,5 +1,5 @@
 // What the reader does that touches more than one choice at once.
-import { liesIn } from "./plane/plane";
+import { fixedThrough, liesIn } from "./plane/plane";
 import { MOST_PINS, type State, type Store } from "./store";
 import { PASS } from "./verdicts";
 
@@ -52,7 +52,7 @@ export function counterparts({ study, state }: Store): number[] {
 /** Moves the plane so that it goes through the selected run. */
 export function planeToSelected(store: Store): void {
   const { study, state } = store;
-  if (state.selected >= 0) store.set({ fixed: study.variables.map(({ values }) => values[state.selected]!) });
+  if (state.selected >= 0) store.set({ fixed: fixedThrough(study, state.fixed, state.selected) });
 }
 
 function planeThrough(store: Store, run: number, configuration: number): Partial<State> {
@@ -63,16 +63,18 @@ function planeThrough(store: Store, run: number, configuration: number): Partial
       if (liesIn(study, run, { ...state, configuration, x: x!, y: y! })) return { x: x!, y: y! };
     }
   }
-  return { fixed: study.variables.map(({ values }) => values[run]!) };
+  return { fixed: fixedThrough(study, state.fixed, run) };
 }
 
-/** The run to begin with: the one nearest to a boundary among those that pass, if it can with waveforms. */
+/** The run to begin with: the one nearest to a boundary among those that decide on what passes, of designs that pass at
+ * all conditions if there are any, with waveforms if it can. */
 export function startingRun(store: Store, among: Iterable<number>): number {
   const { study, state } = store;
-  const all = [...among];
-  const kept = all.filter((run) => study.figures.some((figure) => figure.row.has(study.number[run]!)));
-  const candidates = kept.some((run) => store.judgement().overall[run] === PASS) ? kept : all;
-  const { overall } = store.judgement();
+  const { deciding, judgement: { overall } } = store.points();
+  const everywhere = store.designs().judgement.overall;
+  const narrowed = (runs: number[], suits: (run: number) => boolean): number[] => (runs.some(suits) ? runs.filter(suits) : runs);
+  const passing = Array.from(among, deciding).filter((run) => overall[run] === PASS);
+  const candidates = narrowed(narrowed(passing, (run) => everywhere[run] === PASS), (run) => study.figures.some((figure) => figure.row.has(study.number[run]!)));
   const scales = study.requirements.map(({ metric }) => {
     const known = study.metrics[metric]!.values.filter(Number.isFinite).sort();
     return Math.max(1e-12, (known[Math.floor(0.9 * known.length)] ?? 1) - (known[Math.floor(0.1 * known.length)] ?? 0));
@@ -80,7 +82,6 @@ export function startingRun(store: Store, among: Iterable<number>): number {
   let best = -1;
   let least = Infinity;
   for (const run of candidates) {
-    if (overall[run] !== PASS) continue;
     // The corner where all margins are small is where the requirements trade off.
     const worst = Math.max(
       0,

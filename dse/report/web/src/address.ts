@@ -37,7 +37,7 @@ export function fragmentOf(study: Study, state: State, start: State): string {
   add("view", state.view, start.view);
   add("configuration", study.configurations[state.configuration]?.id ?? "", study.configurations[start.configuration]?.id ?? "");
   add("plane", `${state.x},${state.y}`, `${start.x},${start.y}`);
-  add("fixed", state.fixed.flatMap((value, index) => (value === start.fixed[index] ? [] : [`${index}:${value}`])).join(), "");
+  add("fixed", state.fixed.flatMap((value, index) => (Object.is(value, start.fixed[index]) ? [] : [`${index}:${value}`])).join(), "");
   add("zoom", state.zoom ? pairs([...state.zoom.x, ...state.zoom.y]) : "", "");
   add("fill", String(state.fill), String(start.fill));
   add("bounds", changedBounds(state, start), "");
@@ -121,8 +121,8 @@ function readFixed(study: Study, entries: string[], then: number[]): number[] {
     const index = position(text ?? "", fixed.length);
     const value = finite(given);
     if (index < 0 || value === null) continue;
-    const { low, high } = study.variables[index]!;
-    fixed[index] = study.sampler === "scattered" ? Math.min(high, Math.max(low, value)) : closest(levels(study, index), value);
+    const { low, high, role } = study.variables[index]!;
+    fixed[index] = study.sampler === "scattered" && role !== "condition" ? Math.min(high, Math.max(low, value)) : closest(levels(study, index), value);
   }
   return fixed;
 }

@@ -5,9 +5,9 @@ import type { Study } from "./study";
 
 const joined = new WeakMap<Plane, Int32Array>();
 
-/** Runs that the constraint plot draws, null for every run of the study: where there is no plane, all are looked at. */
-export function shownRuns(store: Store): Int32Array | null {
-  if (!plotted(store.study)) return null;
+/** What the constraint plot draws; where there is no plane, all that is judged. */
+export function shownRuns(store: Store): Int32Array {
+  if (!plotted(store.study)) return store.points().runs;
   const plane = store.plane();
   const { on, beside } = plane;
   if (!beside.length) return on;
@@ -21,7 +21,7 @@ export function shownRuns(store: Store): Int32Array | null {
   return both;
 }
 
-/** How many of *runs* (null: all) that lie *within* (null: all) carry each mark. */
+/** How many of *runs* (null: every run) that lie *within* (null: all) carry each mark. */
 export function countMarks(marks: Uint8Array, runs: Int32Array | null, within: Uint8Array | null): number[] {
   const counts = [0, 0, 0, 0];
   const size = runs ? runs.length : marks.length;

@@ -61,6 +61,8 @@ export interface FactorAxis {
   levels: string[];
   /** The title, and the levels, as there is room for them. */
   label: string;
+  /** It is no choice. */
+  is_condition: boolean;
   labels: string[];
 }
 
@@ -110,6 +112,7 @@ export interface ChanceMap {
   held: [number, number][];
   used: number;
   runs: number;
+  conditions: number;
 }
 
 /** The plane through the robust centre, of all requirements together (-1); an ellipse by places, 0 … 1. */
@@ -156,7 +159,7 @@ export function readInsight(source: unknown, arrays: Map<string, Numbers>): Insi
     withheld: insight.withheld.map(fitted),
     parts: insight.parts.map((part) => ({
       ...part,
-      factors: part.factors.map((factor) => ({ ...factor, label: shortened(factor.title, MOST_LABEL), labels: factor.levels.map((level) => shortened(level, MOST_LABEL)) })),
+      factors: part.factors.map((factor) => ({ ...factor, label: shortened(factor.title, MOST_LABEL) + (factor.is_condition ? " (condition)" : ""), labels: factor.levels.map((level) => shortened(level, MOST_LABEL)) })),
     })),
   };
 }

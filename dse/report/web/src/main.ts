@@ -5,10 +5,11 @@ import { createAnnouncement } from "./announce";
 import { shownRuns } from "./counts";
 import { el } from "./dom";
 import { count } from "./format";
+import { groupingOf } from "./grouping";
 import { startLive } from "./live";
 import { startingPoint } from "./plane/plane";
 import { createStore, studyThresholds, type State, type Store } from "./store";
-import { readStudy, type Study } from "./study";
+import { readStudy, type Study, type Variable } from "./study";
 import { createTabs } from "./tabs";
 import { followTheme, startTheme } from "./theme";
 import { VIEWS } from "./views/views";
@@ -21,7 +22,7 @@ async function start(): Promise<void> {
   try {
     const study = await readStudy();
     const store = createStore(study, initial(study, theme));
-    const selected = startingRun(store, shownRuns(store) ?? study.number.keys());
+    const selected = startingRun(store, shownRuns(store));
     store.set({ selected, configuration: selected < 0 ? 0 : study.configuration[selected]! });
     const start = store.state;
     store.set(readFragment(study, location.hash.slice(1), start));
@@ -38,8 +39,13 @@ async function start(): Promise<void> {
   }
 }
 
+function isCondition({ variables }: Study, index: number): boolean {
+  return variables[index]!.role === "condition";
+}
+
 function initial(study: Study, theme: State["theme"]): State {
-  const [x, y] = study.slices[0] ?? [0, 1];
+  const byRole = [...study.variables.keys()].sort((a, b) => Number(isCondition(study, a)) - Number(isCondition(study, b)));
+  const [x, y] = study.slices[0] ?? (byRole.length > 1 ? byRole : [0, 1]);
   return {
     configuration: study.size ? study.configuration[0]! : 0,
     x: x!,
@@ -65,7 +71,14 @@ function header(store: Store, stack: () => void): HTMLElement {
   const theme = followTheme(store);
   const parts = [count(study.size, "run")];
   if (study.configurations.length > 1) parts.push(count(study.configurations.length, "configuration"));
-  if (study.variables.length) parts.push(count(study.variables.length, "design variable"));
+  const ofRole = (role: Variable["role"], noun: string): void => {
+    const those = study.variables.filter((variable) => variable.role === role).length;
+    if (those) parts.push(count(those, noun));
+  };
+  if (store.designs().noun === "design") parts.push(count(groupingOf(study).size, "design"));
+  ofRole("design", "design variable");
+  ofRole("condition", "condition");
+  ofRole("uncertain", "uncertain variable");
   parts.push(count(study.requirements.length, "requirement"));
   const button = el("button", { id: "theme", type: "button", click: theme.toggle }, "");
   const name = (): void => {

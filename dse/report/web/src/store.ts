@@ -1,6 +1,7 @@
 // What the reader has chosen. Parts of the page subscribe; changes of one animation frame arrive together.
 import { maskOf, type Brush } from "./brushing";
 import { createPlanes, type Plane } from "./plane/plane";
+import { everyCondition, pointsOf, poolOf, type Points } from "./points";
 import type { Study } from "./study";
 import { judge, type Judgement, type Threshold } from "./verdicts";
 
@@ -15,7 +16,7 @@ export interface State {
   configuration: number;
   x: number;
   y: number;
-  /** Value of every variable that is on no axis. */
+  /** Value of every variable that is on no axis; NaN of a condition lets all of its values through, and the worst counts. */
   fixed: number[];
   thresholds: Threshold[];
   /** Metric shown as colour, -1 for the region that meets every requirement. */
@@ -52,6 +53,10 @@ export interface Store {
   flush(): void;
   judgement(): Judgement;
   plane(): Plane;
+  /** What the plane is judged by: runs, or designs at the conditions that are let through. */
+  points(): Points;
+  /** The same over all conditions, whatever the plane is. */
+  designs(): Points;
   /** Which runs lie within all brushes, 1 for each; null if there is no brush. */
   within(): Uint8Array | null;
 }
@@ -63,6 +68,8 @@ export function createStore(study: Study, initial: State): Store {
   let judged: { thresholds: Threshold[]; judgement: Judgement } | null = null;
   let brushed: { brushes: readonly Brush[]; mask: Uint8Array | null } | null = null;
   const planes = createPlanes(study);
+  let shown: { of: readonly unknown[]; points: Points } | null = null;
+  let whole: { of: readonly unknown[]; points: Points } | null = null;
   let pending: Set<keyof State> | null = null;
   const { subscribe, tell } = createListeners();
 
@@ -75,7 +82,7 @@ export function createStore(study: Study, initial: State): Store {
     performance.measure("update", { start: started, end: performance.now() });
   };
 
-  return {
+  const store: Store = {
     study,
     get state() {
       return state;
@@ -104,11 +111,23 @@ export function createStore(study: Study, initial: State): Store {
       return judged.judgement;
     },
     plane: () => planes(state),
+    points() {
+      if (poolOf(study, state) === poolOf(study, everyCondition(study))) return store.designs();
+      const { x, y, fixed, thresholds, brushes } = state;
+      if (![x, y, fixed, thresholds, brushes].every((one, index) => one === shown?.of[index])) shown = { of: [x, y, fixed, thresholds, brushes], points: pointsOf(store, state) };
+      return shown!.points;
+    },
+    designs() {
+      const { thresholds, brushes } = state;
+      if (![thresholds, brushes].every((one, index) => one === whole?.of[index])) whole = { of: [thresholds, brushes], points: pointsOf(store, everyCondition(study)) };
+      return whole!.points;
+    },
     within() {
       if (brushed?.brushes !== state.brushes) brushed = { brushes: state.brushes, mask: maskOf(study, state.brushes) };
       return brushed.mask;
     },
   };
+  return store;
 }
 
 /** The store as a view sees it: while the view is not shown it hears nothing, and all at once when it is shown again. */

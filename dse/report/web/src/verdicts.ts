@@ -62,10 +62,10 @@ export function margin(value: number, { atMost, atLeast }: Threshold): number {
   return Number.isNaN(value) ? NaN : Math.min(above, below);
 }
 
-/** How many of the runs of one configuration carry each mark; of all runs if `configuration` is -1. */
-export function tally(study: Study, marks: Uint8Array, configuration: number): number[] {
+/** How many of *runs*, or of all, that are of one configuration, or of any (-1), carry each mark. */
+export function tally(study: Study, marks: Uint8Array, configuration: number, runs: Iterable<number> = marks.keys()): number[] {
   const counts = [0, 0, 0, 0];
-  for (let run = 0; run < marks.length; run++) {
+  for (const run of runs) {
     if (configuration < 0 || study.configuration[run] === configuration) counts[marks[run]!]!++;
   }
   return counts;

@@ -27,6 +27,8 @@ export function nextStudy(store: Store): string {
   const within = store.within();
   const lines = [`# where ${study.title.replace(/\s+/g, " ")} was brushed`, "design_variables:"];
   study.variables.forEach((variable, index) => {
+    // What is no choice stays as it stands in the study.
+    if (variable.role !== "design") return;
     const own = state.brushes.find(({ column }) => column === `variable.${index}`);
     const others = state.brushes.some(({ column }) => column !== `variable.${index}`);
     const [low, high] = own ? [own.low, own.high] : others && within ? reachOf(variable.values, within) : [variable.low, variable.high];

@@ -19,11 +19,12 @@ export function createBrushes(store: Store): { chips: HTMLElement; form: HTMLEle
     chips.hidden = !brushes.length;
     if (!brushes.length) return chips.replaceChildren();
     const focused = document.activeElement?.id;
-    const counts = countMarks(store.judgement().overall, null, store.within());
+    const { runs, within, judgement, noun } = store.designs();
+    const counts = countMarks(judgement.overall, runs, within);
     const total = counts.reduce((sum, value) => sum + value, 0);
     chips.replaceChildren(
       ...brushes.map((brush) => chip(store, brush)),
-      el("span", { id: "within" }, el("b", {}, group(total)), ` of ${group(store.study.size)} runs within, ${group(counts[PASS]!)} pass`),
+      el("span", { id: "within" }, el("b", {}, group(total)), ` of ${group(runs.length)} ${noun}s within, ${group(counts[PASS]!)} pass`),
       el("span", { class: "spring" }),
       ...(store.study.variables.length ? [nextMenu(store)] : []),
       el("button", { type: "button", id: "save-within", click: () => download("runs.csv", new Blob([csvOf(store)], { type: "text/csv" })) }, "Runs (CSV)"),

@@ -33,10 +33,11 @@ function tableOf(store: Store): HTMLElement {
   const shown = counterparts(store);
   const within = store.within();
   const { each, overall } = store.judgement();
+  const designs = store.designs();
   const head = (text: string, numeric = false): HTMLElement => el("th", { scope: "col", class: numeric ? "numeric" : "" }, text);
   const rows = study.configurations.map((configuration, index) => {
     const run = shown[index]!;
-    const counts = many ? tally(study, overall, index) : [];
+    const counts = many ? tally(study, designs.judgement.overall, index, designs.runs) : [];
     const total = counts.reduce((sum, value) => sum + value, 0);
     const mark = run < 0 ? -1 : overall[run]!;
     return el(
@@ -71,7 +72,7 @@ function tableOf(store: Store): HTMLElement {
         "tr",
         {},
         head("Configuration"),
-        many ? head("Runs that pass", true) : head("Verdict"),
+        many ? head(`${designs.noun === "run" ? "Runs" : "Designs"} that pass`, true) : head("Verdict"),
         ...places.map((name) => head(name)),
         ...properties.map((name) => head(name, true)),
         ...study.metrics.map((metric) => head(axisLabel(metric), true)),

@@ -3,6 +3,8 @@ import { planeToSelected, selectConfiguration } from "../actions";
 import { choose, el, field } from "../dom";
 import { number, shortened, withUnit } from "../format";
 import { levels, movable } from "../plane/plane";
+import { groupingOf } from "../grouping";
+import { conditionsOf } from "../points";
 import type { State, Store } from "../store";
 import { axisLabel, type Configuration } from "../study";
 
@@ -54,7 +56,9 @@ function parts(store: Store): HTMLElement[] {
   fill.id = "fill";
   row.append(field("Colour", fill));
   rows.push(row);
-  const rest = movable(study, state.x, state.y);
+  const free = conditionsOf(study).filter((index) => index !== state.x && index !== state.y);
+  for (const index of free) row.append(conditionField(store, index));
+  const rest = movable(study, state.x, state.y).filter((index) => !free.includes(index));
   if (rest.length) {
     row.append(el("button", { id: "through-selected", type: "button", title: "Move the plane through the selected run", click: () => planeToSelected(store) }, "Through run"));
     rows.push(sliders(store, rest));
@@ -118,9 +122,29 @@ function sliders(store: Store, rest: number[]): HTMLElement {
   return box;
 }
 
+/** A condition is at the worst of its values unless one is asked for. */
+function conditionField(store: Store, index: number): HTMLElement {
+  const { study, state } = store;
+  const { title, unit, text } = study.variables[index]!;
+  const options = levels(study, index).map((value): [string, string] => [String(value), withUnit(text(value), unit)]);
+  const select = choose([["", "worst of all"], ...options], Number.isNaN(state.fixed[index]!) ? "" : String(state.fixed[index]), (value) => {
+    const fixed = store.state.fixed.slice();
+    fixed[index] = value === "" ? NaN : Number(value);
+    const designs = groupingOf(study).of;
+    store.set({ fixed });
+    // The selected design stays selected, at the condition that is let through.
+    const points = store.points();
+    const { selected } = store.state;
+    const same = selected < 0 || points.first(selected) >= 0 ? -1 : points.runs.findIndex((run) => designs[run] === designs[selected]);
+    if (same >= 0) store.set({ selected: points.deciding(points.runs[same]!) });
+  });
+  select.id = `condition-${index}`;
+  return field(`Condition: ${title}`, select);
+}
+
 function updateReadings(store: Store, box: HTMLElement): void {
   store.study.variables.forEach(({ unit, text }, index) => {
     const reading = box.querySelector(`#reading-${index}`);
-    if (reading) reading.textContent = withUnit(text(store.state.fixed[index]!), unit);
+    if (reading && !Number.isNaN(store.state.fixed[index]!)) reading.textContent = withUnit(text(store.state.fixed[index]!), unit);
   });
 }

@@ -23,10 +23,14 @@ export function createSelected(store: Store): { box: HTMLElement; name: HTMLElem
     name.replaceChildren(...(run < 0 ? [] : [el("b", { id: "selected-run" }, `Run ${study.number[run]}`), badge(store.judgement().overall[run]!)]));
     if (run < 0) return box.replaceChildren(el("p", { class: "muted" }, "No run is selected."));
     const problem = study.problems.get(run);
+    const { judgement: { overall }, deciding, noun } = store.designs();
+    const other = deciding(run);
+    const elsewhere = noun === "design" && overall[run] !== store.judgement().overall[run] ? el("p", { class: "hint", id: "design-verdict" }, `Its design at the worst of its conditions: ${WORDS[overall[run]!]}, decided by run ${study.number[other]}.`) : "";
     const metrics = el("details", { class: "numbers", open: numbers, toggle: () => (numbers = metrics.open) }, el("summary", {}, count(study.metrics.length, "metric")), metricsTable(store, run));
     const yaml = yamlParts(study, run, open, (now) => (open = now));
     box.replaceChildren(
       ...(problem === undefined ? [] : [el("p", { class: "problem" }, problem)]),
+      elsewhere,
       parameters(study, run),
       el("div", { class: "folds" }, metrics, ...yaml),
       ...replaying(study, run),

@@ -1,4 +1,5 @@
 // How many runs meet the requirements; the counts double as the legend of the plot.
+import { conditionsInWords, everyCondition } from "../points";
 import { countMarks, requirementsInWords, shownRuns, switchedOn } from "../counts";
 import { el } from "../dom";
 import { group, percent } from "../format";
@@ -19,18 +20,17 @@ export function createSummary(store: Store): HTMLElement {
   const legend = el("ul", { class: "legend" });
   const box = el("div", { class: "summary" }, head, bar, legend);
   const draw = (): void => {
-    const { overall, doubtful } = store.judgement();
+    const { judgement: { overall, doubtful }, within } = store.points();
     const shown = shownRuns(store);
-    const within = store.within();
     const counts = countMarks(overall, shown, within);
     const total = sum(counts);
     const open = countDoubtful(overall, doubtful, shown, within);
     head.replaceChildren(
       el("b", { id: "passing" }, group(counts[PASS]!)),
-      ` of ${group(total)} runs${scopeInWords(store)}${meeting(store)}`,
+      ` of ${group(total)} ${store.points().noun}s${scopeInWords(store)}${meeting(store)}`,
       el("span", { class: "muted" }, ` (${percent(counts[PASS]!, total)})`),
       el("span", { id: "doubtful" }, open ? `, ${group(open)} of them doubtful: ringed in the plot` : ""),
-      el("span", { class: "muted", id: "everywhere" }, shown ? whole(store) : ""),
+      el("span", { class: "muted", id: "everywhere" }, whole(store)),
     );
     bar.replaceChildren(
       ...ORDER.filter((mark) => counts[mark]).map((mark) => {
@@ -62,31 +62,34 @@ export function createSummary(store: Store): HTMLElement {
 
 /** How many of the runs shown meet the requirements, as a sentence without its stop. */
 export function inWords(store: Store): string {
-  const counts = countMarks(store.judgement().overall, shownRuns(store), store.within());
-  return `${counts[PASS]} of ${sum(counts)} runs${scopeInWords(store)}${meeting(store)}`;
+  const { judgement, within, noun } = store.points();
+  const counts = countMarks(judgement.overall, shownRuns(store), within);
+  return `${counts[PASS]} of ${sum(counts)} ${noun}s${scopeInWords(store)}${meeting(store)}`;
 }
 
 function scopeInWords(store: Store): string {
-  const within = store.within();
+  const { within, judgement } = store.points();
   const brushed = within ? " within the brushes" : "";
   if (!plotted(store.study)) return brushed;
   const { on, beside } = store.plane();
   if (!beside.length) return ` on this plane${brushed}`;
-  const exactly = sum(countMarks(store.judgement().overall, on, within));
+  const exactly = sum(countMarks(judgement.overall, on, within));
   return ` shown${brushed}, ${exactly ? group(exactly) : "none"} of them on this plane,`;
 }
 
 function meeting(store: Store): string {
-  if (!store.study.requirements.length) return " came to their end; the bench has no requirements";
-  return switchedOn(store).length ? ` meet ${requirementsInWords(store)}` : " came to their end; every requirement is switched off";
+  const at = conditionsInWords(store.study, store.state);
+  if (!store.study.requirements.length) return ` came to their end${at}; the bench has no requirements`;
+  return switchedOn(store).length ? ` meet ${requirementsInWords(store)}${at}` : ` came to their end${at}; every requirement is switched off`;
 }
 
 // What the plot leaves out must be told beside what it shows.
 function whole(store: Store): string {
-  const { overall } = store.judgement();
-  const counts = countMarks(overall, null, store.within());
-  const all = sum(counts);
-  return all === sum(countMarks(overall, shownRuns(store), store.within())) ? "" : ` \u00b7 ${group(counts[PASS]!)} of all ${group(all)}`;
+  const { noun, runs, judgement, within } = store.designs();
+  const counts = countMarks(judgement.overall, runs, within);
+  const shown = countMarks(store.points().judgement.overall, shownRuns(store), store.points().within);
+  const what = noun === "run" ? "" : ` designs${conditionsInWords(store.study, everyCondition(store.study))}`;
+  return shown.every((each, mark) => each === counts[mark]) ? "" : ` \u00b7 ${group(counts[PASS]!)} of all ${group(sum(counts))}${what}`;
 }
 
 function countDoubtful(marks: Uint8Array, doubtful: Uint8Array, runs: Int32Array | null, within: Uint8Array | null): number {

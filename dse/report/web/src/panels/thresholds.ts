@@ -140,11 +140,11 @@ function showRow(store: Store, row: Row): void {
   if (document.activeElement !== field || Number(field.value) !== Number(written(value))) field.value = written(value);
   slider.setAttribute("aria-valuetext", withUnit(number(value), unit));
   row.change.textContent = changed(study.requirements[requirement]![bound]!, value, bound, unit);
-  const marks = store.judgement().each[requirement]!;
-  const counted = countMarks(marks, shownRuns(store), store.within());
+  const { judgement, within, noun } = store.points();
+  const counted = countMarks(judgement.each[requirement]!, shownRuns(store), within);
   const open = counted[NOT_EXERCISED]!;
   counts.replaceChildren(el("b", {}, group(counted[PASS]!)), ` of ${group(counted[PASS]! + counted[FAIL]!)} pass`);
-  counts.title = open ? `${group(open)} runs do not exercise it` : "every run exercises it";
+  counts.title = open ? `${group(open)} ${noun}s do not exercise it` : `every ${noun} exercises it`;
   showLight(store, row);
 }
 

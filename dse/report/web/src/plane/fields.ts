@@ -11,10 +11,14 @@ export function even(low: number, high: number, size: number): Float64Array {
   return Float64Array.from({ length: size }, (_, i) => low + ((high - low) * i) / (size - 1));
 }
 
+/** Which of the values at several conditions: the largest, the smallest, or their mean. */
+export type Way = "max" | "min" | "mean";
+
 export interface Fields extends Grid {
   /** How the fields come from the runs, in words. */
   how: string;
-  metric(index: number): Float64Array;
+  /** Where there are several conditions, *way* of those at which the *requirement* is exercised. */
+  metric(index: number, way?: Way, requirement?: number): Float64Array;
   /** 0.5 or more where the requirement is exercised; null if it is everywhere. */
   exercised(requirement: number): Float64Array | null;
   /** 0.5 or more where the *requirements* have a value; null if they have everywhere. */

@@ -4,12 +4,14 @@ import type { Study, Variable } from "../study";
 import { group } from "../format";
 import type { Fields } from "./fields";
 import { latticeFields, latticeOf } from "./lattice";
+import { conditionsOf, poolOf } from "../points";
 import { radialFields } from "./radial";
+import { worstOf } from "./worst";
 
 export interface Plane {
   x: number;
   y: number;
-  /** Runs in the plane. */
+  /** Runs in the plane; of a design at several conditions the first. */
   on: Int32Array;
   /** Runs beside the plane that are shown all the same, and how strongly (0 … 1). */
   beside: Int32Array;
@@ -57,9 +59,11 @@ export function levels(study: Study, index: number): number[] {
   return [...new Set(study.variables[index]!.values)].sort((a, b) => a - b);
 }
 
-/** Where the variables that are on no axis start: at their nominal value, or at the level nearest to it. */
+/** Where the variables that are on no axis start: at their nominal value, or at the level nearest to it; a condition at
+ * all of its values. */
 export function startingPoint(study: Study): number[] {
   return study.variables.map((variable, index) => {
+    if (variable.role === "condition") return NaN;
     if (study.sampler === "scattered") return variable.nominal;
     let best = variable.nominal;
     let least = Infinity;
@@ -73,12 +77,30 @@ export function startingPoint(study: Study): number[] {
   });
 }
 
+/** *fixed* moved through a run; what is at all conditions stays so. */
+export function fixedThrough({ variables }: Study, fixed: number[], run: number): number[] {
+  return variables.map(({ values }, index) => (Number.isNaN(fixed[index]!) ? NaN : values[run]!));
+}
+
+/** *fixed* at each condition that runs were made at, of those that it lets through. */
+function cases(study: Study, { x, y, fixed }: Shown): number[][] {
+  const free = conditionsOf(study).filter((index) => index !== x && index !== y && Number.isNaN(fixed[index]!));
+  const found = new Map<string, number[]>();
+  for (let run = 0; run < study.size; run++) {
+    const values = free.map((index) => study.variables[index]!.values[run]!);
+    if (found.has(values.join())) continue;
+    found.set(values.join(), fixed.map((value, index) => (free.includes(index) ? study.variables[index]!.values[run]! : value)));
+    if (!free.length) break;
+  }
+  return [...found.values()];
+}
+
 export function liesIn(study: Study, run: number, { configuration, x, y, fixed }: Shown): boolean {
   return (
     study.configuration[run] === configuration &&
     others(study, x, y).every((index) => {
       const { values, low, high } = study.variables[index]!;
-      return Math.abs(values[run]! - fixed[index]!) <= 1e-9 * (high - low);
+      return Number.isNaN(fixed[index]!) || Math.abs(values[run]! - fixed[index]!) <= 1e-9 * (high - low);
     })
   );
 }
@@ -88,16 +110,17 @@ function makePlane(study: Study, shown: Shown): Plane {
   const base = { x, y, beside: new Int32Array(0), strength: new Float32Array(0) };
   const [horizontal, vertical] = [study.variables[x]!, study.variables[y]!];
   if (study.sampler === "scattered") return scatteredPlane(study, shown);
-  const on: number[] = [];
-  for (let run = 0; run < study.size; run++) if (liesIn(study, run, shown)) on.push(run);
-  const runs = Int32Array.from(on);
+  const every = Int32Array.from(study.number.keys()).filter((run) => liesIn(study, run, shown));
+  const pool = poolOf(study, shown);
+  const runs = pool ? every.filter((run) => pool.first[pool.of[run]!] === run) : every;
   const sliced = study.sampler === "sliced" && !study.slices.some((names) => names.includes(x) && names.includes(y));
   // Of a grid that is being made there are no levels yet to interpolate to.
-  const spans = [horizontal, vertical].every(({ values, levels }) => new Set(on.map((run) => values[run])).size >= levels);
+  const spans = [horizontal, vertical].every(({ values, levels }) => new Set(Array.from(every, (run) => values[run])).size >= levels);
   const named = namedAxis(study, x, y);
-  const lattice = sliced || !spans || named ? null : latticeOf(horizontal.values, vertical.values, runs);
-  if (lattice) {
-    const fields = latticeFields(study, lattice);
+  const lattices = sliced || !spans || named ? [] : cases(study, shown).map((fixed) => latticeOf(horizontal.values, vertical.values, every.filter((run) => liesIn(study, run, { ...shown, fixed }))));
+  const first = lattices[0];
+  if (first && lattices.every((one) => one?.xs.join() === first.xs.join() && one.ys.join() === first.ys.join())) {
+    const fields = worstOf(lattices.map((lattice) => latticeFields(study, lattice!)));
     return { ...base, on: runs, fields, note: fields.how };
   }
   const why = sliced
@@ -119,13 +142,15 @@ function nothingBetween({ title }: Variable): string {
   return `There is nothing between the values of ${title}: only the runs are shown, no boundaries.`;
 }
 
-function scatteredPlane(study: Study, { configuration, x, y, fixed }: Shown): Plane {
+function scatteredPlane(study: Study, shown: Shown): Plane {
+  const { configuration, x, y, fixed } = shown;
   const on: number[] = [];
   const beside: number[] = [];
   const strength: number[] = [];
-  const rest = others(study, x, y);
+  const rest = others(study, x, y).filter((index) => !Number.isNaN(fixed[index]!));
+  const pool = poolOf(study, { x, y, fixed });
   for (let run = 0; run < study.size; run++) {
-    if (study.configuration[run] !== configuration) continue;
+    if (study.configuration[run] !== configuration || (pool && (pool.of[run]! < 0 || pool.first[pool.of[run]!] !== run))) continue;
     let square = 0;
     for (const index of rest) {
       const { values, low, high } = study.variables[index]!;
@@ -140,7 +165,8 @@ function scatteredPlane(study: Study, { configuration, x, y, fixed }: Shown): Pl
   }
   const radial = study.configurations[configuration]?.radial ?? null;
   const named = namedAxis(study, x, y);
-  const fields = radial && !named ? radialFields(study, radial, x, y, fixed) : null;
+  const at = cases(study, shown);
+  const fields = radial && !named ? worstOf(at.map((each) => radialFields(study, radial, x, y, each, at.length))) : null;
   const most = study.mostCentres;
   const faint = rest.length ? " Runs away from this plane are drawn fainter." : "";
   const note = fields

@@ -94,7 +94,7 @@ export function attachInteraction(store: Store, plot: Plot): HTMLElement[] {
     if (ended?.moved && ended.kind !== "pan") return brushTo(store, plot, ended, at(event));
     if (ended?.moved || event.button !== 0) return;
     tellPlace(store, plot, at(event));
-    const run = nearest(store, plot, at(event), CLICK_REACH, () => true);
+    const run = store.points().deciding(nearest(store, plot, at(event), CLICK_REACH, () => true));
     if (run < 0) return;
     if (event.shiftKey) togglePin(store, run);
     else selectRun(store, run);
@@ -122,7 +122,7 @@ export function attachInteraction(store: Store, plot: Plot): HTMLElement[] {
     if (direction && event.shiftKey) move(direction[0] / 5, -direction[1] / 5);
     else if (direction) {
       point(-1);
-      const run = neighbour(store, plot, direction);
+      const run = store.points().deciding(neighbour(store, plot, direction));
       if (run >= 0) selectRun(store, run);
     } else if (event.key === "+" || event.key === "=") zoom(STEP, centre());
     else if (event.key === "-") zoom(1 / STEP, centre());
@@ -182,8 +182,9 @@ function tellPlace(store: Store, plot: Plot, [x, y]: Place): void {
 }
 
 function near(store: Store, plot: Plot, place: Place): number {
-  const kept = nearest(store, plot, place, REACH, (run) => isKept(store, run));
-  return kept >= 0 ? kept : nearest(store, plot, place, REACH, () => true);
+  const { deciding } = store.points();
+  const kept = nearest(store, plot, place, REACH, (run) => isKept(store, deciding(run)));
+  return deciding(kept >= 0 ? kept : nearest(store, plot, place, REACH, () => true));
 }
 
 function nearest(store: Store, plot: Plot, [x, y]: Place, reach: number, suits: (run: number) => boolean): number {
@@ -194,10 +195,10 @@ function nearest(store: Store, plot: Plot, [x, y]: Place, reach: number, suits: 
   const [xs, ys] = [study.variables[plane.x]!.values, study.variables[plane.y]!.values];
   // The scales are linear; asking them for every one of a million runs would take too long.
   const [x0, x1, y0, y1] = [frame.x(0), frame.x(1) - frame.x(0), frame.y(0), frame.y(1) - frame.y(0)];
-  const within = store.within();
+  const { within } = store.points();
   let best = -1;
   let least = reach * reach;
-  for (const run of shownRuns(store)!) {
+  for (const run of shownRuns(store)) {
     const square = (x0 + x1 * xs[run]! - x) ** 2 + (y0 + y1 * ys[run]! - y) ** 2;
     if (square < least && (!within || within[run]) && suits(run)) {
       least = square;
@@ -210,9 +211,9 @@ function nearest(store: Store, plot: Plot, [x, y]: Place, reach: number, suits: 
 /** The closest run in a direction; steps aside count three times, so that a row of a grid is kept. */
 export function neighbour(store: Store, plot: Plot, [dx, dy]: Place): number {
   const frame = plot.frame();
-  const runs = shownRuns(store)!;
+  const runs = shownRuns(store);
   if (!frame || !runs.length) return -1;
-  const from = store.state.selected;
+  const from = store.points().first(store.state.selected);
   if (from < 0 || !runs.includes(from)) return runs[0]!;
   const [x, y] = placeOf(frame, store.study, plot.plane(), from);
   let best = -1;

@@ -11,7 +11,7 @@ import { colourOf, regionsOf } from "./regions";
 
 export function plotLegend(store: Store, frame: Frame): Entry[] {
   const { study, state } = store;
-  const counts = countMarks(store.judgement().overall, shownRuns(store), null);
+  const counts = countMarks(store.points().judgement.overall, shownRuns(store), null);
   const marks = ([0, 1, 2, 3] as Mark[]).filter((mark) => counts[mark]).map((mark) => markEntry(mark));
   const { fields } = store.plane();
   const seen = new Set(fields ? regionsOf(study, fields, state.thresholds, frame).sides.filter(({ rings }) => rings.length).map(({ requirement }) => requirement) : []);

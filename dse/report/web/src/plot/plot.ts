@@ -1,11 +1,13 @@
 // The constraint plot: regions, runs and labels on one canvas, hover and selection on a second above it.
 import { el } from "../dom";
 import { number, withUnit } from "../format";
+import type { Way } from "../plane/fields";
 import type { Plane } from "../plane/plane";
 import type { Changed, State, Store } from "../store";
 import type { Study } from "../study";
 import { palette, type Palette } from "../theme";
 import type { Threshold } from "../verdicts";
+import { senseOf } from "../views/designs/values";
 import { drawColourBar } from "./colourbar";
 import { path, type Ring } from "./contour";
 import { drawAxes, frameOf, type Frame } from "./frame";
@@ -70,6 +72,7 @@ export function createPlot(store: Store): Plot {
 function paintGround({ pen, width, height }: Sheet, store: Store, plane: Plane): Frame {
   const { study, state } = store;
   const colours = palette();
+  const points = store.points();
   const [horizontal, vertical] = [study.variables[plane.x]!, study.variables[plane.y]!];
   const metric = state.fill >= 0 && plane.fields ? study.metrics[state.fill]! : null;
   const frame = frameOf(width, height, state.zoom ?? wholeOf(study, plane), metric !== null);
@@ -78,15 +81,15 @@ function paintGround({ pen, width, height }: Sheet, store: Store, plane: Plane):
   if (plane.fields) {
     const regions = regionsOf(study, plane.fields, state.thresholds, frame);
     const runs = plane.beside.length ? plane.beside : plane.on;
-    const fill = metric ? { values: plane.fields.metric(state.fill), scale: scaleOf(metric.values, runs) } : null;
+    const fill = metric ? { values: plane.fields.metric(state.fill, wayOf(store, state.fill)), scale: scaleOf(metric.values, runs) } : null;
     paintRegions(pen, frame, plane.fields, regions, fill, colours);
     if (metric && fill) drawColourBar(pen, frame, width, metric, fill.scale, colours);
     drawAxes(pen, frame, horizontal, vertical, colours);
-    paintPoints(pen, frame, study, plane, store.judgement(), store.within(), colours);
+    paintPoints(pen, frame, study, plane, points.judgement, points.within, colours);
     writeLabels(pen, frame, study, plane.fields, state.thresholds, regions, metric === null, colours);
   } else {
     drawAxes(pen, frame, horizontal, vertical, colours);
-    paintPoints(pen, frame, study, plane, store.judgement(), store.within(), colours);
+    paintPoints(pen, frame, study, plane, points.judgement, points.within, colours);
   }
   return frame;
 }
@@ -135,7 +138,8 @@ function writeLabels(
 function meetsAll(study: Study, fields: NonNullable<Plane["fields"]>, thresholds: Threshold[], on: number[]): (node: number) => boolean {
   const known = fields.known(on);
   const parts = on.map((index) => ({
-    field: fields.metric(study.requirements[index]!.metric),
+    most: fields.metric(study.requirements[index]!.metric, "max", index),
+    least: fields.metric(study.requirements[index]!.metric, "min", index),
     exercised: fields.exercised(index),
     high: thresholds[index]!.atMost ?? Infinity,
     low: thresholds[index]!.atLeast ?? -Infinity,
@@ -143,15 +147,23 @@ function meetsAll(study: Study, fields: NonNullable<Plane["fields"]>, thresholds
   return (node) =>
     (!known || known[node]! >= 0.5) &&
     parts.every(
-      ({ field, exercised, high, low }) =>
-        field[node]! <= high && field[node]! >= low && (!exercised || exercised[node]! >= 0.5),
+      ({ most, least, exercised, high, low }) =>
+        most[node]! <= high && least[node]! >= low && (!exercised || exercised[node]! >= 0.5),
     );
+}
+
+/** What of a metric at several conditions is shown: its worst where a worse way is known. */
+function wayOf(store: Store, metric: number): Way {
+  const sense = senseOf(store, `metric.${metric}`);
+  return sense === "min" ? "max" : sense === "max" ? "min" : "mean";
 }
 
 function paintOverlay({ pen }: Sheet, frame: Frame, store: Store, plane: Plane): void {
   const { study, state } = store;
   const colours = palette();
-  const shown = (run: number): [number, number] | null => {
+  const { first } = store.points();
+  const shown = (selected: number): [number, number] | null => {
+    const run = first(selected);
     if (run < 0 || (!plane.on.includes(run) && !plane.beside.includes(run))) return null;
     const [x, y] = placeOf(frame, study, plane, run);
     return x > frame.left - 1 && x < frame.right + 1 && y > frame.top - 1 && y < frame.bottom + 1 ? [x, y] : null;

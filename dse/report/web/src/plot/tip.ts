@@ -16,8 +16,9 @@ export function moveTip(tip: HTMLElement, store: Store, plot: Plot, run: number)
   if (run < 0 || !frame) return;
   const { study } = store;
   const { x: across, y: up } = plot.plane();
-  const { overall, each } = store.judgement();
-  const mark = overall[run]!;
+  const points = store.points();
+  const { each } = store.judgement();
+  const mark = points.judgement.overall[run]!;
   const line = (name: string, value: string, kind = ""): HTMLElement =>
     el("div", { class: "line" }, el("span", {}, name), el("b", { class: kind }, value));
   const variables = [across, up, ...study.variables.keys()].filter((index, place, all) => all.indexOf(index) === place).slice(0, MOST_LINES);
@@ -33,7 +34,7 @@ export function moveTip(tip: HTMLElement, store: Store, plot: Plot, run: number)
       return line(title, `${withUnit(text(values[run]!), unit)} ${SIGNS[verdict]}`, CLASSES[verdict]);
     }),
   );
-  const [x, y] = placeOf(frame, study, plot.plane(), run);
+  const [x, y] = placeOf(frame, study, plot.plane(), points.first(run));
   const width = tip.offsetWidth;
   const height = tip.offsetHeight;
   tip.style.left = `${x + 16 + width > plot.surface.clientWidth ? Math.max(0, x - width - 14) : x + 14}px`;

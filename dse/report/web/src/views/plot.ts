@@ -59,9 +59,9 @@ function plotCard(store: Store): HTMLElement {
   const note = el("p", { class: "hint", id: "plane-note" });
   const explain = (): void => {
     const { on, beside } = plot.plane();
-    const { selected } = store.state;
-    const away = selected >= 0 && !on.includes(selected) && !beside.includes(selected);
-    const hint = away ? "The selected run lies outside this plane." : "Click a run, or move with the arrow keys; with Shift a click pins and a drag brushes.";
+    const selected = store.points().first(store.state.selected);
+    const away = store.state.selected >= 0 && !on.includes(selected) && !beside.includes(selected);
+    const hint = away ? "The selected run lies outside this plane." : `Click a ${store.points().noun}, or move with the arrow keys; with Shift a click pins and a drag brushes.`;
     note.textContent = `${plot.plane().note} ${hint}`;
   };
   const saved = {

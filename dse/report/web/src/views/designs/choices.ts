@@ -2,7 +2,7 @@
 // What stands there may be wrong or made up: what does not fit the study is as it was at the start.
 import { columnOf } from "../../columns";
 import type { Study } from "../../study";
-import { groupingOf } from "./grouping";
+import { groupingOf } from "../../grouping";
 import { designColumns } from "./values";
 
 export interface Criterion {

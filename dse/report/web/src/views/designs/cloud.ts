@@ -7,6 +7,8 @@ import { createStamps, packed, sorted, type Places } from "../../plot/stamps";
 import type { Palette } from "../../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../../verdicts";
 import type { Colouring } from "./colouring";
+import type { Grouping } from "../../grouping";
+import type { Study } from "../../study";
 import type { Model } from "./model";
 import type { Pen } from "../../plot/pen";
 
@@ -16,6 +18,8 @@ export interface Cloud {
   y: Keyed;
   marks: Uint8Array;
   within: Uint8Array | null;
+  /** Which exercise every requirement: values of others do not stretch the axes. */
+  exercised: Uint8Array;
   /** The run that stands for a point, and the point that a run belongs to. */
   run: (point: number) => number;
   point: (run: number) => number;
@@ -31,39 +35,52 @@ export function cloudOf(model: Model): Cloud {
   const { store, choices, grouping } = model;
   if (choices.points === "runs") {
     const [x, y] = [columnOf(store.study, choices.x)!, columnOf(store.study, choices.y)!];
-    return { x, y, marks: store.judgement().overall, within: store.within(), run: (point) => point, point: (run) => run };
+    return { x, y, marks: store.judgement().overall, within: store.within(), exercised: exercisedOf(store.study, null), run: (point) => point, point: (run) => run };
   }
   const { mark, deciding } = model.standing();
-  return { x: model.column(choices.x), y: model.column(choices.y), marks: mark, within: model.within(), run: (point) => deciding[point] ?? -1, point: (run) => grouping.of[run] ?? -1 };
+  return { x: model.column(choices.x), y: model.column(choices.y), marks: mark, within: model.within(), exercised: exercisedOf(store.study, grouping), run: (point) => deciding[point] ?? -1, point: (run) => grouping.of[run] ?? -1 };
 }
 
-export function cloudFrame(width: number, height: number, { x, y }: Cloud): Frame {
+export function cloudFrame(width: number, height: number, { x, y, exercised }: Cloud): Frame {
+  const counts = exercised.map((one, point) => (one && Number.isFinite(x.values[point]! + y.values[point]!) ? 1 : 0));
   const frame = { left: 66, right: width - 16, top: 14, bottom: height - 50 };
-  return { ...frame, x: scaleLinear(limits(x.values), [frame.left, frame.right]), y: scaleLinear(limits(y.values), [frame.bottom, frame.top]) };
+  return { ...frame, x: scaleLinear(limits(x.values, counts), [frame.left, frame.right]), y: scaleLinear(limits(y.values, counts), [frame.bottom, frame.top]) };
 }
 
-const ranges = new WeakMap<Float64Array, [number, number]>();
+const known = new WeakMap<Study, Map<Grouping | null, Uint8Array>>();
 
-/** The range of what is finite, with some room. */
-function limits(values: Float64Array): [number, number] {
-  const range = ranges.get(values) ?? rangeOf(values);
-  ranges.set(values, range);
-  return range;
+/** Which designs, or without a *grouping* which runs, exercise every requirement. */
+function exercisedOf(study: Study, grouping: Grouping | null): Uint8Array {
+  const made = known.get(study) ?? new Map<Grouping | null, Uint8Array>();
+  known.set(study, made);
+  let found = made.get(grouping);
+  if (!found) {
+    const times = study.requirements.map(({ exercised }) => {
+      const some = new Uint8Array(grouping?.size ?? study.size);
+      for (let run = 0; run < study.size; run++) if (exercised[run]) some[grouping?.of[run] ?? run] = 1;
+      return some;
+    });
+    found = new Uint8Array(grouping?.size ?? study.size).map((_, point) => (times.every((some) => some[point]) ? 1 : 0));
+    made.set(grouping, found);
+  }
+  return found;
 }
 
-function rangeOf(values: Float64Array): [number, number] {
+/** The range of what is finite and *counts*, with some room; of all that is finite if nothing counts. */
+function limits(values: Float64Array, counts: Uint8Array): [number, number] {
   let [low, high] = [Infinity, -Infinity];
-  for (const value of values) {
-    if (!Number.isFinite(value)) continue;
+  for (let point = 0; point < values.length; point++) {
+    const value = values[point]!;
+    if (!counts[point] || !Number.isFinite(value)) continue;
     if (value < low) low = value;
     if (value > high) high = value;
   }
-  if (low > high) return [0, 1];
+  if (low > high) return counts.includes(1) || !values.some(Number.isFinite) ? [0, 1] : limits(values, new Uint8Array(values.length).fill(1));
   const room = 0.04 * (high - low) || Math.max(1e-9, 0.1 * Math.abs(low)) || 1;
   return [low - room, high + room];
 }
 
-/** Where the points lie in pixels, NaN for those that have no place. */
+/** Where the points lie in pixels, NaN for those that have no place on the axes. */
 export function placesOf({ x, y }: Cloud, frame: Frame): Places {
   const line = (scale: Frame["x"], values: Float64Array): Float32Array => {
     const [low, high] = scale.domain() as [number, number];
@@ -71,7 +88,7 @@ export function placesOf({ x, y }: Cloud, frame: Frame): Places {
     const places = new Float32Array(values.length);
     for (let point = 0; point < places.length; point++) {
       const value = values[point]!;
-      places[point] = Number.isFinite(value) ? from + ((value - low) / (high - low)) * (to - from) : NaN;
+      places[point] = value >= low && value <= high ? from + ((value - low) / (high - low)) * (to - from) : NaN;
     }
     return places;
   };

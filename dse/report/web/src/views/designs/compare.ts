@@ -81,7 +81,9 @@ function numberRow(model: Model, key: string): HTMLElement {
   const counts = picked.map((design) => hasVariable(model, key, design) && isShown(model, key, design));
   const known = picked.map((design, index) => (counts[index] ? column.values[design]! : NaN)).filter((value) => !Number.isNaN(value));
   const best = column.sense === "max" ? Math.max(...known) : Math.min(...known);
-  const tells = column.sense !== "" && !key.startsWith("variable.") && known.length > 1 && known.some((value) => column.text(value) !== column.text(best));
+  // Nothing is better that nobody asked for.
+  const isAim = model.choices.criteria.some((criterion) => criterion.column === key);
+  const tells = isAim && known.length > 1 && known.some((value) => column.text(value) !== column.text(best));
   const cells = picked.map((design, index) => {
     const value = column.values[design]!;
     if (!hasVariable(model, key, design) || Number.isNaN(value)) return el("td", {}, "\u2013");
@@ -90,7 +92,7 @@ function numberRow(model: Model, key: string): HTMLElement {
     const range = column.sense === "" ? rangeOf(model, key, design) : "";
     return el("td", { class: isBest ? "best" : "" }, range || column.text(value), isBest && el("span", { class: "unseen" }, " (best)"));
   });
-  const arrow = column.sense === "max" ? " \u2191" : column.sense === "min" && !key.startsWith("variable.") ? " \u2193" : "";
+  const arrow = !isAim ? "" : column.sense === "max" ? " \u2191" : " \u2193";
   return el("tr", {}, el("th", { scope: "row" }, axisLabel(column) + arrow), ...cells);
 }
 

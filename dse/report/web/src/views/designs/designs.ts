@@ -4,7 +4,7 @@ import type { View } from "../view";
 import { createAlternatives } from "./alternatives";
 import { createCompare } from "./compare";
 import { createCriteria } from "./criteria";
-import { groupingOf } from "./grouping";
+import { groupingOf } from "../../grouping";
 import { createFunnel } from "./funnel";
 import { createLeaderboard } from "./leaderboard";
 import { differingPlaces, createModel } from "./model";

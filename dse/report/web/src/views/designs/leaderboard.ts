@@ -1,4 +1,4 @@
-// All designs as a table: those that are feasible first, ranked by score or any column; only the rows in view exist.
+// All designs as a table: those that are feasible first, ranked by verdict, score or any column; only the rows in view exist.
 import { selectRun } from "../../actions";
 import { el } from "../../dom";
 import { number } from "../../format";
@@ -81,7 +81,7 @@ export function createLeaderboard(model: Model): HTMLElement {
 function columnsOf(model: Model): Column[] {
   const { store, choices } = model;
   const { study } = store;
-  const { mark, slack, each } = model.standing();
+  const { mark, slack, each, missed } = model.standing();
   const scores = model.scores();
   const front = model.front();
   const aims = choices.criteria.map(({ column }) => column);
@@ -105,8 +105,8 @@ function columnsOf(model: Model): Column[] {
   };
   return [
     { key: "design", title: "Design", hint: "", numeric: false, value: (design) => design, text: nameOf },
-    { key: "score", title: "Score", hint: "TOPSIS: 1 is the best of every criterion among the feasible designs, 0 the worst", numeric: true, value: (design) => scores[design]!, text: (design) => (Number.isNaN(scores[design]!) ? "\u2013" : scores[design]!.toFixed(3)) },
-    { key: "verdict", title: "Verdict", hint: "", numeric: false, value: (design) => mark[design]!, text: (design) => `${SIGNS[mark[design]!]} ${WORDS[mark[design]!]}`, mark: (design) => mark[design]! },
+    ...(aims.length ? [{ key: "score", title: "Score", hint: "TOPSIS: 1 is the best of every criterion among the feasible designs, 0 the worst", numeric: true, value: (design: number) => scores[design]!, text: (design: number) => (Number.isNaN(scores[design]!) ? "\u2013" : scores[design]!.toFixed(3)) }] : []),
+    { key: "verdict", title: "Verdict", hint: "By the number of requirements that are met", numeric: false, value: (design) => missed[design]!, text: (design) => `${SIGNS[mark[design]!]} ${WORDS[mark[design]!]}`, mark: (design) => mark[design]! },
     ...(study.requirements.length ? [{ key: "slack", title: "Least margin [%]", hint: `Of any requirement that is on, as a share: ${SHARE_OF}`, numeric: true, value: (design: number) => slack[design]!, text: (design: number) => (Number.isNaN(slack[design]!) ? "\u2013" : number(100 * slack[design]!, 3)) }] : []),
     ...(aims.length > 1 ? [{ key: "front", title: "Front", hint: "On the Pareto front of the criteria, among the feasible designs", numeric: false, value: (design: number) => 1 - front[design]!, text: (design: number) => (front[design] ? "\u25cf" : "") }] : []),
     ...aims.map(numeric),
@@ -118,23 +118,29 @@ function columnsOf(model: Model): Column[] {
   ];
 }
 
-/** Feasible designs first; those that are not, without a score, by how little they miss. */
+/** Feasible designs first; equal ones by the number of requirements that they meet, then by their least margin. */
 function arranged(model: Model, columns: Column[]): Int32Array<ArrayBuffer> {
-  const { mark, shortfall } = model.standing();
+  const { mark, missed, slack } = model.standing();
   const within = model.within();
   const { sort } = model.choices;
-  const column = columns.find(({ key }) => key === sort.column) ?? columns[1]!;
+  const known = columns.find(({ key }) => key === sort.column);
+  const column = known ?? columns.find(({ key }) => key === "verdict")!;
   const found: number[] = [];
   for (let design = 0; design < mark.length; design++) if (within?.[design] ?? 1) found.push(design);
-  const direction = sort.descending ? -1 : 1;
+  const direction = known && sort.descending ? -1 : 1;
+  const least = (design: number): number => (Number.isNaN(slack[design]!) ? -Infinity : slack[design]!);
+  const order = (a: number, b: number): number => {
+    if (missed[a] !== missed[b]) return missed[a]! - missed[b]!;
+    return least(a) === least(b) ? a - b : least(b) - least(a);
+  };
   const keys = Array.from(mark, (_, design) => column.value(design));
   const unknown = (key: number | string): boolean => typeof key === "number" && Number.isNaN(key);
   found.sort((a, b) => {
     if ((mark[a] === PASS) !== (mark[b] === PASS)) return mark[a] === PASS ? -1 : 1;
     const [x, y] = [keys[a]!, keys[b]!];
     // What is undefined goes last, whichever way the column is sorted.
-    if (unknown(x) || unknown(y)) return Number(unknown(x)) - Number(unknown(y)) || shortfall[a]! - shortfall[b]! || a - b;
-    return x < y ? -direction : x > y ? direction : shortfall[a]! - shortfall[b]! || a - b;
+    if (unknown(x) || unknown(y)) return Number(unknown(x)) - Number(unknown(y)) || order(a, b);
+    return x < y ? -direction : x > y ? direction : order(a, b);
   });
   return Int32Array.from(found);
 }
@@ -194,7 +200,7 @@ function noteOf(model: Model, shown: number): string {
   const { grouping, store, choices } = model;
   const several = grouping.size < store.study.size;
   const parts = [
-    choices.criteria.length ? "Feasible designs first. Score: TOPSIS over the feasible designs shown (Hwang and Yoon 1981), criteria in vector normalisation, weights by their share." : "Feasible designs first. Choose a criterion for a score.",
+    choices.criteria.length ? "Feasible designs first. Score: TOPSIS over the feasible designs shown (Hwang and Yoon 1981), criteria in vector normalisation, weights by their share." : "Designs by the number of requirements that they meet, equal ones by their least margin; those that failed to run last. Choose a criterion for a score.",
     several ? "Values are means over what is uncertain at the worst condition; a design has to meet every requirement in all its runs, and be shown to in one at least." : "",
     shown < grouping.size ? `${grouping.size - shown} designs lie outside of the brushes.` : "",
     "A row selects the run that decides; tick up to five to compare.",

@@ -4,8 +4,8 @@ import type { Changed, State, Store } from "../../store";
 import { PASS } from "../../verdicts";
 import { MOST_COMPARED, readChoices, withChoices, type Choices, type Criterion } from "./choices";
 import { frontOf } from "./front";
-import { groupingOf, variablesOf, type Grouping } from "./grouping";
-import { standingOf, type Standing } from "./judging";
+import { groupingOf, variablesOf, type Grouping } from "../../grouping";
+import { standingOf, type Standing } from "../../judging";
 import { topsis } from "./topsis";
 import { aggregated, designColumns, place, senseOf, type DesignColumn, type Sense } from "./values";
 
@@ -126,8 +126,9 @@ function brushed(store: Store, { size, of }: Grouping, column: (key: string) => 
 function initial(store: Store): Choices {
   const { study } = store;
   const columns = designColumns(study);
-  const criteria = startingCriteria(store).map((column): Criterion => ({ column, maximize: senseOf(store, column) === "max", weight: 5 }));
-  const axes = [...criteria.map(({ column }) => column), ...columns.map(({ key }) => key)];
+  // Without objectives nobody said what is better: there is no score.
+  const criteria = study.objectives.map(({ column, maximize }): Criterion => ({ column, maximize, weight: 5 }));
+  const axes = [...startingColumns(store), ...columns.map(({ key }) => key)];
   const x = axes[0] ?? "";
   return {
     demand: 0,
@@ -137,15 +138,15 @@ function initial(store: Store): Choices {
     colour: "verdict",
     points: variablesOf(study, "design").length || study.configurations.length > 1 ? "designs" : "runs",
     picked: [],
-    sort: { column: "score", descending: true },
-    boxes: criteria[0]?.column ?? x,
+    sort: criteria.length ? { column: "score", descending: true } : { column: "verdict", descending: false },
+    boxes: x,
     among: "all",
     case: -1,
   };
 }
 
 // What the study asks for; else the first property, and the metrics that have requirements.
-function startingCriteria(store: Store): string[] {
+function startingColumns(store: Store): string[] {
   const { study } = store;
   const stated = study.objectives.map(({ column }) => column);
   if (stated.length) return stated;

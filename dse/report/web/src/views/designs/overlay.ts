@@ -7,7 +7,7 @@ import { axisLabel, type Figure } from "../../study";
 import { palette } from "../../theme";
 import { decode } from "../../waveform";
 import { seriesColour } from "./colouring";
-import { variablesOf } from "./grouping";
+import { variablesOf } from "../../grouping";
 import { nameOf, type Model } from "./model";
 
 const HEIGHT = 220;

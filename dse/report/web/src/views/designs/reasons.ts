@@ -4,7 +4,7 @@ import { el } from "../../dom";
 import { number, percent, withUnit } from "../../format";
 import { badge } from "../../panels/selected";
 import { CLASSES, FAIL, PASS, SIGNS, WORDS } from "../../verdicts";
-import { variablesOf } from "./grouping";
+import { variablesOf } from "../../grouping";
 import { scaleOf } from "../shared/margins";
 import { configurationOf, MOST_COMPARED, nameOf, subscribeCalmly, type Model } from "./model";
 import { changesBetween, nearestDesign, type Change } from "./nearest";

@@ -309,8 +309,10 @@ function noteOf(model: Model, { cloud, places: { a, b } }: Drawn, resting: boole
     inside += cloud.within?.[point] ?? 1;
   }
   const noun = choices.points === "designs" ? "design" : "run";
-  const missing = a.length - shown;
-  const parts = [cloud.within ? `${group(inside)} of ${count(shown, noun)} within the brushes` : count(shown, noun), ...(missing ? [`${group(missing)} without a value on both axes`] : [])];
+  const { x: { values: xs }, y: { values: ys } } = cloud;
+  const missing = xs.reduce((sum, x, point) => sum + (Number.isFinite(x + ys[point]!) ? 0 : 1), 0);
+  const beyond = a.length - shown - missing;
+  const parts = [cloud.within ? `${group(inside)} of ${count(shown, noun)} within the brushes` : count(shown, noun), ...(missing ? [`${group(missing)} without a value on both axes`] : []), ...(beyond ? [`${group(beyond)} that do not exercise every requirement beyond the axes`] : [])];
   const told = `${parts.join(", ")}.`;
   const hint = " Click a point, drag a rectangle to brush; Escape clears.";
   if (!resting || choices.points === "runs" || choices.criteria.length < 2) return told + hint;

@@ -2,7 +2,7 @@
 import { columnsOf, type Keyed } from "../../columns";
 import type { Store } from "../../store";
 import type { Study } from "../../study";
-import { groupingOf, type Grouping } from "./grouping";
+import { groupingOf, type Grouping } from "../../grouping";
 
 /** Which way a column is better; "" where that is not known. */
 export type Sense = "min" | "max" | "";

@@ -38,7 +38,7 @@ export function createPicks(store: Store): HTMLElement {
 
 function button(store: Store, { name, run, why, stored, design }: Choice, moved: boolean): HTMLElement {
   const { study, state } = store;
-  const mark = store.judgement().overall[run]!;
+  const mark = store.designs().judgement.overall[run]!;
   return el(
     "button",
     { type: "button", class: `pick${state.selected === run ? " chosen" : ""}`, click: () => openRun(store, run) },
@@ -68,11 +68,12 @@ function searched(study: Study): Choice[] {
 function byMargin(store: Store): Choice[] {
   const { study } = store;
   if (!study.requirements.length || store.state.thresholds.every(({ off }) => off)) return [];
-  const { overall } = store.judgement();
+  const { judgement: { overall }, runs, deciding } = store.designs();
   let [best, near] = [-1, -1];
   let [most, least] = [-Infinity, Infinity];
-  for (let run = 0; run < study.size; run++) {
-    if (overall[run] !== PASS) continue;
+  for (const first of runs) {
+    if (overall[first] !== PASS) continue;
+    const run = deciding(first);
     const here = worstMargin(store, run);
     if (here > most) [most, best] = [here, run];
     if (here < least) [least, near] = [here, run];

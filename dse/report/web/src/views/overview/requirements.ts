@@ -22,19 +22,19 @@ export function createRequirements(store: Store): HTMLElement {
     if (changed.has("thresholds")) draw();
   });
   const head = (text: string, numeric = false): HTMLElement => el("th", { scope: "col", class: numeric ? "numeric" : "" }, text);
-  const columns = el("thead", {}, el("tr", {}, head("Requirement"), head("Bound"), head("Runs that pass", true), head("Best margin", true), head("Worst margin", true)));
+  const columns = el("thead", {}, el("tr", {}, head("Requirement"), head("Bound"), head(store.designs().noun === "run" ? "Runs that pass" : "Designs that pass", true), head("Best margin", true), head("Worst margin", true)));
   return el(
     "div",
     {},
     el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Table of requirements" }, el("table", { class: "plain lights-table", id: "lights" }, columns, body)),
-    el("p", { class: "hint" }, "Of all runs of the study, at the thresholds that are set; runs that do not exercise a requirement count neither way."),
+    el("p", { class: "hint" }, store.designs().noun === "run" ? "Of all runs of the study, at the thresholds that are set; runs that do not exercise a requirement count neither way." : "Of all designs of the study at the worst of their conditions, at the thresholds that are set; margins are those of single runs."),
   );
 }
 
 function rows(store: Store): HTMLElement[] {
   const { study, state } = store;
-  const { each, overall } = store.judgement();
-  const all = tally(study, overall, -1);
+  const { judgement: { each, overall }, runs } = store.designs();
+  const all = tally(study, overall, -1, runs);
   const off = state.thresholds.filter(({ off }) => off).length;
   return [
     el(
@@ -48,9 +48,9 @@ function rows(store: Store): HTMLElement[] {
     ),
     ...study.requirements.map((requirement, index) => {
       const threshold = state.thresholds[index]!;
-      const counts = tally(study, each[index]!, -1);
+      const counts = tally(study, each[index]!, -1, runs);
       const { unit, values, title } = study.metrics[requirement.metric]!;
-      const [best, worst] = extremes(values, each[index]!, threshold);
+      const [best, worst] = extremes(values, store.judgement().each[index]!, threshold);
       const told = (run: number): HTMLElement => el("td", { class: "numeric" }, run < 0 ? "\u2013" : runButton(store, run, signed(margin(values[run]!, threshold), unit)));
       return el(
         "tr",

@@ -2,11 +2,11 @@
 import { el } from "../../dom";
 import { count, group, percent } from "../../format";
 import { studyThresholds, type Store } from "../../store";
+import { conditionsInWords, everyCondition } from "../../points";
 import type { Study } from "../../study";
 import { FAILED, NOT_EXERCISED, PASS, tally } from "../../verdicts";
-import { worstMargin } from "../shared/margins";
 import { planeName } from "../shared/planes";
-import { runButton } from "../shared/runs";
+import { positionOf, runButton } from "../shared/runs";
 import { isAsStudied } from "../shared/thresholds";
 
 interface Warning {
@@ -40,17 +40,17 @@ export function createWarnings(store: Store): HTMLElement {
 
 function warnings(store: Store): Warning[] {
   const { study } = store;
-  return [...nothingPasses(store), ...failures(study), ...missing(study), ...retried(study), ...notExercised(store), ...doubtful(store), ...uncertain(study), ...atEdge(store), ...moved(store), ...unchecked(study)];
+  return [...nothingPasses(store), ...failures(study), ...missing(study), ...retried(study), ...notExercised(store), ...doubtful(store), ...uncertain(study), ...atEdge(study), ...moved(store), ...unchecked(study)];
 }
 
 function nothingPasses(store: Store): Warning[] {
   const { study, state } = store;
   if (!study.size) return [{ level: "bad", text: "There are no runs." }];
-  const { overall, each } = store.judgement();
+  const { judgement: { overall, each }, noun } = store.designs();
   if (!study.requirements.length || overall.includes(PASS)) return [];
   const never = study.requirements.filter((_, index) => !state.thresholds[index]!.off && !each[index]!.includes(PASS)).map(({ title }) => title);
-  const why = never.length ? `No run meets ${never.join(", nor ")}.` : "Each requirement is met by some run, but not all by one.";
-  return [{ level: "bad", text: `No run meets all requirements. ${why}` }];
+  const why = never.length ? `No ${noun} meets ${never.join(", nor ")}.` : `Each requirement is met by some ${noun}, but not all by one.`;
+  return [{ level: "bad", text: `No ${noun} meets all requirements${conditionsInWords(study, everyCondition(study))}. ${why}` }];
 }
 
 function failures(study: Study): Warning[] {
@@ -115,23 +115,18 @@ function uncertain(study: Study): Warning[] {
     }));
 }
 
-function atEdge(store: Store): Warning[] {
-  const { study } = store;
-  if (!study.requirements.length) return [];
-  const { overall } = store.judgement();
-  let [best, most] = [-1, -Infinity];
-  for (let run = 0; run < study.size; run++) {
-    const here = overall[run] === PASS ? worstMargin(store, run) : -Infinity;
-    if (here > most) [most, best] = [here, run];
-  }
-  if (best < 0) return [];
+/** Only an objective makes what lies beyond a range better: a requirement is met or not. */
+function atEdge(study: Study): Warning[] {
+  const best = study.insight!.search?.picks[0];
+  const run = best && study.insight!.search!.objectives.length === 1 ? positionOf(study, best.run) : -1;
+  if (run < 0) return [];
   const { roles } = study.insight!.asked;
   const ends = study.variables.flatMap(({ title, low, high, values, lack }, index) => {
-    if (roles[index] !== "design" || lack.includes(study.configuration[best]!)) return [];
-    const place = (values[best]! - low) / (high - low);
+    if (roles[index] !== "design" || lack.includes(study.configuration[run]!)) return [];
+    const place = (values[run]! - low) / (high - low);
     return place < 1e-6 ? [`lower end of ${title}`] : place > 1 - 1e-6 ? [`upper end of ${title}`] : [];
   });
-  return ends.length ? [{ level: "warn", text: `The run with most to spare lies at the ${ends.join(" and the ")}: a better one may lie beyond the range.`, run: best }] : [];
+  return ends.length ? [{ level: "warn", text: `The best design lies at the ${ends.join(" and the ")}: a better one may lie beyond the range.`, run }] : [];
 }
 
 function moved(store: Store): Warning[] {
@@ -141,5 +136,5 @@ function moved(store: Store): Warning[] {
 
 function unchecked(study: Study): Warning[] {
   if (!study.size || study.metrics.some(({ error }) => error)) return [];
-  return [{ level: "note", text: "Nobody has looked at the numerical error of these runs: there are no error bars, and no verdict could be called doubtful." }];
+  return [{ level: "note", text: "Numerical error was not checked for these runs. There are no error bars, and doubtful verdicts cannot be flagged." }];
 }

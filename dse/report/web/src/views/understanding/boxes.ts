@@ -15,20 +15,19 @@ export function createBoxes(store: Store): HTMLElement {
   const status = el("p", { class: "hint", id: "brushed", "aria-live": "polite" });
   const clear = el("button", { type: "button", id: "clear-brushes", click: () => store.set({ brushes: [] }) }, "Show all runs again");
   const tell = (): void => {
-    const mask = store.within();
-    const { overall } = store.judgement();
+    const { runs, within: mask, judgement: { overall }, noun } = store.designs();
     clear.hidden = !mask;
     if (!mask) {
       status.textContent = !shows ? "" : "\u2018Show\u2019 sets back all runs outside of a box, in every view.";
       return;
     }
     let [inside, passing] = [0, 0];
-    for (let run = 0; run < study.size; run++) {
+    for (const run of runs) {
       if (!mask[run]) continue;
       inside++;
       if (overall[run] === PASS) passing++;
     }
-    status.textContent = `${group(passing)} of the ${group(inside)} runs inside pass.`;
+    status.textContent = `${group(passing)} of the ${group(inside)} ${noun}s inside pass.`;
   };
   tell();
   store.subscribe((_, changed) => {
@@ -47,10 +46,11 @@ function sentenceOf({ text }: Box): string {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
-function centreText({ study }: Store, { run, margin, around, limit, ranges }: Centre): string {
+function centreText({ study, designs }: Store, { run, margin, around, limit, ranges }: Centre): string {
   const parts = ranges.map(({ variable, low, high }) => `${study.variables[variable]!.title} ${number(low, 3)} \u2026 ${withUnit(number(high, 3), study.variables[variable]!.unit)}`);
+  const { noun } = designs();
   const end = limit < 0 ? "then a range ends" : `run ${limit} does not pass`;
-  return `Around run ${run} all of these may change at once, by ${percent(margin, 1)} of their ranges: ${parts.join(", ")}. ${group(around)} other runs inside pass; ${end}.`;
+  return `Around run ${run} all of these may change at once, by ${percent(margin, 1)} of their ranges: ${parts.join(", ")}. ${group(around)} other ${noun}s inside pass; ${end}.`;
 }
 
 function row(store: Store, text: string, plane: number[], ranges: Range[], choices: string, run = -1): HTMLElement {

@@ -56,7 +56,7 @@ export function chanceFigure(store: Store, map: ChanceMap, id: string, title: st
     el("figcaption", {}, el("b", {}, title), el("span", {}, `in doubt on ${percent(map.uncertain, 1)} of the plane`)),
     painted.element,
     reading,
-    el("p", { class: "hint" }, `From ${from}.${configuration}${held.length ? ` Held: ${held.join(", ")}.` : ""}`),
+    el("p", { class: "hint" }, `From ${from}.${configuration}${map.conditions > 1 ? ` At the worst of ${map.conditions} conditions.` : ""}${held.length ? ` Held: ${held.join(", ")}.` : ""}`),
   );
 }
 
@@ -156,7 +156,7 @@ function axisOf({ study }: Store, variable: number): { values: number[] } {
 }
 
 function placeOf(store: Store, variable: number, value: number): number {
-  return placeAt({ ...axisOf(store, variable), title: "", unit: "", variable, levels: [], label: "", labels: [] }, value) * (TICKS - 1);
+  return placeAt({ ...axisOf(store, variable), title: "", unit: "", variable, levels: [], label: "", is_condition: false, labels: [] }, value) * (TICKS - 1);
 }
 
 function ticks(store: Store, map: ChanceMap, axis: 0 | 1): { title: string; unit: string; names: string[] } {

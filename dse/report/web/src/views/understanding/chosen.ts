@@ -58,5 +58,7 @@ export function chooseMatrixVariables(store: Store, shown: readonly number[]): v
 }
 
 function firstVariables({ variables }: Study): number[] {
-  return variables.map((_, index) => index).slice(0, MOST_VARIABLES);
+  const all = [...variables.keys()];
+  const chosen = all.filter((index) => variables[index]!.role !== "condition");
+  return (chosen.length < 2 ? all : chosen).slice(0, MOST_VARIABLES);
 }

@@ -1,8 +1,9 @@
 // All planes of two design variables as small pictures, with cross-hairs at the selected run; a click opens one.
 import { el } from "../../dom";
 import { count, group } from "../../format";
-import { liesIn, startingPoint } from "../../plane/plane";
+import { fixedThrough, liesIn, startingPoint } from "../../plane/plane";
 import { paintedBy, type Sheet } from "../../plot/sheet";
+import { everyCondition, pointsOf, type Points } from "../../points";
 import type { State, Store } from "../../store";
 import type { Study } from "../../study";
 import { palette } from "../../theme";
@@ -102,12 +103,19 @@ function createCell(store: Store, x: number, y: number): Cell {
   return cell;
 }
 
-function runsOf({ study, state }: Store, x: number, y: number): number[] {
+/** Designs at the worst of their conditions; where a condition is an axis, as the plot would have it. */
+function judgedOn(store: Store, x: number, y: number): Points {
+  const isAxis = [x, y].some((index) => store.study.variables[index]!.role === "condition");
+  return isAxis ? pointsOf(store, { ...everyCondition(store.study), x, y }) : store.designs();
+}
+
+function runsOf(store: Store, x: number, y: number): number[] {
+  const { study, state } = store;
   const { configuration, selected } = state;
   const own = study.sampler === "full_factorial" && selected >= 0 && study.configuration[selected] === configuration;
-  const fixed = own ? study.variables.map(({ values }) => values[selected]!) : study.sampler === "sliced" ? startingPoint(study) : state.fixed;
+  const fixed = own ? fixedThrough(study, startingPoint(study), selected) : study.sampler === "sliced" ? startingPoint(study) : state.fixed;
   const found: number[] = [];
-  for (let run = 0; run < study.size; run++) {
+  for (const run of judgedOn(store, x, y).runs) {
     const there = study.sampler === "scattered" ? study.configuration[run] === configuration : liesIn(study, run, { configuration, x, y, fixed });
     if (there) found.push(run);
   }
@@ -117,17 +125,16 @@ function runsOf({ study, state }: Store, x: number, y: number): number[] {
 function tell(store: Store, cell: Cell): void {
   const { x, y, told } = cell;
   const { study } = store;
-  const { overall } = store.judgement();
+  const { judgement: { overall }, noun } = judgedOn(store, x, y);
   const runs = (cell.runs = runsOf(store, x, y));
   const passing = runs.filter((run) => overall[run] === PASS).length;
   const together = study.sampler !== "sliced" || study.slices.some((names) => names.includes(x) && names.includes(y));
-  told.textContent = together ? `${group(passing)} of ${count(runs.length, "run")} pass` : "not varied together";
+  told.textContent = together ? `${group(passing)} of ${count(runs.length, noun)} pass` : "not varied together";
 }
 
 function paint({ pen, width, height }: Sheet, store: Store, { x, y, runs }: Cell): void {
   const { study, state } = store;
-  const { overall } = store.judgement();
-  const mask = store.within();
+  const { judgement: { overall }, within: mask } = judgedOn(store, x, y);
   const colours = palette();
   const place = (variable: number, run: number, from: number, to: number): number => {
     const { values, low, high } = study.variables[variable]!;
@@ -160,7 +167,7 @@ function paint({ pen, width, height }: Sheet, store: Store, { x, y, runs }: Cell
   pen.strokeStyle = colours.current;
   pen.lineWidth = 1;
   // A run outside of the plane has its cross-hairs broken.
-  pen.setLineDash(runs.includes(selected) ? [] : [3, 3]);
+  pen.setLineDash(runs.includes(judgedOn(store, x, y).first(selected)) ? [] : [3, 3]);
   pen.beginPath();
   pen.moveTo(across(selected), 0);
   pen.lineTo(across(selected), height);

@@ -1,10 +1,10 @@
 // Runs as designs: a configuration with values of its design variables, in the order of their first runs, as in
 // dse/exploration/designs.py. The runs of a design differ in conditions and in what is uncertain.
-import type { Study, Variable } from "../../study";
+import type { Study, Variable } from "./study";
 
 export interface Grouping {
   size: number;
-  /** Design of each run. */
+  /** Design of each run, -1 for one that is left out. */
   of: Int32Array;
   /** First run of each design. */
   first: Int32Array;
@@ -14,7 +14,7 @@ export interface Grouping {
   /** Condition of each run, by its place in the order in which they came. */
   condition: Int32Array;
   conditions: number;
-  /** Which designs were tried at as many conditions as any. */
+  /** Which designs were tried at all conditions. */
   whole: Uint8Array;
 }
 
@@ -22,42 +22,48 @@ const known = new WeakMap<Study, Grouping>();
 
 export function groupingOf(study: Study): Grouping {
   let grouping = known.get(study);
-  if (!grouping) known.set(study, (grouping = grouped(study)));
+  if (!grouping) known.set(study, (grouping = grouped(study, valuesOf(study, ({ role }) => role === "design"), valuesOf(study, ({ role }) => role === "condition"), Int32Array.from(study.number.keys()))));
   return grouping;
+}
+
+/** The runs *among*, grouped where they differ only in the variables *pooled*, which are conditions. */
+export function pooledOver(study: Study, pooled: ReadonlySet<Variable>, among: Int32Array): Grouping {
+  return grouped(study, valuesOf(study, (variable) => !pooled.has(variable)), valuesOf(study, (variable) => pooled.has(variable)), among);
+}
+
+function valuesOf(study: Study, suits: (variable: Variable) => boolean): ArrayLike<number>[] {
+  return study.variables.filter(suits).map(({ values }) => values);
 }
 
 export function variablesOf(study: Study, role: Variable["role"]): Variable[] {
   return study.variables.filter((variable) => variable.role === role);
 }
 
-function grouped(study: Study): Grouping {
-  const values = (role: Variable["role"]): ArrayLike<number>[] => variablesOf(study, role).map((variable) => variable.values);
-  const { codes: of, count: size } = coded([study.configuration, ...values("design")], study.size);
-  const { codes: condition, count: conditions } = coded(values("condition"), study.size);
-  const byCondition = sorted(Int32Array.from({ length: study.size }, (_, run) => run), condition, conditions).rows;
-  const { rows, start } = sorted(byCondition, of, size);
+function grouped(study: Study, own: ArrayLike<number>[], at: ArrayLike<number>[], among: Int32Array): Grouping {
+  const { codes: of, count: size } = coded([study.configuration, ...own], study.size, among);
+  const { codes: condition, count: conditions } = coded(at, study.size, among);
+  const { rows, start } = sorted(sorted(among, condition, conditions).rows, of, size);
   const first = new Int32Array(size);
-  for (let run = study.size - 1; run >= 0; run--) first[of[run]!] = run;
+  for (let i = among.length - 1; i >= 0; i--) first[of[among[i]!]!] = among[i]!;
   const tried = new Int32Array(size);
-  let most = 0;
   for (let design = 0; design < size; design++) {
     for (let i = start[design]!; i < start[design + 1]!; i++) {
       if (i === start[design] || condition[rows[i]!] !== condition[rows[i - 1]!]) tried[design]!++;
     }
-    most = Math.max(most, tried[design]!);
   }
-  return { size, of, first, start, rows, condition, conditions, whole: Uint8Array.from(tried, (count) => (count === most ? 1 : 0)) };
+  return { size, of, first, start, rows, condition, conditions, whole: Uint8Array.from(tried, (count) => (count === conditions ? 1 : 0)) };
 }
 
-/** Numbers 0, 1, … for rows of *columns*, the same for equal rows. */
-function coded(columns: ArrayLike<number>[], size: number): { codes: Int32Array; count: number } {
-  let codes = new Int32Array(size);
-  let count = Math.min(1, size);
+/** Numbers 0, 1, … for the rows *among* those of *columns*, the same for equal rows; -1 for others. */
+function coded(columns: ArrayLike<number>[], size: number, among: Int32Array): { codes: Int32Array; count: number } {
+  let codes = new Int32Array(size).fill(-1);
+  for (const row of among) codes[row] = 0;
+  let count = Math.min(1, among.length);
   for (const column of columns) {
     const values = new Map<number, number>();
     const pairs = new Map<number, number>();
-    const next = new Int32Array(size);
-    for (let row = 0; row < size; row++) {
+    const next = new Int32Array(size).fill(-1);
+    for (const row of among) {
       const value = column[row]!;
       let code = values.get(value);
       if (code === undefined) values.set(value, (code = values.size));

@@ -1,9 +1,9 @@
 // Which designs meet the requirements, and by how much: the rule of dse/exploration/designs.py at the reader's
 // thresholds (both are held to tests/design_cases.py).
-import type { Study } from "../../study";
-import { FAIL, FAILED, judge, margin, NOT_EXERCISED, PASS, type Judgement, type Threshold } from "../../verdicts";
-import { scaleOf } from "../shared/margins";
-import { groupingOf } from "./grouping";
+import type { Study } from "./study";
+import { FAIL, FAILED, judge, margin, NOT_EXERCISED, PASS, type Judgement, type Threshold } from "./verdicts";
+import { scaleOf } from "./views/shared/margins";
+import { groupingOf, type Grouping } from "./grouping";
 
 export interface Standing {
   /** Overall mark of each design; `PASS` is feasible. */
@@ -15,9 +15,8 @@ export interface Standing {
   worst: Int32Array[];
   /** The least margin as a share of its scale; NaN where one is not known. */
   slack: Float64Array;
-  /** By how much requirements are missed: margins in units of their scales, 1 for one that no run exercised, and for each run
-   * that failed to run 1 + the number of requirements; 0 where it is feasible. */
-  shortfall: Float64Array;
+  /** How many requirements are not met; infinite where a run failed to run. */
+  missed: Float64Array;
   /** The run that decides: one that failed to run, else that of the least slack, else the first. */
   deciding: Int32Array;
 }
@@ -33,8 +32,8 @@ export function tightened(study: Study, thresholds: Threshold[], demand: number)
 }
 
 /** Designs at *thresholds*, judged with the share *demand* of margin asked for; *judgement* is that of the runs without it. */
-export function standingOf(study: Study, thresholds: Threshold[], demand: number, judgement: Judgement): Standing {
-  const { size, start, rows, whole } = groupingOf(study);
+export function standingOf(study: Study, thresholds: Threshold[], demand: number, judgement: Judgement, grouping = groupingOf(study)): Standing {
+  const { size, start, rows, whole } = grouping;
   const { each } = demand ? judge(study, tightened(study, thresholds, demand)) : judgement;
   const standing: Standing = {
     mark: new Uint8Array(size),
@@ -42,12 +41,12 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
     margins: each.map(() => new Float64Array(size).fill(NaN)),
     worst: each.map(() => new Int32Array(size).fill(-1)),
     slack: new Float64Array(size).fill(NaN),
-    shortfall: new Float64Array(size),
+    missed: new Float64Array(size),
     deciding: new Int32Array(size),
   };
-  each.forEach((marks, index) => judgeOne(study, thresholds[index]!, index, marks, standing));
+  each.forEach((marks, index) => judgeOne(study, grouping, thresholds[index]!, index, marks, standing));
   const counted = each.map((_, index) => index).filter((index) => !thresholds[index]!.off);
-  const { mark, slack, shortfall, deciding } = standing;
+  const { mark, slack, missed, deciding } = standing;
   // Whether each requirement has a verdict on a design all of whose runs came to their end.
   const isKnown = new Uint8Array(size);
   for (let design = 0; design < size; design++) {
@@ -62,7 +61,7 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
     mark[design] = failed ? FAILED : whole[design] ? PASS : NOT_EXERCISED;
     slack[design] = Infinity;
     isKnown[design] = failed ? 0 : 1;
-    shortfall[design] = failed * (1 + counted.length);
+    missed[design] = failed ? Infinity : 0;
   }
   // Requirement by requirement: of a hundred thousand designs that is twice as fast as design by design.
   for (const index of counted) {
@@ -81,9 +80,7 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
         slack[design] = share;
         deciding[design] = worst[design]!;
       }
-      // A missed margin of nothing is missed all the same.
-      if (one === FAIL) shortfall[design]! += demand > share ? demand - share : Number.MIN_VALUE;
-      else if (one !== PASS) shortfall[design]! += 1;
+      if (one !== PASS) missed[design]!++;
     }
   }
   for (let design = 0; design < size; design++) if (!isKnown[design] || slack[design] === Infinity) slack[design] = NaN;
@@ -91,8 +88,7 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
 }
 
 /** One requirement: *marks* are those of the runs. */
-function judgeOne(study: Study, threshold: Threshold, index: number, marks: Uint8Array, standing: Standing): void {
-  const { size, start, rows } = groupingOf(study);
+function judgeOne(study: Study, { size, start, rows }: Grouping, threshold: Threshold, index: number, marks: Uint8Array, standing: Standing): void {
   const { values } = study.metrics[study.requirements[index]!.metric]!;
   const [each, margins, worst] = [standing.each[index]!, standing.margins[index]!, standing.worst[index]!];
   for (let design = 0; design < size; design++) {
