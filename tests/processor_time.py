@@ -92,6 +92,7 @@ class ProcessorTime:
         self._fixtures: Counter[str] = Counter()
         self._slowness: list[float] = []
         self._count = 0
+        self._failures: list[str] = []
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_setup(self) -> Generator[None, Any, Any]:
@@ -140,7 +141,8 @@ class ProcessorTime:
         if target:
             whole = {"whole": spent(), "slowness": self._slowness, "tests": self._tests, "fixtures": self._fixtures}
             Path(target).write_text(json.dumps(whole), encoding="utf-8")
-        if session.exitstatus == pytest.ExitCode.OK and self._failures():
+        self._failures = self._too_dear()
+        if session.exitstatus == pytest.ExitCode.OK and self._failures:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
@@ -151,10 +153,10 @@ class ProcessorTime:
         terminalreporter.write_line(
             f"processor time: {whole:.0f} s at {runs:.0f} plain C runs/s: {whole * runs / 1e3:.0f} thousand runs"
         )
-        for failure in self._failures():
+        for failure in self._failures:
             terminalreporter.write_line(f"processor time: {failure}", red=True)
 
-    def _failures(self) -> list[str]:
+    def _too_dear(self) -> list[str]:
         """What costs too much, in CI and if these are all everyday tests."""
         if not (os.environ.get("CI") and self._config.getoption("--budget")):
             return []

@@ -84,8 +84,8 @@ def _above(x: Waveform) -> float:
     bend = 2.0 * at - before - after
     if not (math.isfinite(bend) and bend > 0.0 and abs(after - before) < 2.0 * bend):  # the vertex is in these gaps
         return 0.0
-    peak = x.item(top)
-    parabola = max(at + (after - before) ** 2 / (8.0 * bend) - peak, 0.0)
+    peak: float = x.item(top)
+    parabola: float = max(at + (after - before) ** 2 / (8.0 * bend) - peak, 0.0)
     return max(parabola, _corner(x, top - 1, bend, peak), _corner(x, top, bend, peak))
 
 

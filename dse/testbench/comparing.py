@@ -79,8 +79,8 @@ class Comparison:
             _note(under, judged)
             for name, apart in changes.items():
                 apart.append(_distance(metrics[name], found[name]))
-        off, judged = between_rows(self._prepared.program, time, columns, constants)
-        _note(under, judged)
+        off, nearby = between_rows(self._prepared.program, time, columns, constants)
+        _note(under, nearby)
         bars: dict[str, float] = {}
         unmeasured = dict(checks.unmeasured)
         for name, apart in changes.items() if not failure else ():

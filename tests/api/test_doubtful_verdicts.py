@@ -202,7 +202,7 @@ def test_a_variation_that_fails_is_told_and_leaves_doubt(workspace: dse.Workspac
 @pytest.mark.thorough
 def test_error_bars_of_all_runs_tell_what_is_doubtful(workspace: dse.Workspace, tmp_path: Path) -> None:
     rows = workspace.studies["every"].explore(tmp_path / "every", workers=1).to_pandas()
-    expected = np.where(rows["R1.margin"].abs() > 2 * rows["end.error"], "certain", "doubtful")
+    expected = np.where(rows["R1.margin"].abs() > rows["end.error"], "certain", "doubtful")
     assert rows["R1.certainty"].tolist() == expected.tolist()
     assert set(expected) == {"certain", "doubtful"}
 
