@@ -43,6 +43,11 @@ def test_the_page_leads_from_an_empty_folder_to_a_report(tmp_path: Path, built_b
     assert "2 of 2 configurations are valid" in said["dse enumerate drive"]
     assert said["dse explore gains"].startswith("out/gains: 216 runs, 216 of them new")
     assert "out/start_off  start_off  finished" in said["dse list"]
+    learnt = said["dse findings gains"]
+    assert "all requirements: met at both conditions in 19 %" in learnt
+    assert "(estimated from 21 of 108 designs)" in learnt
+    assert "all requirements: met at both conditions if keeper.gain > 140 kg/s and keeper.rate > 15 kg/s2: " in learnt
+    assert "robot.mass is" not in learnt
     ranked = said["dse best gains --minimize roughness"].splitlines()
     assert ranked[0].startswith("of 108 designs 21 meet all requirements")
     assert re.search(r"148\.2 kg/s +30 kg/s2", ranked[2])
