@@ -8,9 +8,10 @@ from verdict_cases import BOUNDS, cases
 
 from dse.domain.bench import VERDICTS, Metric, Requirement
 from dse.domain.component import Kind, Type
+from dse.domain.run import overall_codes
 from dse.expression.parse import parse_expression
 from dse.metrics.program import compile_metrics
-from dse.metrics.verdicts import margin_to_bounds, overall_codes, verdict_codes
+from dse.metrics.verdicts import margin_to_bounds, verdict_codes
 from dse.units import DIMENSIONLESS
 
 NUMBER = Type(Kind.REAL, DIMENSIONLESS)

@@ -13,7 +13,7 @@ from dse.domain.study import SHARD_FOLDER
 from dse.storage import StudyFolder, Writer, writer_of
 
 _WORST = (Verdict.FAILED_TO_RUN, Verdict.FAIL, Verdict.NOT_EXERCISED)
-"""Verdicts before which a pass counts for nothing, as `dse.metrics.overall_codes` has it."""
+"""Verdicts before which a pass counts for nothing, as `dse.domain.run.overall_codes` has it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dse.api.showing import described
 from dse.api.showing.html import table
+from dse.api.showing.quantities import units_called
 from dse.domain.run import Outcome
 from dse.errors import fail
 from dse.storage import units_of
@@ -124,6 +125,18 @@ class Run:
         return {entry.requirement: entry.verdict for entry in self.noun.judgements}
 
     @property
+    def verdict(self) -> Verdict | None:
+        """The verdict on all requirements: one failure fails a run, and without one a gap leaves it open; None if there
+        are no requirements."""
+        import numpy as np
+
+        from dse.domain.bench import VERDICTS
+        from dse.domain.run import overall_codes
+
+        codes = [np.array([VERDICTS.index(verdict)], dtype=np.uint8) for verdict in self.verdicts.values()]
+        return VERDICTS[overall_codes(codes, np.array([self.is_done]))[0]] if codes else None
+
+    @property
     def margins(self) -> Mapping[str, float]:
         """By how much each requirement is met, negative where it is not, NaN where that is undefined."""
         return {entry.requirement: entry.margin for entry in self.noun.judgements}
@@ -140,6 +153,15 @@ class Run:
             hint = "replay the run: Results.replay, or dse replay" if self.is_done else "it failed to run"
             raise fail(f"run {self.number} has no waveforms", None, hint)
         return Waveforms(self.noun.waveforms, self.units)
+
+    def as_data(self, units: str = "shown") -> dict[str, Any]:
+        """The run in the shape that it has in the JSON of `Results.export`, in these *units*."""
+        from dse.storage import run_as_data, scales_of
+
+        scales = scales_of(self.definition, units_called(units))
+        names = (*self.point, *self.metrics, *(f"{name}.margin" for name in self.margins))
+        data = run_as_data(self.noun, scales, str(self.verdict or ""))
+        return {**data, "units": {name: scales[name].symbol for name in names if scales[name].symbol}}
 
     def __repr__(self) -> str:
         if not self.is_done:
