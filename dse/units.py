@@ -60,16 +60,20 @@ class Unit:
         return _as_float((Fraction(value) - self.offset) / self.factor) if math.isfinite(value) else value
 
     def written(self, si: float) -> Decimal:
-        """A decimal number in this unit, of as few digits as possible, that `to_si` reads back as exactly *si*.
+        """A decimal number in this unit, of few digits if there is one, that `to_si` reads back as exactly *si*.
 
-        A double in this unit need not: 1.9 m/s has a neighbour that is the same double in km/h.
+        A double in this unit need not be read back so: some neighbours in m/s are the same double in km/h.
         """
+        near = self.from_si(si)
+        reach = math.ulp(si) / abs(float(self.factor)) + math.ulp(near)
+        texts = (
+            text for text in (*(f"{near:.{n}g}" for n in _FEW_DIGITS), repr(near)) if abs(float(text) - near) <= reach
+        )
+        for text in texts:
+            if self.to_si(Fraction(text)) == si:
+                return Decimal(text)
         exact = (Fraction(si) - self.offset) / self.factor
-        for digits in _DIGITS_TRIED:
-            found = Context(digits).divide(exact.numerator, exact.denominator).normalize()
-            if self.to_si(Fraction(found)) == si:
-                return found + 0  # without an exponent where it needs none
-        raise AssertionError(f"{si!r} in {self.symbol} needs more digits than a double has")
+        return Context(_ALL_DIGITS).divide(exact.numerator, exact.denominator)
 
     @property
     def is_coherent(self) -> bool:
@@ -80,7 +84,9 @@ class Unit:
         return self.symbol
 
 
-_DIGITS_TRIED = (6, 12, 15, 16, 17, 18, 19)
+_FEW_DIGITS = (6, 12, 15)
+_ALL_DIGITS = 20
+"""Enough for a double in any unit, but within 1 mK of absolute zero in degC."""
 
 LARGEST = 10**308
 """The largest number, in SI, that is taken; floating point ends a little above."""

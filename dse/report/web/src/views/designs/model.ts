@@ -1,6 +1,6 @@
 // What the reader has chosen among designs, and what follows from it; the parts of the view draw from here.
 import { columnOf } from "../../columns";
-import { withUnit } from "../../format";
+import { shortened, withUnit } from "../../format";
 import type { Changed, State, Store } from "../../store";
 import type { Study } from "../../study";
 import { PASS } from "../../verdicts";
@@ -181,6 +181,8 @@ export function subscribeCalmly(model: Model, listener: (changed: ChangedKeys) =
   });
 }
 
+const MOST_PART = 60;
+
 /** What a design is called: what it chooses where configurations differ, and its values of the design variables. */
 export function nameOf(model: Model, design: number): string {
   const { store, grouping } = model;
@@ -188,7 +190,7 @@ export function nameOf(model: Model, design: number): string {
   const chosen = differingPlaces(store).map((name) => choiceAt(store, configuration, name));
   const has = variablesOf(store.study, "design").filter(({ lack }) => !lack.includes(configuration));
   const values = has.map(({ title, unit, values, text }) => `${title} ${withUnit(text(values[grouping.first[design]!]!), unit)}`);
-  return [...chosen, ...values].filter(Boolean).join(", ") || store.study.configurations[configuration]!.id;
+  return [...chosen, ...values].filter(Boolean).map((part) => shortened(part, MOST_PART)).join(", ") || store.study.configurations[configuration]!.id;
 }
 
 /** The choice that *configuration* makes at the place *name*, "" where it has none. */
