@@ -103,7 +103,7 @@ class StudyData:
 
     def codes(self, requirement: str) -> Codes:
         """The verdicts on *requirement*, or on `ALL`, (n,); DseError if there is none."""
-        from dse.domain.run import overall_codes
+        from dse.metrics import overall_codes
 
         if requirement == ALL and self.verdicts:
             return overall_codes([*self.verdicts.values()], self.done)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.domain.bench import VERDICTS, Judgement, Verdict
+from dse.domain.bench import Judgement
 from dse.domain.component import Value
 
 ERROR_BAR = ".error"
@@ -18,10 +18,6 @@ ERROR_BAR = ".error"
 VERDICTS_UNDER = ".verdicts"
 """What a requirement's name ends in, among the numbers of a run that was repeated for error bars: the verdicts that the
 repetitions gave, as a sum of 2^position in `VERDICTS`; 0 where none can tell."""
-
-
-Codes = NDArray[np.uint8]
-"""Verdicts as their positions in `VERDICTS`."""
 
 
 class Outcome(StrEnum):
@@ -62,17 +58,3 @@ class Run:
     judgements: tuple[Judgement, ...] = ()
     problem: str = ""
     waveforms: Waveforms | None = None
-
-
-def overall_codes(verdicts: Sequence[Codes], done: NDArray[np.bool_]) -> Codes:
-    """The verdict on all requirements: one failure fails a run, and without one a gap leaves it open."""
-    ranks = [np.zeros(len(done), dtype=np.uint8), *(_RANK[codes] for codes in verdicts)]
-    found: Codes = np.where(done, _BY_RANK[np.maximum.reduce(ranks)], _BY_RANK[-1]).astype(np.uint8)
-    return found
-
-
-_BY_RANK = np.array(
-    [VERDICTS.index(each) for each in (Verdict.PASS, Verdict.NOT_EXERCISED, Verdict.FAIL, Verdict.FAILED_TO_RUN)],
-    dtype=np.uint8,
-)
-_RANK = np.argsort(_BY_RANK).astype(np.uint8)

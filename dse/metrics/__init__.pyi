@@ -13,4 +13,9 @@ from .rows import (
     compile_rule as compile_rule,
     compile_value as compile_value,
 )
-from .verdicts import margin_to_bounds as margin_to_bounds, verdict_codes as verdict_codes
+from .verdicts import (
+    Codes as Codes,
+    margin_to_bounds as margin_to_bounds,
+    overall_codes as overall_codes,
+    verdict_codes as verdict_codes,
+)

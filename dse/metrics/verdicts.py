@@ -5,12 +5,16 @@ The report's page judges by the same rule, at bounds that the reader moves (``ve
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.domain.bench import VERDICTS, Verdict
+
+Codes = NDArray[np.uint8]
+"""Verdicts as their positions in `VERDICTS`."""
 
 N = TypeVar("N", float, NDArray[np.float64])
 
@@ -34,7 +38,16 @@ def verdict_codes(margin: Any, exercised: Any, done: Any = True) -> Any:
     return _BY_CASE[4 * done + 2 * exercised + (margin >= 0)]
 
 
+def overall_codes(verdicts: Sequence[Codes], done: NDArray[np.bool_]) -> Codes:
+    """The verdict on all requirements: one failure fails a run, and without one a gap leaves it open."""
+    ranks = [np.zeros(len(done), dtype=np.uint8), *(_RANK[codes] for codes in verdicts)]
+    found: Codes = np.where(done, _BY_RANK[np.maximum.reduce(ranks)], _FAILED).astype(np.uint8)
+    return found
+
+
 _PASS, _FAIL, _OPEN, _FAILED = (
     VERDICTS.index(verdict) for verdict in (Verdict.PASS, Verdict.FAIL, Verdict.NOT_EXERCISED, Verdict.FAILED_TO_RUN)
 )
 _BY_CASE = np.array([_FAILED] * 4 + [_OPEN, _OPEN, _FAIL, _PASS], dtype=np.uint8)
+_BY_RANK = np.array([_PASS, _OPEN, _FAIL, _FAILED], dtype=np.uint8)
+_RANK = np.argsort(_BY_RANK).astype(np.uint8)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 
 from dse.domain.bench import VERDICTS, Verdict
-from dse.domain.run import Codes, overall_codes
-from dse.metrics import margin_to_bounds, verdict_codes
+from dse.metrics import Codes, margin_to_bounds, overall_codes, verdict_codes
 from dse.report.content.nouns import Floats, ReportContent, RequirementRow
 
 

@@ -107,12 +107,12 @@ class Results:
 
         return self._read(lambda store: to_arrow(store, units_called(units)))
 
-    def findings(self) -> tuple[Finding, ...]:
+    def findings(self, *, tell: Tell | None = None) -> tuple[Finding, ...]:
         """What the runs tell, in sentences: how often requirements are met, where, and what matters; what they do not
-        tell, and why. Some of it needs the extra ``analysis``."""
+        tell, and why. Some of it needs the extra ``analysis``. *tell* hears what is looked for next."""
         from dse.analysis import findings
 
-        return findings(self._read(lambda store: store.table()))
+        return findings(self._read(lambda store: store.table()), tell or (lambda _: None))
 
     def essentials(self) -> tuple[Finding, ...]:
         """Those findings that are about requirements and take no long time."""

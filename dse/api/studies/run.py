@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from dse.api.showing import described
 from dse.api.showing.html import table
 from dse.api.showing.quantities import units_called
+from dse.domain.bench import Verdict, overall_verdict
 from dse.domain.run import Outcome
 from dse.errors import fail
 from dse.storage import units_of
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dse.domain import run as nouns
-    from dse.domain.bench import Verdict
     from dse.domain.component import Value
     from dse.domain.definition import StudyDefinition
 
@@ -128,13 +128,9 @@ class Run:
     def verdict(self) -> Verdict | None:
         """The verdict on all requirements: one failure fails a run, and without one a gap leaves it open; None if there
         are no requirements."""
-        import numpy as np
-
-        from dse.domain.bench import VERDICTS
-        from dse.domain.run import overall_codes
-
-        codes = [np.array([VERDICTS.index(verdict)], dtype=np.uint8) for verdict in self.verdicts.values()]
-        return VERDICTS[overall_codes(codes, np.array([self.is_done]))[0]] if codes else None
+        if not self.definition.requirements:
+            return None
+        return overall_verdict([*self.verdicts.values()]) if self.is_done else Verdict.FAILED_TO_RUN
 
     @property
     def margins(self) -> Mapping[str, float]:

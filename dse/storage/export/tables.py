@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dse.domain.bench import VERDICTS
-from dse.domain.run import ERROR_BAR, Run, overall_codes
+from dse.domain.bench import VERDICTS, overall_verdict
+from dse.domain.run import ERROR_BAR, Run
 from dse.storage.checks import CERTAINTIES
 from dse.storage.database.definition import definition_to_json
 from dse.storage.export.headings import (
@@ -189,9 +189,9 @@ def run_as_data(run: Run, scales: Mapping[str, Scale], verdict: str) -> dict[str
 
 def _overall(table: RunTable) -> list[str]:
     """The verdict of each run on all requirements; none if there are no requirements."""
-    names = table.header.requirements
-    codes = overall_codes([table.verdicts(name) for name in names], table.done)
-    return [str(VERDICTS[code]) for code in codes.tolist()] if names else []
+    columns = [table.verdicts(name).tolist() for name in table.header.requirements]
+    known = {codes: str(overall_verdict([VERDICTS[code] for code in codes])) for codes in {*zip(*columns, strict=True)}}
+    return [known[codes] for codes in zip(*columns, strict=True)]
 
 
 def _symbols(scales: Mapping[str, Scale], *, plain: bool = False) -> dict[str, str]:
