@@ -1,4 +1,5 @@
-"""Where requirements are met, and where a verdict is in doubt: the boundary with its band."""
+"""How probable it is that requirements are met, and where a verdict is in doubt; the boundary itself is drawn in the
+constraint plot alone, by its interpolation."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ from dse.report.charts.chart import Chart
 from dse.report.content.insight import ChanceMap
 from dse.report.content.nouns import ReportContent, label
 from dse.report.drawing.sheets import axes_of, say, sheet, style
-from dse.report.drawing.style import COLOURS, INK
+from dse.report.drawing.style import INK
 from dse.report.figure import View
 
 if TYPE_CHECKING:
@@ -48,9 +49,10 @@ def _draw(content: ReportContent, chance: ChanceMap) -> Sheet:
     passing, misjudged = (np.asarray(p).reshape(chance.size, chance.size) for p in (chance.passing, chance.misjudged))
     held = ", ".join(f"{content.variables[i].title} = {content.variables[i].shown(value)}" for i, value in chance.held)
     note = (
-        f"From {chance.used:,} of {chance.runs:,} runs{f', at {held}' * bool(held)}. Hatched: the verdict is another "
+        f"Probability by a Gaussian process, from {chance.used:,} of {chance.runs:,} runs"
+        f"{f', at {held}' * bool(held)}. Hatched: the verdict is another one with {_DOUBT} % or more; "
+        f"of the plane {chance.uncertain:.1%} is believed to be misjudged."
     )
-    note += f"one with {_DOUBT} % or more; of the plane {chance.uncertain:.1%} is believed to be misjudged."
     with style():
         title = f"{requirement.title or requirement.name}: how probable it is that it is met"
         figure = sheet(title, note.replace("%", " %").replace("  %", " %"), height=4.8)
@@ -58,8 +60,6 @@ def _draw(content: ReportContent, chance: ChanceMap) -> Sheet:
         filled = axes.contourf(*grids, passing, levels=np.linspace(0, 100, 11), cmap="RdYlBu", vmin=-15, vmax=115)
         if misjudged.max() >= _DOUBT:
             axes.contourf(*grids, misjudged, levels=[_DOUBT, 101], colors="none", hatches=["////"])
-        if passing.min() < 50 < passing.max():
-            axes.contour(*grids, passing, levels=[50], colors=[COLOURS[0]], linewidths=1.6)
         bar = figure.colorbar(filled, ax=axes)
         bar.set_label("met with [%]", color=INK)
         say(axes, xlabel=label(x.title, x.unit_symbol), ylabel=label(y.title, y.unit_symbol))
