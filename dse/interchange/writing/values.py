@@ -100,7 +100,7 @@ def _add_value(entry: ET.Element, variable: Variable, values: Sequence[Inside], 
     texts = [_text(value, variable) for value in values]
     if variable.kind is Kind.ENUMERATION:
         # By their names, as other programs may number items otherwise; a number that no item has stays one.
-        names = {number: name for name, number in reversed([*variable.items.items()])}
+        names = {float(number): name for name, number in reversed([*variable.items.items()])}
         is_named = all(value in names for value in values)
         word = "Enumeration" if is_named else "Integer" if version == "1.0" else "Int64"
         texts = [names[value] for value in values if isinstance(value, float | int)] if is_named else texts
