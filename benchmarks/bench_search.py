@@ -35,7 +35,7 @@ def main() -> None:
     given = options.parse_args()
     study = dse.open(Path(__file__).parents[1]).studies[str(STUDY)].noun
     results = dse.results(given.folder)
-    wanted = best_designs(ranking(results.to_pandas(), costs(results)))
+    wanted = best_designs(ranking(results.to_pandas("si"), costs(results)))
     with StudyFolder.open(given.folder) as stored:
         known = Known(stored)
     for name, facts in (("nsga2", {"population": 32}), ("nsga2", {"population": 64}), ("tpe", {})):

@@ -31,7 +31,7 @@ def main() -> None:
     given = options.parse_args()
     study = dse.open(Path(__file__).parents[1]).studies[str(STUDY)]
     results = study.explore(given.folder, workers=given.workers, progress=True)
-    show(ranking(results.to_pandas(), costs(results)), given.best)
+    show(ranking(results.to_pandas("si"), costs(results)), given.best)
 
 
 def costs(results: dse.Results) -> pd.Series:

@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from decimal import Decimal
+from decimal import Context, Decimal
 from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
@@ -49,13 +49,31 @@ class Unit:
     offset: Fraction
     dimension: Dimension
 
-    def to_si(self, value: float) -> float:
+    def to_si(self, value: float | Fraction) -> float:
         """*value* in this unit as a value in the coherent SI unit."""
-        return _as_float(Fraction(value) * self.factor + self.offset) if math.isfinite(value) else value
+        if isinstance(value, float) and not math.isfinite(value):
+            return value
+        return _as_float(Fraction(value) * self.factor + self.offset)
 
     def from_si(self, value: float) -> float:
         """*value* in the coherent SI unit as a value in this unit."""
         return _as_float((Fraction(value) - self.offset) / self.factor) if math.isfinite(value) else value
+
+    def written(self, si: float) -> Decimal:
+        """A decimal number in this unit, of few digits if there is one, that `to_si` reads back as exactly *si*.
+
+        A double in this unit need not be read back so: some neighbours in m/s are the same double in km/h.
+        """
+        near = self.from_si(si)
+        reach = math.ulp(si) / abs(float(self.factor)) + math.ulp(near)
+        texts = (
+            text for text in (*(f"{near:.{n}g}" for n in _FEW_DIGITS), repr(near)) if abs(float(text) - near) <= reach
+        )
+        for text in texts:
+            if self.to_si(Fraction(text)) == si:
+                return Decimal(text)
+        exact = (Fraction(si) - self.offset) / self.factor
+        return Context(_ALL_DIGITS).divide(exact.numerator, exact.denominator)
 
     @property
     def is_coherent(self) -> bool:
@@ -65,6 +83,10 @@ class Unit:
     def __str__(self) -> str:
         return self.symbol
 
+
+_FEW_DIGITS = (6, 12, 15)
+_ALL_DIGITS = 20
+"""Enough for a double in any unit, but within 1 mK of absolute zero in degC."""
 
 LARGEST = 10**308
 """The largest number, in SI, that is taken; floating point ends a little above."""
@@ -123,6 +145,12 @@ def si_unit(dimension: Dimension) -> Unit:
         return DIMENSIONLESS
     named = next((unit for unit in map(parse_unit, _NAMED) if unit.dimension == dimension), None)
     return named or Unit(_quotient(dimension, _symbol_power), Fraction(1), Fraction(0), dimension)
+
+
+def shown(value: float, digits: int = 4) -> str:
+    """A number of so many digits, or with all of a whole number of up to seven: 16258, not 1.626e+04."""
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e+" in text and abs(value) < 1e7 else text
 
 
 _NAMED = ("N", "J", "W", "N/m", "V", "Pa")

@@ -93,6 +93,7 @@ class _Inside:
 
     def __init__(self, data: StudyData, met: Rows) -> None:
         self._data, self._met, self._w = data, met, data.weights
+        self._columns = np.ascontiguousarray(data.places.T)
         count = len(data.factors)
         self._low, self._high = np.full(count, -np.inf), np.full(count, np.inf)
         self._out: list[frozenset[float]] = [frozenset()] * count
@@ -121,7 +122,7 @@ class _Inside:
         usual, count = self._density(here), int(here.sum())
         best, most = None, 0.0
         for k, factor in enumerate(self._data.factors):
-            x = self._data.places[here, k]
+            x = self._columns[k][here]
             x = x[~np.isnan(x)]
             if len(np.unique(x)) < 2:
                 continue
@@ -198,13 +199,15 @@ class _Inside:
         return found
 
     def _rows(self, low: Floats, high: Floats, out: list[frozenset[float]]) -> Rows:
-        places = self._data.places
-        # Whether a factor is there at all is for choices to say.
-        inside = ((places >= low) & (places <= high)) | np.isnan(places)
-        rows = np.asarray(inside.all(axis=1), dtype=np.bool_)
+        rows = np.ones(len(self._met), dtype=np.bool_)
         for k, levels in enumerate(out):
+            # Whether a factor is there at all is for choices to say: what is no number is not outside.
+            if low[k] > -np.inf:
+                rows &= ~(self._columns[k] < low[k])
+            if high[k] < np.inf:
+                rows &= ~(self._columns[k] > high[k])
             if levels:
-                rows &= ~np.isin(places[:, k], [*levels])
+                rows &= ~np.isin(self._columns[k], [*levels])
         return rows
 
     def _density(self, rows: Rows) -> float:

@@ -32,6 +32,7 @@ def space_weights(places: Floats, groups: NDArray[np.intp], on_grid: bool) -> Fl
     half as much space to it. A group of points without coordinates has weights 1, too.
     """
     weights = np.ones(len(places))
+    known: dict[bytes, Floats] = {}
     for group in np.unique(groups):
         rows = np.flatnonzero(groups == group)
         points = places[rows][:, ~np.isnan(places[rows]).any(axis=0)]
@@ -41,12 +42,20 @@ def space_weights(places: Floats, groups: NDArray[np.intp], on_grid: bool) -> Fl
         if on_grid:
             weights[rows] = _grid_cells(points)
             continue
-        cells = _cells(points)
-        count = min(len(points), _MOST_EVEN)
-        even = _cells(np.random.default_rng(_SEED).random((count, points.shape[1])))
-        if effective(cells) / len(points) < _CROWDED * effective(even) / count:
-            weights[rows] = cells
+        # Groups often have the same points: those of a study at each condition.
+        key = points.tobytes()
+        if key not in known:
+            known[key] = _cells(points) if _is_crowded(points) else np.ones(len(points))
+        weights[rows] = known[key]
     return weights
+
+
+def _is_crowded(points: Floats) -> bool:
+    """Whether *points*, of which some tell, lie less evenly than random ones."""
+    random = np.random.default_rng(_SEED)
+    even = random.random((min(len(points), _MOST_EVEN), points.shape[1]))
+    some = points if len(points) == len(even) else points[np.sort(random.permutation(len(points))[: len(even)])]
+    return effective(_cells(some)) < _CROWDED * effective(_cells(even))
 
 
 def lean(places: Floats, weights: Floats, met: NDArray[np.bool_]) -> float:

@@ -26,15 +26,20 @@ def essentials(table: RunTable, parts: Sequence[StudyData] = ()) -> tuple[Findin
     return _told(parts or planes(table), _of_requirements)
 
 
-def findings(table: RunTable) -> tuple[Finding, ...]:
-    """All that is known how to be said: also of other metrics, and of what matters together with others."""
-    return _told(planes(table), _of_everything)
+def findings(table: RunTable, notice: Callable[[str], None] = lambda _: None) -> tuple[Finding, ...]:
+    """All that is known how to be said: also of other metrics, and of what matters together with others.
+
+    *notice* is told what is looked for next.
+    """
+    return _told(planes(table), _of_everything, notice)
 
 
-def _told(parts: Sequence[StudyData], part: _Part) -> tuple[Finding, ...]:
+def _told(
+    parts: Sequence[StudyData], part: _Part, notice: Callable[[str], None] = lambda _: None
+) -> tuple[Finding, ...]:
     found: list[Finding] = []
     for data in parts:
-        account = Account()
+        account = Account(notice)
         if len(data):
             part(account, data)
         told = [*_runs(data), *account.findings, *account.withheld()]

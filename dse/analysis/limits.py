@@ -42,8 +42,9 @@ def looser(limit: Limit) -> list[tuple[Limit, ...]]:
 
 def _allowed(limit: Limit, factor: Factor, places: Floats) -> Rows:
     if factor.is_choice:
-        allowed = [factor.level(place) in limit.levels for place in np.nan_to_num(places).tolist()]
-        return np.array(allowed, dtype=np.bool_) & ~np.isnan(places)
+        found, where = np.unique(np.nan_to_num(places), return_inverse=True)
+        allowed = np.array([factor.level(place) in limit.levels for place in found.tolist()], dtype=np.bool_)
+        return np.asarray(allowed[where.reshape(-1)] & ~np.isnan(places), dtype=np.bool_)
     above = (places >= limit.low) | np.isnan(limit.low)
     below = (places <= limit.high) | np.isnan(limit.high)
     return np.asarray(above & below | np.isnan(places), dtype=np.bool_)

@@ -10,17 +10,17 @@ import numpy as np
 from dse.analysis.data import ALL, Factor, StudyData
 from dse.analysis.limits import Limit
 from dse.analysis.probability import Interval
-from dse.units import parse_unit
+from dse.units import parse_unit, shown
 
 
 def quantity(si: float, unit: str) -> str:
     """An SI number in *unit*, to three digits."""
-    return f"{parse_unit(unit).from_si(si):.3g} {unit}".rstrip()
+    return f"{shown(parse_unit(unit).from_si(si), 3)} {unit}".rstrip()
 
 
 def difference(si: float, unit: str) -> str:
     """A difference of SI numbers in *unit*, to three digits: one of 20 degC is 20 K."""
-    return f"{si / float(parse_unit(unit).factor):.3g} {unit}".rstrip()
+    return f"{shown(si / float(parse_unit(unit).factor), 3)} {unit}".rstrip()
 
 
 def percent(share: float) -> str:

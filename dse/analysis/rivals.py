@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dse.analysis.deciding import Missed, Ranking, Standing, unit_of_objective
 from dse.analysis.phrases import listed
 from dse.domain.definition import StudyDefinition
-from dse.units import parse_unit
+from dse.units import parse_unit, shown
 
 
 def claim(ranking: Ranking) -> str:
@@ -49,8 +49,8 @@ def _must(ranking: Ranking, definition: StudyDefinition, winner: Standing, other
     change = "rises" if objective.maximize else "falls"
     if not apart:
         return f"{_label(objective.name, definition)} {change} at all: they are equal"
-    share = f" ({100 * apart / abs(other.values[0]):.2g} %)" if other.values[0] else ""
-    by = f"{_number(apart / float(parse_unit(unit).factor))} {unit}".rstrip()
+    share = f" ({shown(100 * apart / abs(other.values[0]), 2)} %)" if other.values[0] else ""
+    by = f"{shown(apart / float(parse_unit(unit).factor))} {unit}".rstrip()
     return f"{_label(objective.name, definition)} {change} by more than {by}{share}"
 
 
@@ -70,12 +70,7 @@ def _values(ranking: Ranking, definition: StudyDefinition, design: Standing) -> 
 
 
 def _quantity(si: float, unit: str) -> str:
-    return f"{_number(parse_unit(unit).from_si(si))} {unit}".rstrip()
-
-
-def _number(value: float) -> str:
-    """Four digits, or all of a whole number of up to seven."""
-    return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"
+    return f"{shown(parse_unit(unit).from_si(si))} {unit}".rstrip()
 
 
 def _label(name: str, definition: StudyDefinition) -> str:

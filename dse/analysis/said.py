@@ -40,12 +40,15 @@ class Finding:
 class Account:
     """Findings as they are made, and what could not be said, by its reason."""
 
-    def __init__(self) -> None:
+    def __init__(self, notice: Callable[[str], None] = lambda _: None) -> None:
+        """*notice* is told what is looked for next: with many runs that may take a minute."""
+        self._notice = notice
         self.findings: list[Finding] = []
         self._reasons: dict[tuple[str, str], list[str]] = {}
 
     def tell(self, what: str, about: str, label: str, finding: Callable[[], Iterable[Finding]]) -> None:
         """Add what *finding* gives; or its reason why *what* is not told *about* something called *label*."""
+        self._notice(f"{what} of {label}")
         try:
             self.findings += finding()
         except DseError as error:

@@ -30,6 +30,7 @@ from .roads import is_road as is_road, opendrive_text as opendrive_text, picture
 from .showing.described import metric_rows as metric_rows, requirement_labels as requirement_labels
 from .showing.progress import progress_bar as progress_bar
 from .showing.quantities import difference as difference, quantity as quantity
+from .showing.ranked import ranking_as_data as ranking_as_data
 from .spaces.dealership import (
     Dealership as Dealership,
     choices_text as choices_text,

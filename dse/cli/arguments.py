@@ -64,6 +64,14 @@ FolderOrRoad = Annotated[
         help="A study folder, or the name of a study; or a road: its name, its YAML file, or an OpenDRIVE file.",
     ),
 ]
+SI = Annotated[bool, typer.Option("--si", help="Write numbers in SI, not in the units that are shown.")]
+
+
+def units_word(si: bool) -> str:
+    """What ``--si`` means to the front door."""
+    return "si" if si else "shown"
+
+
 Format = Annotated[Output, typer.Option("--format", help="For a person, or for a program.")]
 Workers = Annotated[int, typer.Option("--workers", "-j", min=0, help="Worker processes; 0: one for each processor.")]
 Threads = Annotated[

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dse.cli.terminal import plain_table, print_table, say
+from dse.domain.sampler import Role
 
 if TYPE_CHECKING:
     from dse.analysis import Ranking
     from dse.api import Results
+    from dse.domain.definition import StudyDefinition
     from dse.domain.study import Study
 
 _PLACES, _RUNS = 4, 3
@@ -44,9 +46,12 @@ def _print_table(results: Results, found: Ranking) -> None:
     units = {variable.name: variable.unit for variable in definition.variables}
     varied = list(dict.fromkeys(name for each in found.best for name in each.point))
     margins = [entry.name for entry in definition.requirements]
-    headings = [f"sum({each.name})" if each.is_total else each.name for each in found.objectives]
+    over, of_margin = _aggregations(definition)
+    headings = [f"sum({each.name})" if each.is_total else f"{over}{each.name}" for each in found.objectives]
     ordered = headings or ["least margin"]
-    table = plain_table("", "configuration", *ordered, *varied, *shown, *(f"{m} margin" for m in margins), "runs")
+    table = plain_table(
+        "", "configuration", *ordered, *varied, *shown, *(f"{of_margin}{m} margin" for m in margins), "runs"
+    )
     for place, each in enumerate(found.best):
         mark = "knee" if found.knee == place else f"{place + 1}." if len(headings) < 2 else ""
         values = zip(each.values, found.objectives, strict=True)
@@ -67,3 +72,10 @@ def _print_table(results: Results, found: Ranking) -> None:
     print_table(table)
     if len(differing) > len(shown):
         say(f"they differ in {len(differing) - len(shown)} more places; --format json tells all")
+
+
+def _aggregations(definition: StudyDefinition) -> tuple[str, str]:
+    """What an objective and a margin of a design are of its runs, as the headings name it; nothing if it has one."""
+    roles = {variable.role for variable in definition.variables}
+    over = "worst condition: " if Role.CONDITION in roles else "mean: " if Role.UNCERTAIN in roles else ""
+    return over, "worst run: " if over else ""

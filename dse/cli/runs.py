@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 _STYLES = {"": "", "pass": "green", "fail": "red", "not exercised": "yellow", "failed to run": "bold red"}
 
 
-def present_run(run: Run, output: Output, plot: Path | None) -> None:
-    """Print the run for a person or for a program, and draw its figures if a file for them is given."""
+def present_run(run: Run, output: Output, plot: Path | None, units: str) -> None:
+    """Print the run for a person, or for a program in *units*, and draw its figures if a file for them is given."""
     ignored = run.definition.ignored
     if output is Output.JSON:
-        print_json(_data(run) | ({"ignored": list(ignored)} if ignored else {}))
+        print_json(_data(run, units) | ({"ignored": list(ignored)} if ignored else {}))
     else:
         say_some("ignored", ignored)
         _show(run)
@@ -70,20 +70,9 @@ def _show(run: Run) -> None:
     print_table(metric_table(run))
 
 
-def _data(run: Run) -> dict[str, Any]:
-    """Metrics in SI, verdicts with their margins, and if they were checked, whether they are certain.
-
-    Numbers may be NaN or infinite.
-    """
-    certainties = {name: {"certainty": str(word)} for name, word in run.check.certainties.items() if word}
-    return {
-        "configuration": run.configuration,
-        "point": dict(run.point),
-        "outcome": str(run.noun.outcome),
-        "problem": run.problem,
-        "metrics": dict(run.metrics),
-        "requirements": {
-            name: {"verdict": str(verdict), "margin": run.margins[name], **certainties.get(name, {})}
-            for name, verdict in run.verdicts.items()
-        },
-    }
+def _data(run: Run, units: str) -> dict[str, Any]:
+    """The run as plain data, and if it was checked, whether its verdicts are certain."""
+    data = run.as_data(units)
+    for name, word in run.check.certainties.items():
+        data["requirements"][name] |= {"certainty": str(word)} if word else {}
+    return {key: value for key, value in data.items() if key != "run"}

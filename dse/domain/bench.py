@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -141,6 +141,14 @@ class Verdict(StrEnum):
 
 VERDICTS = tuple(Verdict)
 """Verdicts by the number that stands for them in tables."""
+
+_WORST = (Verdict.FAILED_TO_RUN, Verdict.FAIL, Verdict.NOT_EXERCISED)
+
+
+def overall_verdict(verdicts: Collection[str]) -> Verdict:
+    """That on all requirements: one failure fails a run, and without one a gap leaves it open. The same for arrays is
+    `dse.metrics.overall_codes`."""
+    return next((each for each in _WORST if each in verdicts), Verdict.PASS)
 
 
 @dataclass(frozen=True, slots=True)

@@ -73,6 +73,8 @@ class Variable:
 
     *integers*: a binary of FMI 2, which has none, as the OSI Sensor Model Packaging (OSMP) passes it: the names and
     references of the integers for the lower and the upper half of its address, and for its size.
+
+    *is_settable*: it takes a value to begin with; what is constant, or computed by the FMU, takes none.
     """
 
     name: str
@@ -98,6 +100,7 @@ class Variable:
     timing: Timing | None = None
     media: str = ""
     integers: tuple[tuple[str, int], ...] = ()
+    is_settable: bool = True
 
     @property
     def references(self) -> tuple[int, ...]:

@@ -22,8 +22,20 @@ from .drives import (
     read_drive as read_drive,
     write_drive as write_drive,
 )
-from .export.headings import headed as headed, si_unit as si_unit, units_of as units_of
-from .export.tables import EXPORTS as EXPORTS, to_arrow as to_arrow, to_frame as to_frame
+from .export.headings import (
+    Scale as Scale,
+    Units as Units,
+    headed as headed,
+    scales_of as scales_of,
+    si_unit as si_unit,
+    units_of as units_of,
+)
+from .export.tables import (
+    EXPORTS as EXPORTS,
+    run_as_data as run_as_data,
+    to_arrow as to_arrow,
+    to_frame as to_frame,
+)
 from .export.waveform_file import write_waveform_file as write_waveform_file
 from .folder import StudyFolder as StudyFolder
 from .lock import LOCK as LOCK, Writer as Writer, WriterLock as WriterLock, writer_of as writer_of

@@ -155,6 +155,8 @@ def _element(
         bound = element.bind(port.name, port.type, str(port.causality))
         if bound is None:
             continue
+        if port.causality is Causality.INPUT:
+            element.take(bound, port.name)
         if end in used:
             ends = element.outputs if port.causality is Causality.OUTPUT else element.inputs
             ends[bound.variable.name] = bound.variable
@@ -176,6 +178,7 @@ def _element(
             continue
         bound = element.bind(parameter.name, parameter.type, "parameter", "structuralParameter", "input")
         if bound is not None:
+            element.take(bound, parameter.name)
             element.give(bound, parameter.type, given)
             if f"{part}.{parameter.name}" in used:
                 element.tune(bound, parameter)
@@ -193,6 +196,16 @@ class _Gathered:
         self.start: dict[str, float] = {}
         self.texts: dict[str, str | bytes] = {}
         self.conversions: dict[str, Conversion] = {}
+        self._taken: dict[tuple[str, int, str], str] = {}
+
+    def take(self, bound: Binding, name: str) -> None:
+        """Note that the input or parameter *name* gives the value; two may not give one."""
+        variable = bound.variable
+        at = variable.fmi_type, variable.reference, bound.label.removeprefix(variable.name)
+        other = self._taken.setdefault(at, name)
+        if other != name:
+            what = f"'{other}' and '{name}' of {self._component.name} are one value of its FMU, '{bound.label}'"
+            self._problems.append(Problem(what, self._component.where, "map one of them to another variable"))
 
     def bind(self, name: str, type_: Type, *causalities: str) -> Binding | None:
         """The value behind *name*, its conversion noted; None if there is a problem with it."""

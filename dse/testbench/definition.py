@@ -46,6 +46,7 @@ def define(study: Study, prepared: Mapping[str, Prepared], space: str = "") -> S
     """
     bench, benches = study.bench, study.benches
     figures = {figure.name: figure for bench in benches for figure in bench.figures}
+    metrics = _metrics(benches, prepared)
     return StudyDefinition(
         study=study.name,
         title=study.title or bench.title or study.name,
@@ -54,8 +55,8 @@ def define(study: Study, prepared: Mapping[str, Prepared], space: str = "") -> S
         variables=tuple(_variable(variable) for variable in study.variables),
         sampler=DefinedSampler(study.sampler.name, study.sampler.options(), _grid(study, prepared.values())),
         seed=study.seed,
-        metrics=_metrics(benches, prepared),
-        requirements=tuple(_requirement(requirement) for requirement in bench.requirements),
+        metrics=metrics,
+        requirements=tuple(_requirement(requirement, metrics) for requirement in bench.requirements),
         simulation=_simulation(bench.simulation),
         other_simulations={other.name: _simulation(other.simulation) for other in study.others},
         configurations=tuple(configuration_of(each, study) for each in prepared.values()),
@@ -224,12 +225,14 @@ def _metric(
     return DefinedMetric(metric.name, title, unit.symbol, written)
 
 
-def _requirement(requirement: Requirement) -> DefinedRequirement:
+def _requirement(requirement: Requirement, metrics: Sequence[DefinedMetric]) -> DefinedRequirement:
+    # Bounds and margins are shown in the unit of the values they are compared with.
+    unit = next(metric.unit for metric in metrics if metric.name == requirement.metric)
     return DefinedRequirement(
         requirement.name,
         requirement.title or requirement.name,
         requirement.metric,
-        requirement.unit.symbol,
+        unit,
         requirement.at_most,
         requirement.at_least,
         requirement.exercised_when.text if requirement.exercised_when else None,

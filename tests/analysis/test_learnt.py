@@ -36,6 +36,14 @@ def test_what_was_learnt_is_said():
     assert _texts(found, Topic.WITHHELD) == []
 
 
+def test_what_is_looked_for_next_is_told():
+    told: list[str] = []
+    found = findings(_plane(100), told.append)
+    assert told[0] == "how often it is met of R1"
+    assert "a box of R1" in told
+    assert found == findings(_plane(100))
+
+
 def test_a_study_of_which_a_third_failed_says_so_and_counts_none_as_met():
     """All that ran meet the requirement; runs fail where x1 > 0.7. Nothing is 100 % of the space, nothing is 0."""
     points = even(600, 2)

@@ -173,3 +173,15 @@ def test_a_mean_of_one_run_has_no_interval():
     effects = main_effects(study_data(study(np.arange(4.0).reshape(-1, 1) / 3, {"y": np.arange(4.0)})), "y")
     assert [each.value for each in effects[0].means] == [0.0, 1.0, 2.0, 3.0]
     assert np.isnan([each.low for each in effects[0].means]).all()
+
+
+@pytest.mark.thorough
+def test_a_forest_predicts_tree_by_tree_what_it_predicts():
+    from sklearn.ensemble import RandomForestRegressor
+
+    from dse.analysis.importance import _predict
+
+    points = even(200, 3)
+    points[::7, 1] = np.nan
+    forest = RandomForestRegressor(12, max_features=0.7, random_state=0).fit(points, points[:, 0])
+    assert (_predict(forest)(points)[:, 0] == forest.predict(points)).all()

@@ -128,15 +128,20 @@ def test_results_are_a_frame_with_units(results):
     assert frame.loc[0, "controller.kp_speed"] == 0.5
     units = frame.attrs["units"]
     assert units["controller.kp_speed"] == "1/s"
-    assert units["final_speed"] == "m/s"
-    assert units["speed_overshoot"] == units["R1.margin"] == ""
+    assert units["final_speed"] == "km/h"
+    assert units["speed_overshoot"] == units["R1.margin"] == "%"
     assert "configuration" not in units
+    si = results.to_pandas(units="si")
+    assert si.attrs["units"]["final_speed"] == "m/s"
+    assert (si["final_speed"] * 3.6).tolist() == pytest.approx(frame["final_speed"].tolist())
+    with pytest.raises(dse.DseError, match="did you mean 'shown'"):
+        results.to_pandas(units="show")
 
 
 def test_results_are_an_arrow_table_with_units(results):
     table = results.to_arrow()
     assert table.num_rows == 6
-    assert table.schema.field("final_speed").metadata == {b"unit": b"m/s"}
+    assert table.schema.field("final_speed").metadata == {b"unit": b"km/h"}
     assert table.schema.field("configuration").metadata is None
     assert table.column("final_gap").to_pylist() == results.to_pandas()["final_gap"].tolist()
 

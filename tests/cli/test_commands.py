@@ -160,6 +160,8 @@ def test_results_come_in_every_format(dse, explored, tmp_path):
     suites = ElementTree.fromstring(dse("results", str(explored), "--format", "junit").stdout)
     assert dse("results", str(explored), "--format", "parquet", "-o", str(tmp_path / "r.parquet")).returncode == 0
     assert len(rows) == len(runs) == 20
+    assert [float(row["final_speed [km/h]"]) for row in rows] == [run["metrics"]["final_speed"] for run in runs]
+    assert "final_speed [m/s]" in dse("results", str(explored), "--si").stdout.splitlines()[0].split(",")
     assert len(list(suites.iter("testcase"))) == 40
     assert (tmp_path / "r.parquet").read_bytes()[:4] == b"PAR1"
 

@@ -49,6 +49,7 @@ def test_results_count_runs_by_what_came_of_all_requirements_together(workspace,
         verdicts = {value for name, value in row.items() if name.endswith(".verdict")}
         order = ("failed to run", "fail", "not exercised", "pass")
         counts[next(verdict for verdict in order if verdict in verdicts)] += 1
+        assert row["verdict"] == next(verdict for verdict in order if verdict in verdicts)
     assert {verdict: count for verdict, count in small["verdicts"].items() if count} == counts
 
 

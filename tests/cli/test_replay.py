@@ -48,6 +48,7 @@ def test_a_replayed_run_is_given_with_its_own_point(dse, explored):
     data = json.loads(dse("replay", str(explored), "8", "--format", "json").stdout)
     stored = json.loads(dse("results", str(explored), "--format", "json").stdout)["runs"][8]
     del stored["run"]
+    assert data.pop("units").items() >= {"speed_overshoot": "%", "R1.margin": "%", "consumption": "kWh/km"}.items()
     assert data == stored
     assert data["point"].keys() == {"controller.kp_speed", "controller.kd_speed"}
 

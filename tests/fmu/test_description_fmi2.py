@@ -31,6 +31,19 @@ def test_every_variable_is_there_with_what_its_type_adds(described):
     assert [name for name, one in variables.items() if one.is_relative] == ["x"]
 
 
+def test_what_takes_no_start_value_is_known(described):
+    settable = {name for name, one in described(TEXT).variables.items() if one.is_settable}
+    assert settable == {"u", "x", "gear", "file", "k", "w"}
+    more = (
+        '<ScalarVariable name="c" valueReference="20" causality="calculatedParameter" %s><Real/></ScalarVariable>'
+        '<ScalarVariable name="o" valueReference="21" causality="output" %s><Real start="1"/></ScalarVariable>'
+        "</ModelVariables>"
+    )
+    for word, expected in (('initial="calculated"', set()), ('initial="approx"', {"c", "o"}), ("", {"o"})):
+        text = TEXT.replace("</ModelVariables>", more % (word, word))
+        assert {n for n, v in described(text).variables.items() if v.is_settable} - settable == expected, word
+
+
 def test_units_are_those_with_a_relation_to_si(described):
     assert described(TEXT).units == {
         "km/h": UnitDefinition(0.2777777777777778, 0.0, {"m": 1, "s": -1}),

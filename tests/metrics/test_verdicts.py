@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from verdict_cases import BOUNDS, cases
 
-from dse.domain.bench import VERDICTS, Metric, Requirement
+from dse.domain.bench import VERDICTS, Metric, Requirement, overall_verdict
 from dse.domain.component import Kind, Type
 from dse.expression.parse import parse_expression
 from dse.metrics.program import compile_metrics
@@ -26,6 +26,8 @@ def test_arrays_of_runs_are_judged_case_by_case():
         each.append(verdict_codes(margin, np.array([run.exercised[number] for run in runs]), done))
         assert [VERDICTS[code] for code in each[-1]] == [run.verdicts[number] for run in runs]
     assert [VERDICTS[code] for code in overall_codes(each, done)] == [run.overall for run in runs]
+    of_one = [overall_verdict([VERDICTS[codes[row]] for codes in each]) for row in range(len(runs))]
+    assert of_one == [run.overall for run in runs]
 
 
 @pytest.mark.parametrize("run", [run for run in cases() if run.done], ids=str)

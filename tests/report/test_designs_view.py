@@ -92,6 +92,11 @@ def priced() -> ReportContent:
     )
 
 
+def called(place: int) -> str:
+    sensor, brake, gain = DESIGNS[place]
+    return f"{sensor}, {brake}, gain {gain:.3f}\u202f1/s"
+
+
 def feasible(least: float) -> list[int]:
     return [place for place, design in enumerate(DESIGNS) if smallest_gap(*design) >= least]
 
@@ -182,7 +187,7 @@ def test_cheapest_architecture_that_meets_all_with_margin_is_found_by_one_slider
     assert answers[1].startswith("Least cost")
     assert f"{cost(*DESIGNS[best][:2]):.0f}\u202fEUR" in answers[1]
     page.locator(".answers li").nth(1).locator("button").first.click()
-    assert selected(page) == f"Design {best + 1}"
+    assert selected(page) == called(best)
     assert "It meets every requirement with 20\u202f% margin" in page.inner_text("#reasons .said")
 
 
@@ -196,14 +201,14 @@ def test_which_gain_to_turn_is_told_of_a_design_that_is_out(priced: ReportConten
     )
     whole_board(page)
     page.click(f"#leaders tr[data-design='{out}'] td:nth-child(2)")
-    assert selected(page) == f"Design {out + 1}"
-    assert page.inner_text("#nearest") == f"Design {near + 1}"
+    assert selected(page) == called(out)
+    assert page.inner_text("#nearest") == called(near)
     gain = DESIGNS[near][2]
     assert page.locator(".changes li").all_inner_texts() == [
         f"gain 0.000\u202f1/s \u2192 {gain:.3f}\u202f1/s (up by {100 * gain:.0f}\u202f% of its range)"
     ]
     page.click("#nearest")
-    assert selected(page) == f"Design {near + 1}"
+    assert selected(page) == called(near)
 
 
 @pytest.mark.thorough
@@ -308,7 +313,7 @@ def test_a_click_on_a_point_selects_the_run_that_decides_its_design(priced: Repo
     costs = [cost(*design[:2]) for design in DESIGNS]
     first = DESIGNS.index(("camera", "drum", 0.0))
     following = next(place for place in range(first + 1, len(DESIGNS)) if costs[place] == costs[first])
-    assert selected(page) == f"Design {following + 1}"
+    assert selected(page) == called(following)
     page.click("#tab-runs" if page.locator("#tab-runs").count() else "#tab-plot")
     settle(page)
     page.click("#tab-plot")
@@ -474,6 +479,7 @@ def test_the_table_of_designs_is_saved_with_all_digits(
         rows = list(csv.DictReader(file))
     assert [float(row["smallest gap [m]"]) for row in rows] == [smallest_gap(*design) for design in DESIGNS]
     assert [row["sensor"] for row in rows] == [design[0] for design in DESIGNS]
+    assert [row["design"] for row in rows] == [called(place) for place in range(len(DESIGNS))]
     good = [place for place, row in enumerate(rows) if row["verdict"] == "pass"]
     assert good == feasible(10.0)
 

@@ -32,7 +32,7 @@ def model(part: Component, **changes: dict[str, object]) -> FmuModel:
     described += [(p.name, "parameter", p.type) for p in part.parameters]
     for reference, (name, causality, type_) in enumerate(described):
         fields = {"causality": causality, "kind": type_.kind, "unit": type_.unit.symbol} | changes.get(name, {})
-        variables[name] = Variable(name, reference, "Real", **fields)
+        variables[name] = Variable(name, **{"reference": reference, "fmi_type": "Real"} | fields)
     nowhere = Path("nowhere")
     return FmuModel(nowhere, nowhere, nowhere, 2, part.name, "{}", variables)
 
@@ -157,6 +157,16 @@ def test_a_variable_of_another_dimension_is_refused():
 def test_a_variable_in_another_unit_is_converted():
     system = assemble("s", WiredParts(PARTS, WIRES), {**MODELS, "radar": model(SENSOR, gap={"unit": "km"})}, [])
     assert system.element("sensor").conversions == {"gap": Conversion(1000.0, 0.0)}
+
+
+def test_two_parameters_that_are_one_value_of_the_fmu_are_refused():
+    gain = Parameter("gain", Type(Kind.REAL), 1.0)
+    double = component(
+        "pd", *((p.name, p.causality, p.type) for p in CONTROLLER.interface.ports), parameters=(KP, gain)
+    )
+    text = problem(parts={**PARTS, "controller": double}, models={**MODELS, "pd": model(double, gain={"reference": 3})})
+    assert "'kp' and 'gain' of pd are one value of its FMU, 'gain'" in text
+    assert "map one of them to another variable" in text
 
 
 def test_a_variable_of_another_causality_is_refused():

@@ -54,7 +54,7 @@ conditions: {cases}
 keep_waveforms: none
 """
     (folder / "testbenches" / f"{name}.pet.yaml").write_text(text, encoding="utf-8")
-    return dse.open(folder).studies[name].explore(folder / "out" / name, fresh=True, **options).to_pandas()
+    return dse.open(folder).studies[name].explore(folder / "out" / name, fresh=True, **options).to_pandas("si")
 
 
 def speeds(*kmh: int) -> str:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from datetime import timedelta
+from math import ceil
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -11,6 +13,10 @@ if TYPE_CHECKING:
     from rich.progress import TaskID
 
     from dse.exploration import Progress
+
+
+_MOST_LEFT = 1e8
+"""Seconds that are told to be left at most."""
 
 
 @contextmanager
@@ -36,7 +42,7 @@ def progress_bar(console: Console | None = None) -> Iterator[Callable[[Progress]
         columns.MofNCompleteColumn(),
         columns.TextColumn("{task.fields[rate]}"),
         columns.TimeElapsedColumn(),
-        columns.TimeRemainingColumn(),
+        columns.TextColumn("{task.fields[left]}"),
         columns.TextColumn("{task.fields[failed]}"),
         console=screen,
         refresh_per_second=5,
@@ -52,10 +58,11 @@ def progress_bar(console: Console | None = None) -> Iterator[Callable[[Progress]
         if stage not in tasks:
             for earlier in tasks.values():
                 bar.update(earlier, completed=bar.tasks[earlier].total)
-            tasks[stage] = bar.add_task(stage, total=progress.total, rate="", failed="")
+            tasks[stage] = bar.add_task(stage, total=progress.total, rate="", left="", failed="")
         rate = f"{progress.rate:,.0f} runs/s" if progress.rate else ""
+        left = f"about {timedelta(seconds=ceil(progress.left))} left" if 0 < progress.left < _MOST_LEFT else ""
         failed = f"{progress.failed} failed" if progress.failed else ""
-        bar.update(tasks[stage], completed=progress.done, total=progress.total, rate=rate, failed=failed)
+        bar.update(tasks[stage], completed=progress.done, total=progress.total, rate=rate, left=left, failed=failed)
 
     try:
         yield show

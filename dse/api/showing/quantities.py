@@ -3,33 +3,43 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from dse.storage import Units
 
 _MOST_DIGITS = 10  # of a value with an error bar; a bar below them is rounding
 
 
+def units_called(name: str) -> Units:
+    """The units numbers leave in by their name, ``shown`` or ``si``. Raises DseError for another."""
+    from dse.errors import closest, fail
+    from dse.storage import Units
+
+    known = {str(each): each for each in Units}
+    if name not in known:
+        raise fail(f"'{name}' are no units of a table", None, closest(name, known))
+    return known[name]
+
+
 def quantity(value: float, unit: str) -> str:
     """An SI number in *unit* as a person reads it; a dash where it is undefined."""
-    from dse.units import parse_unit
+    from dse.units import parse_unit, shown
 
     return f"{shown(parse_unit(unit).from_si(value))} {unit}".rstrip() if not math.isnan(value) else "–"
 
 
-def shown(value: float) -> str:
-    """Four digits, or all of a whole number of up to seven: 16258, not 1.626e+04."""
-    return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"
-
-
 def checked_quantity(value: float, bar: float | None, unit: str) -> str:
     """As `quantity`, with an error bar of two digits if there is one, and the value to the bar's last digit."""
-    from dse.units import parse_unit
+    from dse.units import parse_unit, shown
 
     if bar is None or not math.isfinite(value):
         return quantity(value, unit)
     middle, size = parse_unit(unit).from_si(value), bar / float(parse_unit(unit).factor)
     if math.isnan(bar):
-        return f"{middle:.4g} ± ? {unit}".rstrip()
+        return f"{shown(middle)} ± ? {unit}".rstrip()
     if not 0.0 < size < math.inf:
-        return f"{middle:.4g} ± {'∞' if size else 0} {unit}".rstrip()
+        return f"{shown(middle)} ± {'∞' if size else 0} {unit}".rstrip()
     decimals = 1 - math.floor(math.log10(size))
     digits = decimals + math.floor(math.log10(max(abs(middle), size))) + 1
     if decimals < 0 or digits > _MOST_DIGITS:
@@ -39,7 +49,7 @@ def checked_quantity(value: float, bar: float | None, unit: str) -> str:
 
 def difference(value: float, unit: str) -> str:
     """A difference of SI numbers in *unit*: as `quantity`, but 20 degC are 20 K apart from 0 degC, not 293 K."""
-    from dse.units import parse_unit
+    from dse.units import parse_unit, shown
 
     if math.isnan(value):
         return "–"

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dse.api.showing.quantities import quantity
+from dse.api.showing.quantities import quantity, units_called
 from dse.domain.bench import VERDICTS, Verdict
 from dse.errors import fail
-from dse.storage import RunTable, StudyFolder, changed_study
+from dse.storage import RunTable, Scale, StudyFolder, changed_study, scales_of
 
 if TYPE_CHECKING:
     from dse.domain.component import Value
@@ -65,32 +65,34 @@ def compare(folders: Sequence[str | Path]) -> tuple[Compared, ...]:
     return tuple(found)
 
 
-def comparison_as_data(comparison: Sequence[Compared]) -> list[dict[str, object]]:
-    """*comparison* as plain data."""
-    return [
-        {
-            "folder": each.folder.as_posix(),
-            "study": each.definition.study,
-            "title": each.definition.title,
-            "runs": each.runs,
-            "finished": each.finished,
-            "verdicts": {name: dict(counts) for name, counts in each.verdicts.items()},
-            "changed": list(each.changed),
-            "shared": each.shared,
-            "flips": [
-                {
-                    "requirement": flip.requirement,
-                    "configuration": flip.configuration,
-                    "point": dict(flip.point),
-                    "runs": list(flip.numbers),
-                    "verdicts": [str(verdict) for verdict in flip.verdicts],
-                    "margins": list(flip.margins),
-                }
-                for flip in each.flips
-            ],
-        }
-        for each in comparison
-    ]
+def comparison_as_data(comparison: Sequence[Compared], units: str = "shown") -> list[dict[str, object]]:
+    """*comparison* as plain data, its points and margins in these *units*."""
+    return [_as_data(each, scales_of(each.definition, units_called(units))) for each in comparison]
+
+
+def _as_data(compared: Compared, scales: Mapping[str, Scale]) -> dict[str, object]:
+    return {
+        "folder": compared.folder.as_posix(),
+        "study": compared.definition.study,
+        "title": compared.definition.title,
+        "runs": compared.runs,
+        "finished": compared.finished,
+        "verdicts": {name: dict(counts) for name, counts in compared.verdicts.items()},
+        "changed": list(compared.changed),
+        "shared": compared.shared,
+        "units": {name: scale.symbol for name, scale in scales.items() if scale.symbol},
+        "flips": [
+            {
+                "requirement": flip.requirement,
+                "configuration": flip.configuration,
+                "point": {name: scales[name].number(value) for name, value in flip.point.items()},
+                "runs": list(flip.numbers),
+                "verdicts": [str(verdict) for verdict in flip.verdicts],
+                "margins": [scales[f"{flip.requirement}.margin"].of(margin) for margin in flip.margins],
+            }
+            for flip in compared.flips
+        ],
+    }
 
 
 def flip_counts(compared: Compared) -> Mapping[tuple[str, Verdict, Verdict], int]:

@@ -8,12 +8,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from dse.domain.bench import VERDICTS, Verdict
+from dse.domain.bench import VERDICTS, Verdict, overall_verdict
 from dse.domain.study import SHARD_FOLDER
 from dse.storage import StudyFolder, Writer, writer_of
-
-_WORST = (Verdict.FAILED_TO_RUN, Verdict.FAIL, Verdict.NOT_EXERCISED)
-"""Verdicts before which a pass counts for nothing, as `dse.metrics.overall_codes` has it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +72,7 @@ def is_shard(folder: Path) -> bool:
 def _overall(counts: Mapping[tuple[str, ...], int], finished: int) -> Mapping[Verdict, int]:
     found: Counter[Verdict] = Counter()
     for verdicts, count in counts.items():
-        found[next((each for each in _WORST if each in verdicts), Verdict.PASS)] += count
+        found[overall_verdict(verdicts)] += count
     found[Verdict.FAILED_TO_RUN] += finished - found.total()  # of a study without requirements
     return {verdict: found[verdict] for verdict in VERDICTS}
 

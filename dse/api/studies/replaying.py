@@ -62,7 +62,7 @@ def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell:
     # Alone it has number 0 and its point is the bench's own.
     again = replace(made, request=stored.noun.request)
     return Replay(
-        Run(again, planned.definition),
+        Run(again, replace(planned.definition, variables=stored.definition.variables)),
         stored,
         tuple(changed_results(stored.noun, again)),
         tuple(changed_inputs(stored.definition, planned.definition, stored.noun)),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from dse.api.showing import described
 from dse.api.showing.html import table
+from dse.api.showing.quantities import units_called
 from dse.api.studies.run import Run
 
 if TYPE_CHECKING:
@@ -90,27 +91,28 @@ class Results:
         """The run with this number, with its waveforms if they were kept, and error bars if it was checked."""
         return self._read(lambda store: _run(store, number, self.definition))
 
-    def to_pandas(self) -> pd.DataFrame:
-        """One row per run by number: choices and sums of its configuration, point, metrics, verdicts, margins; SI.
+    def to_pandas(self, units: str = "shown") -> pd.DataFrame:
+        """One row per run by number: choices and sums of its configuration, point, metrics, verdicts, margins.
 
-        ``frame.attrs["units"]`` has the unit of each column that has one.
+        Numbers are in the units that the report and the terminal show, or with *units* ``si`` in SI.
+        ``frame.attrs["units"]`` has the unit of each column that is a quantity.
         """
         from dse.storage import to_frame
 
-        return self._read(to_frame)
+        return self._read(lambda store: to_frame(store, units_called(units)))
 
-    def to_arrow(self) -> pa.Table:
+    def to_arrow(self, units: str = "shown") -> pa.Table:
         """The same as an Arrow table; a field's unit is in its metadata, as ``b"unit"``."""
         from dse.storage import to_arrow
 
-        return self._read(to_arrow)
+        return self._read(lambda store: to_arrow(store, units_called(units)))
 
-    def findings(self) -> tuple[Finding, ...]:
+    def findings(self, *, tell: Tell | None = None) -> tuple[Finding, ...]:
         """What the runs tell, in sentences: how often requirements are met, where, and what matters; what they do not
-        tell, and why. Some of it needs the extra ``analysis``."""
+        tell, and why. Some of it needs the extra ``analysis``. *tell* hears what is looked for next."""
         from dse.analysis import findings
 
-        return findings(self._read(lambda store: store.table()))
+        return findings(self._read(lambda store: store.table()), tell or (lambda _: None))
 
     def essentials(self) -> tuple[Finding, ...]:
         """Those findings that are about requirements and take no long time."""
@@ -118,14 +120,14 @@ class Results:
 
         return essentials(self._read(lambda store: store.table()))
 
-    def export(self, kind: str) -> bytes:
-        """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``."""
+    def export(self, kind: str, units: str = "shown") -> bytes:
+        """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``; *units* as in `to_pandas`."""
         from dse.errors import closest, fail
         from dse.storage import EXPORTS
 
         if kind not in EXPORTS:
             raise fail(f"results cannot be written as '{kind}'", None, closest(kind, EXPORTS))
-        return self._read(EXPORTS[kind])
+        return self._read(lambda store: EXPORTS[kind](store, units_called(units)))
 
     def write_scene(
         self, run: int, target: str | Path | None = None, *, source: str | Path | None = None, tell: Tell | None = None

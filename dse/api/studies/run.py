@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from dse.api.showing import described
 from dse.api.showing.html import table
+from dse.api.showing.quantities import units_called
+from dse.domain.bench import Verdict, overall_verdict
 from dse.domain.run import Outcome
 from dse.errors import fail
 from dse.storage import units_of
@@ -18,7 +20,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dse.domain import run as nouns
-    from dse.domain.bench import Verdict
     from dse.domain.component import Value
     from dse.domain.definition import StudyDefinition
 
@@ -124,6 +125,14 @@ class Run:
         return {entry.requirement: entry.verdict for entry in self.noun.judgements}
 
     @property
+    def verdict(self) -> Verdict | None:
+        """The verdict on all requirements: one failure fails a run, and without one a gap leaves it open; None if there
+        are no requirements."""
+        if not self.definition.requirements:
+            return None
+        return overall_verdict([*self.verdicts.values()]) if self.is_done else Verdict.FAILED_TO_RUN
+
+    @property
     def margins(self) -> Mapping[str, float]:
         """By how much each requirement is met, negative where it is not, NaN where that is undefined."""
         return {entry.requirement: entry.margin for entry in self.noun.judgements}
@@ -140,6 +149,15 @@ class Run:
             hint = "replay the run: Results.replay, or dse replay" if self.is_done else "it failed to run"
             raise fail(f"run {self.number} has no waveforms", None, hint)
         return Waveforms(self.noun.waveforms, self.units)
+
+    def as_data(self, units: str = "shown") -> dict[str, Any]:
+        """The run in the shape that it has in the JSON of `Results.export`, in these *units*."""
+        from dse.storage import run_as_data, scales_of
+
+        scales = scales_of(self.definition, units_called(units))
+        names = (*self.point, *self.metrics, *(f"{name}.margin" for name in self.margins))
+        data = run_as_data(self.noun, scales, str(self.verdict or ""))
+        return {**data, "units": {name: scales[name].symbol for name in names if scales[name].symbol}}
 
     def __repr__(self) -> str:
         if not self.is_done:

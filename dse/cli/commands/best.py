@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.cli.app import app
-from dse.cli.arguments import Folder, Format, Maximize, Minimize, Output
+from dse.cli.arguments import SI, Folder, Format, Maximize, Minimize, Output, units_word
 from dse.cli.ranking import show_ranking
 from dse.cli.terminal import print_json
 
@@ -23,6 +23,7 @@ def best(
     minimize: Minimize = None,
     maximize: Maximize = None,
     form: Format = Output.TABLE,
+    si: SI = False,
 ) -> None:
     """Rank the designs of a study, and say what would have to change for another one to win.
 
@@ -36,7 +37,7 @@ def best(
     if len(found.objectives) > 1:
         what = "there are several objectives: 'dse pareto' shows their front; for a ranking choose one"
         raise typer.BadParameter(what, param_hint="--minimize, --maximize")
-    _show(results, found, form)
+    _show(results, found, form, units_word(si))
 
 
 @app.command()
@@ -46,6 +47,7 @@ def pareto(
     minimize: Minimize = None,
     maximize: Maximize = None,
     form: Format = Output.TABLE,
+    si: SI = False,
 ) -> None:
     """List the designs of a study that no other one beats in every objective.
 
@@ -57,13 +59,13 @@ def pareto(
     found = results.best(number, minimize=minimize or (), maximize=maximize or ())
     if len(found.objectives) < 2:
         raise typer.BadParameter("give two objectives or more", param_hint="--minimize, --maximize")
-    _show(results, found, form)
+    _show(results, found, form, units_word(si))
 
 
-def _show(results: Results, found: Ranking, form: Output) -> None:
+def _show(results: Results, found: Ranking, form: Output, units: str) -> None:
     if form is Output.JSON:
-        from dataclasses import asdict
+        from dse.api import ranking_as_data
 
-        print_json(asdict(found))
+        print_json(ranking_as_data(found, results.definition, units))
     else:
         show_ranking(results, found, results.study())

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.cli.app import app
+from dse.cli.arguments import SI, units_word
 from dse.cli.terminal import plain, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
@@ -21,7 +22,9 @@ Folders = Annotated[
 
 @app.command()
 def compare(
-    folders: Folders, as_json: Annotated[bool, typer.Option("--json", help="As JSON, with every flip.")] = False
+    folders: Folders,
+    as_json: Annotated[bool, typer.Option("--json", help="As JSON, with every flip.")] = False,
+    si: SI = False,
 ) -> None:
     """Compare studies: what changed, and which verdicts flipped.
 
@@ -31,7 +34,7 @@ def compare(
 
     found = compare_studies(folders)
     if as_json:
-        print_json(comparison_as_data(found))
+        print_json(comparison_as_data(found, units_word(si)))
         return
     _show_counts(found)
     for study in found[1:]:

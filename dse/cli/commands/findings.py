@@ -22,8 +22,8 @@ def findings(folder: Folder, form: Format = Output.TABLE) -> None:
     from dse.api import Results
 
     with status_line() as tell:
-        tell("looking at the runs")
-        found = Results(folder).findings()
+        tell("reading the runs")
+        found = Results(folder).findings(tell=lambda what: tell(f"looking for {what}"))
     if form is Output.JSON:
         print_json([asdict(each) for each in found])
     else:

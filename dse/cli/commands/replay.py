@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import DONE, RUNS_FAILED, app
-from dse.cli.arguments import FmiVersion, Folder, Format, Output, Plot
+from dse.cli.arguments import SI, FmiVersion, Folder, Format, Output, Plot, units_word
 from dse.cli.terminal import console, say
 
 
@@ -22,6 +22,7 @@ def replay(
     source: Annotated[
         Path | None, typer.Option("--source", help="The study's or bench's YAML file, if it is not in this workspace.")
     ] = None,
+    si: SI = False,
 ) -> None:
     """Simulate a run of a study again and compare.
 
@@ -35,7 +36,7 @@ def replay(
     stored = Results(folder).run(number)
     with console(stderr=True).status("") as status:
         found = replayed(stored, source=source, fmi=version, tell=status.update)
-    present_run(found.run, output, plot)
+    present_run(found.run, output, plot, units_word(si))
     problem = found.problem(str(folder))
     if problem:
         raise problem

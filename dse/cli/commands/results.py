@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
-from dse.cli.arguments import Folder
+from dse.cli.arguments import SI, Folder, units_word
 from dse.cli.status import status_line
 
 
@@ -33,18 +33,19 @@ def results(
     folder: Folder,
     output: Annotated[Table, typer.Option("--format", help="Table format; junit is for CI servers.")] = Table.CSV,
     target: TableFile = None,
+    si: SI = False,
 ) -> None:
     """Print a study's runs as a table.
 
-    The choices and sums of each run's configuration, its point, metrics, verdicts and margins; all in SI, CSV with the
-    units in its headings.
+    The choices and sums of each run's configuration, its point, metrics, verdicts and margins, in the units that the
+    report shows; CSV has them in its headings.
     """
     from dse.api import Results
     from dse.scratch import make_folder, write_whole
 
     with status_line() as tell:
         tell("reading the runs")
-        data = Results(folder).export(str(output))
+        data = Results(folder).export(str(output), units_word(si))
     if target is not None:
         make_folder(target.parent)
         write_whole(target, data)

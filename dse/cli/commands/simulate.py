@@ -11,6 +11,7 @@ import typer
 from dse.api import workspace_of
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import (
+    SI,
     CheckStep,
     Configuration,
     FmiVersion,
@@ -24,6 +25,7 @@ from dse.cli.arguments import (
     Settings,
     Strict,
     World,
+    units_word,
     world_of_bench,
 )
 from dse.cli.completing import benches
@@ -84,6 +86,7 @@ def simulate(
     strict: Strict = False,
     world: World = None,
     parts: Parts = None,
+    si: SI = False,
 ) -> None:
     """Simulate one configuration once, or an SSP package.
 
@@ -129,7 +132,7 @@ def simulate(
             tell=status.update,
             world=there,
         )
-    present_run(run, output, plot)
+    present_run(run, output, plot, units_word(si))
     if waveforms is not None:
         write_run(run, waveforms)
     unmet = "fail" in run.verdicts.values() or "doubtful" in run.check.certainties.values()

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -124,7 +126,7 @@ def _row(path: Path, number: int, line: Sequence[str], columns: _Columns, proble
             problems.append(Problem(what, where, closest(cell, variable.labels)))
             continue
         try:
-            value = variable.values[variable.labels.index(cell)] if variable.labels else unit.to_si(float(cell))
+            value = variable.values[variable.labels.index(cell)] if variable.labels else unit.to_si(_exact(cell))
         except ValueError:
             problems.append(Problem(f"'{cell}' is no number for {variable.name}", where, "write 1.5 or 2e-3"))
             continue
@@ -133,6 +135,12 @@ def _row(path: Path, number: int, line: Sequence[str], columns: _Columns, proble
             problems.append(Problem(what, where, "widen the range in the study, or leave the row out"))
         point.append(value)
     return point
+
+
+def _exact(cell: str) -> float | Fraction:
+    """A number with all its digits, which in another unit than SI may be more than a double has."""
+    value = float(cell)
+    return Fraction(cell) if value and math.isfinite(value) else value
 
 
 SAMPLER = Csv

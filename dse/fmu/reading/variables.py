@@ -142,8 +142,19 @@ def _listed(
         of = f"{variable.size} elements" if shape else "a single one"
         problems.append(Problem(f"{subject} has {len(start)} start values for {of}", typed.where))
     initial = element.word("initial", _INITIALS, problems)
+    variable = replace(variable, is_settable=_is_settable(variable, initial))
     derivative = typed.whole("derivative", problems, least=0)
     return Listed(variable, element, derivative, initial) if len(problems) == before else None
+
+
+def _is_settable(variable: Variable, initial: str) -> bool:
+    """By the tables of *initial* (FMI 2.0, 2.2.7; 3.0, 2.4.7); without a word, what has a start value is taken to
+    have one that can be changed, as in FMI 1.0."""
+    if variable.variability == "constant" or variable.causality == "independent":
+        return False
+    if variable.causality in ("input", "parameter", "structuralParameter"):
+        return True
+    return initial in ("exact", "approx") or (not initial and bool(variable.start))
 
 
 def _subject(element: XmlElement) -> str:

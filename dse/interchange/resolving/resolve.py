@@ -65,7 +65,7 @@ def system_of(
     network.models = _resized(network, given, problems)
     problems += connector_problems(network, given, ignored)
     raise_if_any(problems)
-    assembly = _Assembly(network, given, problems)
+    assembly = _Assembly(network, given, problems, notes)
     assembly.connect()
     assembly.give()
     signals = signals_of(network, record, problems)
@@ -196,12 +196,21 @@ def _negated(variable: Variable) -> Conversion:
 
 
 class _Assembly:
-    """The wires and elements of a network to which values are *given*; *problems* are gathered."""
+    """The wires and elements of a network to which values are *given*; *problems* are gathered, and *notes* of values
+    that are not used."""
 
-    def __init__(self, network: Network, given: Mapping[Endpoint, Assignment], problems: list[Problem]) -> None:
+    def __init__(
+        self,
+        network: Network,
+        given: Mapping[Endpoint, Assignment],
+        problems: list[Problem],
+        notes: list[Problem],
+    ) -> None:
         self.wires: list[Wire] = []
         self.drafts = {way: _Draft(model) for way, model in network.models.items()}
-        self._network, self._given, self._problems = network, given, problems
+        self._network, self._given, self._problems, self._notes = network, given, problems, notes
+        self._names: dict[tuple[Way, str, int], str] = {}
+        """Under which name each value of an FMU is given, by its type and reference: aliases share these."""
 
     def connect(self) -> None:
         """Follow the connections: from FMU to FMU they are wires, from a system's connector they carry start values."""
@@ -267,6 +276,8 @@ class _Assembly:
         if variable.is_structural:
             what = f"{route.target}: a structural parameter that is set over a connection is not supported"
             raise fail(what, route.hops[-1].connection.where, f"give {route.target} the value itself")
+        if not self._takes(route.target, variable, assigned):
+            return
         is_single = bool(route.target_indices)
         labels = (label_of(variable, route.target_indices, assigned.where),) if is_single else variable.labels
         draft = self.drafts[route.target.way]
@@ -284,13 +295,34 @@ class _Assembly:
             assigned, draft = self._given[node], self.drafts[node.way]
             variable = draft.model.variable_of(node.connector)
             labels = variable.labels if variable.name == node.connector else (node.connector,)
-            if variable.causality == "independent" or variable.variability == "constant" or draft.wired >= set(labels):
+            if not self._takes(node, variable, assigned):
+                continue
+            if draft.wired >= set(labels):
                 # What arrives over a wire replaces it before it is ever used.
                 continue
             if {node.connector, *variable.labels} & draft.driven and assigned.value.type != TYPED:
+                self._unused(node, "is given another over a connection", assigned)
                 continue
             values = _settled(self._network, Endpoint(node.way, variable.name), assigned, self._problems)
             try:
                 draft.store(variable.name, labels, values, assigned)
             except DseError as error:
                 self._problems += error.problems
+
+    def _takes(self, node: Endpoint, variable: Variable, assigned: Assignment) -> bool:
+        """Whether *variable*, which *node* names, takes the value; what a person typed it has to take."""
+        if not variable.is_settable:
+            what = "constant" if variable.variability == "constant" else variable.causality
+            why = f"takes no value: it is {what}" + (", which the FMU computes" if what != "constant" else "")
+            if assigned.value.type == TYPED:
+                self._problems.append(Problem(f"{node} {why}", assigned.where, "set what it is computed from"))
+            else:
+                self._unused(node, why, assigned)
+            return False
+        name = self._names.setdefault((node.way, variable.fmi_type, variable.reference), variable.name)
+        if name != variable.name:
+            self._unused(node, f"is the variable that is given a value as '{name}'", assigned)
+        return name == variable.name
+
+    def _unused(self, node: Endpoint, why: str, assigned: Assignment) -> None:
+        self._notes.append(Problem(f"{node} {why}; the value here is not used", assigned.where))

@@ -96,18 +96,17 @@ def inside(element: Element, variable: Variable, value: Inside) -> Inside:
 
 
 def _add_value(entry: ET.Element, variable: Variable, values: Sequence[Inside], version: str) -> None:
-    if variable.kind is Kind.ENUMERATION and variable.items and not variable.shape:
-        named = [name for name, number in variable.items.items() if number == values[0]]
-        if named:
-            ET.SubElement(entry, "ssv:Enumeration", value=named[0])
-            return
     word = variable.fmi_type
+    texts = [_text(value, variable) for value in values]
     if variable.kind is Kind.ENUMERATION:
-        word = "Integer" if version == "1.0" else "Int64"
+        # By their names, as other programs may number items otherwise; a number that no item has stays one.
+        names = {float(number): name for name, number in reversed([*variable.items.items()])}
+        is_named = all(value in names for value in values)
+        word = "Enumeration" if is_named else "Integer" if version == "1.0" else "Int64"
+        texts = [names[value] for value in values if isinstance(value, float | int)] if is_named else texts
     elif version == "1.0":
         word = {"Float64": "Real", "Int32": "Integer"}.get(word, word)
-    texts = [_text(value, variable) for value in values]
-    if word in ("String", "Binary") and variable.shape:
+    if word in ("String", "Binary", "Enumeration") and variable.shape:
         typed = ET.SubElement(entry, f"ssv:{word}")
         for text in texts:
             ET.SubElement(typed, "ssv:Value", value=text)

@@ -14,6 +14,7 @@ from dse.domain.notes import Notes
 from dse.domain.sampler import Role
 from dse.errors import Problem
 from dse.report.content.insight import Insight
+from dse.units import shown
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -50,7 +51,7 @@ class Variable:
 
     def shown(self, value: float) -> str:
         """A value as a person reads it: what it is called, or a number with its unit."""
-        return self.labels[int(value)] if self.labels else f"{value:.4g} {self.unit_symbol}".rstrip()
+        return self.labels[int(value)] if self.labels else f"{shown(value)} {self.unit_symbol}".rstrip()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -43,6 +43,7 @@ from dse.storage import (
     CERTAINTIES,
     Certainty,
     RunTable,
+    Scale,
     StudyFolder,
     StudyHeader,
     damaged_study,
@@ -164,14 +165,13 @@ def _layout(slices: Grid | None) -> SamplerKind:
 
 def _metric(entry: DefinedMetric, table: RunTable) -> MetricColumn:
     unit = parse_unit(entry.unit)
-    # A difference has no offset: 20 K apart are 20 degC apart.
-    error = table.errors(entry.name) / float(unit.factor) if table.has_checks else None
+    error = Scale(entry.unit, unit, is_difference=True).of(table.errors(entry.name)) if table.has_checks else None
     return MetricColumn(entry.name, entry.title, entry.unit, _shown(table.metric(entry.name), unit), error)
 
 
 def _shown(values: NDArray[np.float64], unit: Unit) -> Floats:
     """SI *values* in *unit*."""
-    return (values - float(unit.offset)) / float(unit.factor)
+    return np.asarray(Scale(unit.symbol, unit).of(values))
 
 
 def _bound(value: float | None, unit: Unit) -> float | None:
@@ -193,11 +193,13 @@ def lacking(header: StudyHeader) -> list[tuple[int, ...]]:
 
 
 def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]) -> Variable:
-    unit = parse_unit(entry.unit)
-    values = _shown(coordinates, unit)
+    # As tables have them: what was written as 0.36 km/h is that again.
+    scale = Scale(entry.unit, parse_unit(entry.unit))
+    found, where = np.unique(coordinates, return_inverse=True)
+    values = np.array([scale.number(value) for value in found.tolist()], dtype=np.float64)[where]
     # The bench's own value, which the nominal one may be, need not lie in the range.
     nominal = min(max(entry.nominal, entry.low), entry.high)
-    low, high, nominal = (unit.from_si(value) for value in (entry.low, entry.high, nominal))
+    low, high, nominal = (scale.number(value) for value in (entry.low, entry.high, nominal))
     levels = entry.levels or None
     labels = tuple(entry.label(float(value)) for value in range(int(entry.high) + 1)) if entry.labels else ()
     return Variable(entry.name, entry.title, entry.unit, low, high, levels, nominal, values, lack, labels, entry.role)

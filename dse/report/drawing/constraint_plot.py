@@ -35,8 +35,8 @@ class RequirementLayer:
 @dataclass(frozen=True, slots=True, eq=False)
 class ConstraintPlotData:
     """Figure 6: *xs* (nx,) and *ys* (ny,) span the grid of the *layers* and of *known*, which is below 0.5 where failed
-    runs leave a hole; without regions they are empty and *note* says why. *points* (n, 2) are the runs with their
-    *marks* (see Mark) and *strength*, 1 in the plane and less beside it.
+    runs leave a hole; without regions they are empty. *note* says how boundaries were made, or why there are none.
+    *points* (n, 2) are the runs with their *marks* (see Mark) and *strength*, 1 in the plane and less beside it.
     """
 
     title: str
@@ -72,7 +72,8 @@ def draw_constraint_plot(data: ConstraintPlotData) -> Figure:
         axes = figure.add_subplot()
         axes.set(xlim=data.x_range, ylim=data.y_range, xlabel=data.x_label, ylabel=data.y_label)
         axes.set_title(data.title, loc="left", parse_math=False)
-        for name in (axes.xaxis.label, axes.yaxis.label):
+        below = axes.annotate(data.note, (0, 0), (0, -38), "axes fraction", "offset points", fontsize=7, color=MUTED)
+        for name in (axes.xaxis.label, axes.yaxis.label, below):
             name.set_parse_math(False)
         if data.layers:
             _draw_regions(axes, data)

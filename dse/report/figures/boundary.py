@@ -1,4 +1,5 @@
-"""Where requirements are met, and where a verdict is in doubt: the boundary with its band."""
+"""How probable it is that requirements are met, and where a verdict is in doubt; the boundary itself is drawn in the
+constraint plot alone, by its interpolation."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ from dse.report.charts.chart import Chart
 from dse.report.content.insight import ChanceMap
 from dse.report.content.nouns import ReportContent, label
 from dse.report.drawing.sheets import axes_of, say, sheet, style
-from dse.report.drawing.style import COLOURS, INK
+from dse.report.drawing.style import INK
 from dse.report.figure import View
 
 if TYPE_CHECKING:
@@ -49,9 +50,10 @@ def _draw(content: ReportContent, chance: ChanceMap) -> Sheet:
     held = ", ".join(f"{content.variables[i].title} = {content.variables[i].shown(value)}" for i, value in chance.held)
     held += f"{', ' * bool(held)}the worst of {chance.conditions} conditions" * (chance.conditions > 1)
     note = (
-        f"From {chance.used:,} of {chance.runs:,} runs{f', at {held}' * bool(held)}. Hatched: the likeliest verdict is "
+        f"Probability by a Gaussian process, from {chance.used:,} of {chance.runs:,} runs"
+        f"{f', at {held}' * bool(held)}. Hatched: the likeliest verdict is wrong with a probability of {_DOUBT} % or more "
+        f"({chance.uncertain:.1%} of the plane)."
     )
-    note += f"wrong with a probability of {_DOUBT} % or more ({chance.uncertain:.1%} of the plane)."
     with style():
         title = f"Probability of meeting “{requirement.title or requirement.name}”"
         figure = sheet(title, note.replace("%", " %").replace("  %", " %"), height=4.8)
@@ -59,8 +61,6 @@ def _draw(content: ReportContent, chance: ChanceMap) -> Sheet:
         filled = axes.contourf(*grids, passing, levels=np.linspace(0, 100, 11), cmap="RdYlBu", vmin=-15, vmax=115)
         if misjudged.max() >= _DOUBT:
             axes.contourf(*grids, misjudged, levels=[_DOUBT, 101], colors="none", hatches=["////"])
-        if passing.min() < 50 < passing.max():
-            axes.contour(*grids, passing, levels=[50], colors=[COLOURS[0]], linewidths=1.6)
         bar = figure.colorbar(filled, ax=axes)
         bar.set_label("met with [%]", color=INK)
         say(axes, xlabel=label(x.title, x.unit_symbol), ylabel=label(y.title, y.unit_symbol))

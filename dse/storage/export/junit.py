@@ -3,33 +3,34 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 
 import numpy as np
 
-from dse.domain.bench import Judgement, Verdict
+from dse.domain.bench import Verdict
 from dse.domain.run import Outcome, Run
 from dse.storage.checks import CERTAINTIES, Certainty
 from dse.storage.database.table import RunTable
+from dse.storage.export.headings import Scale
 
 _DOUBTFUL = CERTAINTIES.index(Certainty.DOUBTFUL)
 
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-def junit(table: RunTable) -> bytes:
+def junit(table: RunTable, scales: Mapping[str, Scale]) -> bytes:
     """A test suite per configuration and a test case per requirement and run.
 
     A failed requirement is a failure with its margin, a run that failed is an error, a requirement that was not
     exercised is skipped, and so is one whose passing is doubtful. On a bench without requirements every run is a
-    test case that fails by not running.
+    test case that fails by not running. Numbers are in the units of *scales*.
     """
     by_configuration: dict[str, list[_Case]] = {name: [] for name in table.header.configurations}
     names = table.header.requirements
     doubts = np.column_stack([np.zeros((len(table), 0)), *(table.certainties(name) == _DOUBTFUL for name in names)])
     for run, doubtful in zip(table.runs(), doubts.tolist(), strict=True):
-        by_configuration.setdefault(run.request.configuration, []).extend(_cases(run, doubtful))
+        by_configuration.setdefault(run.request.configuration, []).extend(_cases(run, doubtful, scales))
     lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<testsuites>"]
     for name, cases in by_configuration.items():
         if cases:
@@ -40,30 +41,34 @@ def junit(table: RunTable) -> bytes:
 class _Case:
     """One test case; *element* is how it went wrong: failure, error, skipped, or "" if it did not."""
 
-    def __init__(self, run: Run, name: str, element: str, message: str) -> None:
-        point = ", ".join(f"{key} = {value}" for key, value in run.request.point.items())
+    def __init__(self, run: Run, point: str, name: str, element: str, message: str) -> None:
         self.name = f"{name} run {run.request.number}" + (f" ({point})" if point else "")
         self.element = element
         self.message = message
 
 
-def _cases(run: Run, doubtful: Sequence[bool]) -> Iterator[_Case]:
+def _cases(run: Run, doubtful: Sequence[bool], scales: Mapping[str, Scale]) -> Iterator[_Case]:
+    point = ", ".join(
+        f"{key} = {scales[key].point(value)} {scales[key].symbol}".rstrip() for key, value in run.request.point.items()
+    )
     names = [judgement.requirement for judgement in run.judgements]
     if run.outcome is Outcome.FAILED:
-        yield from (_Case(run, name, "error", run.problem) for name in names or ["simulation"])
+        yield from (_Case(run, point, name, "error", run.problem) for name in names or ["simulation"])
     elif not names:
-        yield _Case(run, "simulation", "", "")
+        yield _Case(run, point, "simulation", "", "")
     for judgement, doubt in zip(run.judgements, doubtful, strict=True) if run.outcome is Outcome.DONE else ():
-        yield _Case(run, judgement.requirement, *_result(judgement, ", doubtful" if doubt else ""))
+        margin = scales[f"{judgement.requirement}.margin"].text(judgement.margin)
+        result = _result(judgement.verdict, f"margin {margin}", ", doubtful" if doubt else "")
+        yield _Case(run, point, judgement.requirement, *result)
 
 
-def _result(judgement: Judgement, doubt: str) -> tuple[str, str]:
-    match judgement.verdict:
+def _result(verdict: Verdict, margin: str, doubt: str) -> tuple[str, str]:
+    match verdict:
         case Verdict.PASS:
             # Neither a pass nor a failure: nobody knows.
-            return ("skipped", f"margin {judgement.margin!r}{doubt}") if doubt else ("", "")
+            return ("skipped", f"{margin}{doubt}") if doubt else ("", "")
         case Verdict.FAIL:
-            return "failure", f"margin {judgement.margin!r}{doubt}"
+            return "failure", f"{margin}{doubt}"
         case Verdict.NOT_EXERCISED:
             return "skipped", f"not exercised{doubt}"
         case Verdict.FAILED_TO_RUN:

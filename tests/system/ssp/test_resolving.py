@@ -374,6 +374,9 @@ def test_a_value_that_comes_over_a_connection_counts_more_than_the_components_ow
     )
     text = description(elements(inner))
     assert starts(tmp_path, text) == {"s.gain": {"k": 4.0}}
+    assert [note.what for note in resolved(tmp_path, text, REAL).notes] == [
+        "s.gain.k is given another over a connection; the value here is not used"
+    ]
     assert starts(tmp_path, text, settings={"s.gain.k": "7"}) == {"s.gain": {"k": 7.0}}
     # Nothing comes over the connection: the component's own value stays.
     silent = text.replace('<ssv:Parameter name="stiffness">', '<ssv:Parameter name="other">')
@@ -463,6 +466,47 @@ def test_values_of_other_types_are_refused_where_they_stand(tmp_path, value, exp
     (found,) = problems(tmp_path, text, TYPED)
     assert expected in found
     assert "SystemStructure.ssd:4:" in found
+
+
+COMPUTED = {
+    "twice": model(
+        "twice",
+        variable("k", "parameter"),
+        variable("double", "calculatedParameter", is_settable=False),
+        variable("y", "output", is_settable=False),
+        variable("pi", "local", variability="constant", is_settable=False),
+        variable("time", "independent", is_settable=False),
+        variable("gain", "parameter", reference=7),
+        variable("other", "parameter", reference=7),
+    )
+}
+
+
+def test_what_an_fmu_computes_is_not_set_and_that_is_told(tmp_path):
+    values = parameter_set("k Real 1", "double Real 5", "y Real 6", "pi Real 3", "time Real 2")
+    text = description(elements(component("twice", more=bindings(binding(values)))))
+    found = resolved(tmp_path, text, COMPUTED)
+    assert found.structure.element("twice").start == {"k": 1.0}
+    end = "; the value here is not used"
+    assert sorted(note.what for note in found.notes) == [
+        f"twice.double takes no value: it is calculatedParameter, which the FMU computes{end}",
+        f"twice.pi takes no value: it is constant{end}",
+        f"twice.time takes no value: it is independent, which the FMU computes{end}",
+        f"twice.y takes no value: it is output, which the FMU computes{end}",
+    ]
+    assert all(note.where and note.where.file.endswith("SystemStructure.ssd") for note in found.notes)
+    (typed,) = problems(tmp_path, text.replace("double", "gone"), COMPUTED, settings={"twice.double": "5"})
+    assert "twice.double takes no value" in typed
+    assert "hint: set what it is computed from" in typed
+
+
+def test_two_names_of_one_variable_take_one_value(tmp_path):
+    values = parameter_set("gain Real 1", "other Real 2")
+    found = resolved(tmp_path, description(elements(component("twice", more=bindings(binding(values))))), COMPUTED)
+    assert found.structure.element("twice").start == {"gain": 1.0}
+    assert [note.what for note in found.notes] == [
+        "twice.other is the variable that is given a value as 'gain'; the value here is not used"
+    ]
 
 
 def test_names_that_match_nothing_are_told_and_ignored(tmp_path):

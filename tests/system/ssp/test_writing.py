@@ -119,6 +119,26 @@ def test_the_start_values_of_all_components_are_sets_of_one_name(tmp_path):
     assert len(set(names)) == 1
 
 
+def test_enumerations_start_with_the_names_of_their_items_arrays_too(tmp_path):
+    one = fmu(
+        tmp_path,
+        "modes",
+        variable("state", "parameter", Kind.ENUMERATION, items=ITEMS, start=("0",)),
+        variable("each", "parameter", Kind.ENUMERATION, items=ITEMS, shape=(2,), start=("0",)),
+        variable("odd", "parameter", Kind.ENUMERATION, items=ITEMS, start=("0",)),
+        version=3,
+    )
+    start = {"state": 3.0, "each[1]": 3.0, "each[2]": 0.0, "odd": 7.0}
+    path = written(tmp_path, SystemStructure("s", (element("a", one, start=start),), ()))
+    root = etree.fromstring(text_of(path).encode())
+    found = {each.get("name"): each for each in root.iter("{*}Parameter")}
+    tags = {name: etree.QName(each[0]).localname for name, each in found.items()}
+    assert tags == {"state": "Enumeration", "each": "Enumeration", "odd": "Int64"}
+    assert found["state"][0].get("value") == "on"
+    assert [value.get("value") for value in found["each"][0]] == ["on", "off"]
+    assert read_again(tmp_path, path, one).element("a").start == start
+
+
 def test_what_is_written_is_read_as_the_same_system(tmp_path):
     system, one = full_system(tmp_path)
     again = read_again(tmp_path, written(tmp_path, system), one)

@@ -4,10 +4,13 @@ export function number(value: number, digits = 4): string {
   if (Number.isNaN(value)) return "undefined";
   if (!Number.isFinite(value)) return value > 0 ? "\u221e" : "\u2212\u221e";
   const size = Math.abs(value);
+  const rounded = Number(value.toPrecision(digits));
   const text =
-    size !== 0 && (size >= 1e6 || size < 1e-4)
+    size !== 0 && (size >= 1e7 || size < 1e-4)
       ? value.toExponential(digits - 1).replace(/\.?0+e\+?/, "e")
-      : String(Number(value.toPrecision(digits)));
+      : Math.abs(rounded) >= 10 ** digits
+        ? value.toFixed(0)
+        : String(rounded);
   return minus(text);
 }
 

@@ -29,7 +29,7 @@ export function createArchitectures(model: Model): HTMLElement {
 
 function figureOf(model: Model, configuration: Configuration, shown: Configuration[]): HTMLElement {
   const { study } = model.store;
-  const names = model.choices.picked.filter((_, index) => shown[index] === configuration).map(nameOf).join(", ");
+  const names = model.choices.picked.filter((_, index) => shown[index] === configuration).map((design) => nameOf(model, design)).join(", ");
   const picture = study.pictures[configuration.picture];
   const others = shown.map((other) => partsOf(study.pictures[other.picture], other));
   const differs = (path: string, component: string): boolean => others.some((parts) => parts.get(path) !== component);

@@ -39,8 +39,8 @@ function tableOf(model: Model): HTMLElement {
   const head = picked.map((design, index) => {
     const swatch = el("span", { class: "dot" });
     swatch.style.background = seriesColour(index);
-    const name = el("button", { type: "button", class: "link", click: () => selectRun(model.store, model.standing().deciding[design]!) }, nameOf(design));
-    const drop = el("button", { type: "button", class: "drop", "aria-label": `Take ${nameOf(design)} away`, click: () => togglePick(model, design) }, "\u00d7");
+    const name = el("button", { type: "button", class: "link", click: () => selectRun(model.store, model.standing().deciding[design]!) }, nameOf(model, design));
+    const drop = el("button", { type: "button", class: "drop", "aria-label": `Take ${nameOf(model, design)} away`, click: () => togglePick(model, design) }, "\u00d7");
     return el("th", { scope: "col" }, el("span", { class: "named" }, swatch, name, drop), badge(model.standing().mark[design]!));
   });
   return el("table", { class: "compare", id: "compare" }, el("thead", {}, el("tr", {}, el("td", {}), ...head)), ...choiceRows(model), ...numberRows(model), ...marginRows(model));

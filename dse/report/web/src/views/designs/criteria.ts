@@ -120,8 +120,8 @@ function answer(model: Model, design: number, what: string, value: string): HTML
     {},
     el("span", { class: "what" }, what),
     el("b", {}, value),
-    el("button", { type: "button", class: "link", click: () => selectRun(model.store, model.standing().deciding[design]!) }, nameOf(design)),
-    el("button", { type: "button", class: "link", "aria-label": `Compare ${nameOf(design)}`, click: () => togglePick(model, design) }, "compare"),
+    el("button", { type: "button", class: "link", click: () => selectRun(model.store, model.standing().deciding[design]!) }, nameOf(model, design)),
+    el("button", { type: "button", class: "link", "aria-label": `Compare ${nameOf(model, design)}`, click: () => togglePick(model, design) }, "compare"),
   );
 }
 

@@ -104,7 +104,7 @@ function columnsOf(model: Model): Column[] {
     };
   };
   return [
-    { key: "design", title: "Design", hint: "", numeric: false, value: (design) => design, text: nameOf },
+    { key: "design", title: "Design", hint: "", numeric: false, value: (design) => design, text: (design) => nameOf(model, design) },
     ...(aims.length ? [{ key: "score", title: "Score", hint: "TOPSIS: 1 is the best of every criterion among the feasible designs, 0 the worst", numeric: true, value: (design: number) => scores[design]!, text: (design: number) => (Number.isNaN(scores[design]!) ? "\u2013" : scores[design]!.toFixed(3)) }] : []),
     { key: "verdict", title: "Verdict", hint: "By the number of requirements that are met", numeric: false, value: (design) => missed[design]!, text: (design) => `${SIGNS[mark[design]!]} ${WORDS[mark[design]!]}`, mark: (design) => mark[design]! },
     ...(study.requirements.length ? [{ key: "slack", title: "Least margin [%]", hint: `Of any requirement that is on, as a share: ${SHARE_OF}`, numeric: true, value: (design: number) => slack[design]!, text: (design: number) => (Number.isNaN(slack[design]!) ? "\u2013" : number(100 * slack[design]!, 3)) }] : []),
@@ -188,7 +188,7 @@ function drawHead(model: Model, columns: Column[], head: HTMLElement, last: Head
 function rowOf(model: Model, columns: Column[], design: number, index: number): HTMLElement {
   const { store, choices } = model;
   const chosen = store.state.selected >= 0 && model.grouping.of[store.state.selected] === design;
-  const pick = el("input", { id: `pick-${design}`, type: "checkbox", "aria-label": `Compare ${nameOf(design)}`, checked: choices.picked.includes(design), click: (event: Event) => event.stopPropagation(), change: () => togglePick(model, design) });
+  const pick = el("input", { id: `pick-${design}`, type: "checkbox", "aria-label": `Compare ${nameOf(model, design)}`, checked: choices.picked.includes(design), click: (event: Event) => event.stopPropagation(), change: () => togglePick(model, design) });
   const cells = columns.map(({ key, numeric, text, mark }) => {
     const kind = mark ? CLASSES[mark(design)]! : "";
     return el("td", { class: `${numeric ? "numeric" : key === "verdict" ? "verdict" : ""} ${kind}` }, text(design));

@@ -1,6 +1,8 @@
 // What the reader has chosen among designs, and what follows from it; the parts of the view draw from here.
 import { columnOf } from "../../columns";
+import { shortened, withUnit } from "../../format";
 import type { Changed, State, Store } from "../../store";
+import type { Study } from "../../study";
 import { PASS } from "../../verdicts";
 import { MOST_COMPARED, readChoices, withChoices, type Choices, type Criterion } from "./choices";
 import { frontOf } from "./front";
@@ -180,9 +182,16 @@ export function subscribeCalmly(model: Model, listener: (changed: ChangedKeys) =
   });
 }
 
-/** What a design is called. */
-export function nameOf(design: number): string {
-  return `Design ${design + 1}`;
+const MOST_PART = 60;
+
+/** What a design is called: what it chooses where configurations differ, and its values of the design variables. */
+export function nameOf(model: Model, design: number): string {
+  const { store, grouping } = model;
+  const configuration = configurationOf(model, design);
+  const chosen = differingPlaces(store).map((name) => choiceAt(store, configuration, name));
+  const has = variablesOf(store.study, "design").filter(({ lack }) => !lack.includes(configuration));
+  const values = has.map(({ title, unit, values, text }) => `${title} ${withUnit(text(values[grouping.first[design]!]!), unit)}`);
+  return [...chosen, ...values].filter(Boolean).map((part) => shortened(part, MOST_PART)).join(", ") || store.study.configurations[configuration]!.id;
 }
 
 /** The choice that *configuration* makes at the place *name*, "" where it has none. */
@@ -194,8 +203,16 @@ export function configurationOf({ store, grouping }: Model, design: number): num
   return store.study.configuration[grouping.first[design]!]!;
 }
 
+const differing = new WeakMap<Study, string[]>();
+
 /** The places at which configurations choose differently, in the order of the design space. */
 export function differingPlaces({ study }: Store): string[] {
+  let found = differing.get(study);
+  if (!found) differing.set(study, (found = placesThatDiffer(study)));
+  return found;
+}
+
+function placesThatDiffer(study: Study): string[] {
   const places = [...new Set(study.configurations.flatMap(({ choices }) => choices.map(([name]) => name)))];
   const chosen = study.configurations.map(({ choices }) => new Map(choices));
   return places.filter((name) => chosen.some((one) => one.get(name) !== chosen[0]!.get(name)));

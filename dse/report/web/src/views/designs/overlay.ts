@@ -81,7 +81,7 @@ function figureOf(model: Model, figure: Figure, index: number, runs: number[], b
     const current = decode(figure, index, number, "current", blocks);
     return current ? [{ place, number, current, target: decode(figure, index, number, "target", blocks) }] : [];
   });
-  const lacking = picked.filter((_, place) => !drawn.some((one) => one.place === place)).map(nameOf);
+  const lacking = picked.filter((_, place) => !drawn.some((one) => one.place === place)).map((design) => nameOf(model, design));
   const note = lacking.length ? el("p", { class: "hint" }, `No waveform was kept of the run of ${lacking.join(", ")}.`) : null;
   const caption = el("figcaption", {}, el("b", {}, figure.title));
   if (!drawn.length) return el("figure", {}, caption, note);
@@ -90,9 +90,9 @@ function figureOf(model: Model, figure: Figure, index: number, runs: number[], b
   const shared = targets.length > 1 && targets.every(({ target }) => target!.length === targets[0]!.target!.length && target!.every((value, at) => value === targets[0]!.target![at]));
   const dashed = shared ? [{ ...targets[0]!, stroke: colours.target }] : targets.map((one) => ({ ...one, stroke: targets.length > 1 ? seriesColour(one.place) : colours.target }));
   const reading = el("span", { class: "reading" });
-  const holder = el("div", { class: "lines", role: "img", "aria-label": `${figure.title} of ${drawn.map(({ place, number }) => `${nameOf(picked[place]!)} (run ${number})`).join(", ")}` });
+  const holder = el("div", { class: "lines", role: "img", "aria-label": `${figure.title} of ${drawn.map(({ place, number }) => `${nameOf(model, picked[place]!)} (run ${number})`).join(", ")}` });
   const read = (at: number): void => {
-    reading.textContent = [`t = ${withUnit(number(figure.time[at]!, 4), "s")}`, ...drawn.map(({ place, current }) => `${nameOf(picked[place]!)} ${withUnit(number(current[at] ?? NaN), figure.unit)}`)].join("   ");
+    reading.textContent = [`t = ${withUnit(number(figure.time[at]!, 4), "s")}`, ...drawn.map(({ place, current }) => `${nameOf(model, picked[place]!)} ${withUnit(number(current[at] ?? NaN), figure.unit)}`)].join("   ");
   };
   read(figure.time.length - 1);
   const axis = { stroke: colours.ink, font: `12px ${colours.font}`, labelFont: `600 12px ${colours.font}`, labelSize: 20, grid: { stroke: colours.line, width: 1 }, ticks: { stroke: colours.line, width: 1, size: 5 }, values: (_: uPlot, ticks: number[]) => ticks.map((tick) => number(tick, 6)) };

@@ -34,7 +34,7 @@ function reasonsOf(model: Model): HTMLElement[] {
       : `It is out: ${sentences(model, design).join("; ")}.`;
   const problem = study.problems.get(deciding[design]!);
   const parts = [
-    el("h3", {}, nameOf(design), badge(verdict)),
+    el("h3", {}, nameOf(model, design), badge(verdict)),
     el("p", { class: "said" }, said),
     ...(problem && !study.done[deciding[design]!] ? [el("p", { class: "problem" }, problem)] : []),
     ...(study.requirements.length ? [requirementTable(model, design)] : []),
@@ -107,7 +107,7 @@ function waysOut(model: Model, design: number): HTMLElement[] {
   return [
     heading,
     ...alone,
-    el("p", { class: "said" }, near >= 0 ? "The nearest design that is feasible, of the same configuration, is " : "The nearest design that is feasible is ", el("button", { type: "button", class: "link", id: "nearest", click: () => selectRun(store, model.standing().deciding[any]!) }, nameOf(any)), ":"),
+    el("p", { class: "said" }, near >= 0 ? "The nearest design that is feasible, of the same configuration, is " : "The nearest design that is feasible is ", el("button", { type: "button", class: "link", id: "nearest", click: () => selectRun(store, model.standing().deciding[any]!) }, nameOf(model, any)), ":"),
     el("ul", { class: "changes" }, ...changes.map(changeItem)),
     el("button", { type: "button", id: "compare-nearest", click: pick }, "Compare both"),
   ];

@@ -5,7 +5,7 @@ import { cell, download } from "../../save";
 import type { Part } from "../../plot/sheet";
 import { axisLabel } from "../../study";
 import { WORDS } from "../../verdicts";
-import { choiceAt, configurationOf, hasVariable, type Model } from "./model";
+import { choiceAt, configurationOf, hasVariable, nameOf, type Model } from "./model";
 import { designColumns, place } from "./values";
 
 export function scatterMenu(model: Model, picture: () => Part[]): HTMLElement {
@@ -46,7 +46,7 @@ function designsCsv(model: Model): string {
     const configuration = configurationOf(model, design);
     rows.push(
       [
-        design + 1,
+        cell(nameOf(model, design)),
         cell(study.configurations[configuration]!.id),
         grouping.start[design + 1]! - grouping.start[design]!,
         study.number[deciding[design]!],

@@ -262,7 +262,7 @@ function showTip(tip: HTMLElement, surface: HTMLElement, model: Model, { cloud, 
   const line = (name: string, value: string): HTMLElement => el("div", { class: "line" }, el("span", {}, name), el("b", {}, value));
   const value = ({ title, unit, values, text }: Cloud["x"]): HTMLElement => line(title, withUnit(text(values[point]!), unit));
   const score = choices.points === "designs" ? model.scores()[point]! : NaN;
-  const name = choices.points === "designs" ? nameOf(point) : `Run ${store.study.number[point]}`;
+  const name = choices.points === "designs" ? nameOf(model, point) : `Run ${store.study.number[point]}`;
   tip.replaceChildren(
     el("div", { class: "head" }, name, badge(cloud.marks[point]!)),
     value(cloud.x),

@@ -23,7 +23,7 @@ export function createChances(store: Store): HTMLElement {
   return el(
     "div",
     {},
-    el("p", { class: "hint" }, "Colour is the probability that the requirement is met, as a Gaussian process tells it from the runs at the study\u2019s own thresholds. Thick: where it is one half. Dashed: the band in which the verdict is another than the likeliest with more than 5 %. The frame is what may change at once around the robust centre."),
+    el("p", { class: "hint" }, "Colour is the probability that the requirement is met, by a Gaussian process through the runs at the study\u2019s own thresholds. The boundary itself is drawn in the constraint plot alone, which interpolates between the runs. Dashed: the band in which the verdict is another than the likeliest with more than 5 %. The frame is what may change at once around the robust centre."),
     el("div", { class: "minis maps" }, ...chances.map((map, index) => chanceFigure(store, map, `chances-${index}`, store.study.requirements[map.requirement]!.title))),
     ...withheld.filter((text) => text.startsWith("chances of ")).map((text) => el("p", { class: "hint withheld" }, `Not told: ${text}.`)),
   );
@@ -83,7 +83,6 @@ function paint({ pen, width, height }: Sheet, store: Store, map: ChanceMap, over
     }
   }
   line(pen, map.misjudged, size, DOUBTFUL, at, colours, [4, 3], 1.4);
-  line(pen, map.passing, size, 50, at, colours, [], 2.4);
   frameOfCentre(pen, store, map, frame, colours);
   over?.(pen, (a, b) => [frame.x(a * (TICKS - 1)), frame.y(b * (TICKS - 1))], colours);
   cross(pen, store, map, frame, colours);
