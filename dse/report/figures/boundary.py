@@ -51,8 +51,8 @@ def _draw(content: ReportContent, chance: ChanceMap) -> Sheet:
     held += f"{', ' * bool(held)}the worst of {chance.conditions} conditions" * (chance.conditions > 1)
     note = (
         f"Probability by a Gaussian process, from {chance.used:,} of {chance.runs:,} runs"
-        f"{f', at {held}' * bool(held)}. Hatched: the likeliest verdict is wrong with a probability of {_DOUBT} % or more "
-        f"({chance.uncertain:.1%} of the plane)."
+        f"{f', at {held}' * bool(held)}. Hatched: the likeliest verdict is wrong with a probability of {_DOUBT} % or "
+        f"more ({chance.uncertain:.1%} of the plane)."
     )
     with style():
         title = f"Probability of meeting “{requirement.title or requirement.name}”"
