@@ -60,7 +60,7 @@ def _print_table(results: Results, found: Ranking) -> None:
             mark,
             each.configuration,
             *(quantity(value, unit_of_objective(definition, objective)) for value, objective in values),
-            *([] if headings else ["–" if each.slack == float("inf") else quantity(100 * each.slack, "%")]),
+            *([] if headings else ["–" if each.slack == float("inf") else quantity(each.slack, "%")]),
             *(quantity(each.point[name], units[name]) if name in each.point else "–" for name in varied),
             *(choices[place].get(path, "–") for path in shown),
             *(
