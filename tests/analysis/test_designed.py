@@ -147,7 +147,7 @@ def test_correlated_variables_are_refused_by_the_design():
     brief = Brief(variables, (), 1, nothing, correlations={("x1", "x2"): 0.5})
     for kind, options in (("sobol_indices", {"base": 4}), ("morris", {"trajectories": 4})):
         with pytest.raises(DseError, match="some are correlated"):
-            SAMPLERS.get(kind).model_validate(options).points(brief)
+            SAMPLERS.get(kind).model_validate(options).values(brief)
 
 
 @pytest.mark.parametrize(

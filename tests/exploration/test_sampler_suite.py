@@ -6,4 +6,5 @@ from dse.loading.extensions import SAMPLERS
 from dse.testing.samplers import SamplerSuite
 
 for _name in SAMPLERS.names():
-    globals()[f"Test_{_name}"] = type(f"Test_{_name}", (SamplerSuite,), {"sampler": SAMPLERS.get(_name)})
+    _members = {"sampler": SAMPLERS.get(_name), "listed": _name == "csv"}
+    globals()[f"Test_{_name}"] = type(f"Test_{_name}", (SamplerSuite,), _members)

@@ -15,6 +15,7 @@ from dse.exploration.optimising.searching import OptimizingSampler, Proposer
 from dse.exploration.proposing import space_of
 
 if TYPE_CHECKING:
+    from optuna import Trial
     from optuna.distributions import BaseDistribution
 
 _DIGITS = 9
@@ -56,17 +57,17 @@ class _Estimators:
         self._breeding = Breeding(self._space, len(cases.variables))
         self._first, self._batch, self._seed = sampler.first, sampler.batch, brief.seed
         self._random = np.random.default_rng(brief.seed)
-        self._estimators = optuna.samplers.TPESampler(
-            n_startup_trials=1, seed=brief.seed % (1 << 32), multivariate=True, constant_liar=False
-        )
-        self._study = optuna.create_study(directions=["minimize"] * len(brief.objectives), sampler=self._estimators)
+        estimators = optuna.samplers.TPESampler(n_startup_trials=1, seed=brief.seed % (1 << 32), multivariate=True)
+        self._study = optuna.create_study(directions=["minimize"] * len(brief.objectives), sampler=estimators)
         self._distributions = self._all()
         self._varied = {name: each for name, each in self._distributions.items() if not each.single()}
         self._asked: list[Design] = []
+        self._trials: list[Trial] = []
+        """What Optuna was asked for since it was told; it keeps away from what it is still to be told of."""
 
     def next(self) -> list[Design]:
         """The first designs; then what the estimators draw."""
-        if not self._study.get_trials(deepcopy=False):
+        if not self._asked:
             self._asked = self._breeding.begin(self._first, self._seed, self._cases)
         else:
             drawn = (self._fresh() for _ in range(self._batch))
@@ -74,10 +75,14 @@ class _Estimators:
         return self._asked
 
     def tell(self, worth: Worth) -> None:
-        """Add them to what the estimators know; the objectives of a design that is none to take are not looked at."""
+        """Add them to what the estimators know, in place of what these asked for, which was granted as far as it could
+        be. The objectives of a design that is none to take are not looked at."""
         import numpy as np
-        from optuna.trial import create_trial
+        from optuna.trial import TrialState, create_trial
 
+        for trial in self._trials:
+            self._study.tell(trial, state=TrialState.FAIL)
+        self._trials = []
         sound = np.where(worth.violations[:, None] > 0, 0.0, worth.objectives).tolist()
         for design, values, violation in zip(self._asked, sound, worth.violations.tolist(), strict=True):
             trial = create_trial(
@@ -111,10 +116,8 @@ class _Estimators:
         return next(iter(self._breeding.fresh(1, int(self._random.integers(1 << 31)), self._cases)), None)
 
     def _drawn(self) -> Design:
-        from optuna.trial import TrialState, create_trial
-
-        trial = create_trial(state=TrialState.RUNNING)
-        drawn = self._estimators.sample_relative(self._study, trial, self._varied) if self._varied else {}
+        self._trials.append(self._study.ask(self._varied))
+        drawn = self._trials[-1].params
         unit = tuple(round(drawn[str(number)], _DIGITS) for number in range(len(self._cases.variables)))
         wishes = [
             (place, drawn.get(place) or None)

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial, reduce
 from itertools import product
 
 from dse.domain.component import Component
@@ -139,8 +140,10 @@ class _Rewriter:
                 halves = Binary("<=", low, value, span), Binary("<=", value, high, span)
                 return self.condition(Binary("and", *halves, span), sense)
             case Call("same_choice"):
-                places = [name for name in node.arguments if isinstance(name, Name) and name.path in self.after]
-                return replace(node, arguments=tuple(places)) if len(places) > 1 else Truth(True, node.span)
+                # One of its places is gone, so that all of them have to be absent.
+                left = [name for name in node.arguments if isinstance(name, Name) and name.path in self.after]
+                absent = [Chosen(name.path, ("absent",), node.span) for name in left]
+                return reduce(partial(_joined, "and"), absent, Truth(True, node.span))
             case Call(function, (Number() as number, *conditions)):
                 return self.counted(function, int(number.si), conditions, sense, node)
         return node
