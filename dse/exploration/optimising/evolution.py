@@ -25,14 +25,14 @@ _MATINGS = 20
 """Rounds of mating without enough new designs after which a generation is as small as it is."""
 
 
-_LEAST, _MOST = 8, 64
-_GROWTH = 16
-"""Without a *population*, a generation has a sixteenth of the designs that were judged, within these bounds. So a short
+_LEAST, _MOST = 16, 64
+_GROWTH = 24
+"""Without a *population*, a generation has one design for every 24 that were judged, within these bounds. So a short
 search has many generations, and a longer one begins as the shorter one."""
 
 
 class EvolutionSampler(OptimizingSampler):
-    """A generation of *population* designs after the other; without that, of more and more designs, from 8 to 64."""
+    """A generation of *population* designs after the other; without that, of more and more, 16 to 64."""
 
     package: ClassVar[str] = "pymoo"
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = (
@@ -45,10 +45,6 @@ class EvolutionSampler(OptimizingSampler):
     @abstractmethod
     def algorithm(self, objectives: int, options: Mapping[str, Any]) -> Any:
         """The algorithm of pymoo with these *options*. Raises DseError for a number of *objectives* it cannot do."""
-
-    def options(self) -> Mapping[str, Any]:
-        """What it was given."""
-        return self.model_dump(mode="json", exclude_none=True)
 
     def proposer(self, brief: Brief, cases: Cases) -> Proposer:
         """Generations as pymoo selects them."""

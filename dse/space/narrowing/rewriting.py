@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import partial, reduce
 from itertools import product
 
 from dse.domain.component import Component
@@ -141,9 +140,11 @@ class _Rewriter:
                 return self.condition(Binary("and", *halves, span), sense)
             case Call("same_choice"):
                 # One of its places is gone, so that all of them have to be absent.
-                left = [name for name in node.arguments if isinstance(name, Name) and name.path in self.after]
-                absent = [Chosen(name.path, ("absent",), node.span) for name in left]
-                return reduce(partial(_joined, "and"), absent, Truth(True, node.span))
+                found: Node = Truth(True, node.span)
+                for name in node.arguments:
+                    if isinstance(name, Name) and name.path in self.after:
+                        found = _joined("and", found, Chosen(name.path, ("absent",), node.span))
+                return found
             case Call(function, (Number() as number, *conditions)):
                 return self.counted(function, int(number.si), conditions, sense, node)
         return node
