@@ -229,7 +229,8 @@ def found(problem: Problem, root: Path, sampler: str, seed: int) -> float:
     (root / "testbenches/s.pet.yaml").write_text(text, encoding="utf-8")
     results = dse.open(root).studies["s"].explore(root / f"out/{seed}", workers=1, fresh=True)
     best = math.inf
-    for row in results.to_pandas().to_dict("records"):
+    for record in results.to_pandas().to_dict("records"):
+        row = {str(name): value for name, value in record.items()}
         value, margin = problem.value(partial(_made, row), row.__getitem__)
         assert (row["f"], row["g"]) == pytest.approx((value, margin), rel=1e-9, abs=1e-12)
         best = min(best, value if margin >= 0 else math.inf)

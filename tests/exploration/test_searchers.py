@@ -13,11 +13,16 @@ import pytest
 from command_line import run_dse
 from optimized import Array, Runs, brief, drive, variables
 
+from dse.domain.component import NO_INTERFACE, Component
+from dse.domain.design import Alternative, Compound, DesignSpace, Part
+from dse.exploration.optimising.breeding import Breeding
+from dse.exploration.optimising.designs import Design
 from dse.exploration.optimising.searching import OptimizingSampler
 from dse.exploration.samplers.local import Local
 from dse.exploration.samplers.mixed_gp import MixedGp
 from dse.exploration.samplers.nsga2 import Nsga2
 from dse.exploration.samplers.tpe import Tpe
+from dse.space import open_space
 from dse.testing.searchers import PROBLEMS, Problem, SearcherSuite, lay_out
 
 BY_NAME = {problem.name: problem for problem in PROBLEMS}
@@ -198,6 +203,16 @@ def test_without_a_number_as_many_are_asked_for_together_as_are_few_among_those_
     assert None not in kind(evaluations=60).options().values()
 
 
+def test_children_inherit_the_choice_at_the_only_place_of_a_design() -> None:
+    parts = tuple(Part(Component(name, NO_INTERFACE)) for name in "abcde")
+    space = open_space(DesignSpace("one", Compound("one", {"place": Alternative(parts)}))).architectures()
+    parent = Design(space.completed([("place", "c")], 1), (0.5,))
+    random = np.random.default_rng(1)
+    children = [child for _ in range(50) for child in Breeding(space, 1).children(parent, parent, random)]
+    kept = sum(child.architecture == parent.architecture for child in children)
+    assert 30 <= kept <= 70
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     "sampler",
@@ -216,7 +231,7 @@ def test_a_design_without_choices_is_searched_from_the_command_line(sampler: str
         "study: s\ntestbench: bench\nconfigurations: all\nobjectives: [minimize f]\n"
         f"design_variables: {{fn.x0: {{range: [0, 1]}}, fn.x1: {{range: [0, 1]}}}}\nsampler: {{{sampler}}}\n"
     )
-    done = run_dse("explore", "s", "--workers", "1", cwd=tmp_path)
+    done = run_dse(tmp_path, "explore", "s", "--workers", "1", cache=tmp_path / "cache")
     assert done.returncode == 0, done.stderr
 
 
@@ -231,12 +246,14 @@ class TestTpe(SearcherSuite):
 class TestNsga2(SearcherSuite):
     sampler = Nsga2
     evaluations = 400
+    bands: ClassVar[Mapping[str, float]] = {"gomez": 4.0}
     library = staticmethod(pymoo_nsga2)
 
 
 @pytest.mark.nightly
 class TestLocal(SearcherSuite):
     sampler = Local
+    bands: ClassVar[Mapping[str, float]] = {"ackley5": 2.5}  # two starts share the runs that scipy's one start has
     unfit: ClassVar[Mapping[str, str]] = {"gomez": "what is allowed are islands, and a simplex stays on its own"}
     library = staticmethod(scipy_simplex)
 
