@@ -29,7 +29,12 @@ Emit = Callable[..., Register]
 
 
 class Wants(StrEnum):
-    """What an argument has to be."""
+    """What an argument has to be, and what the function is given for it.
+
+    * WAVEFORM: a number that varies, ``a.speed``. An array of n ≥ 1 rows, float64.
+    * CONSTANT: a number that does not vary during a run, ``5 km/h`` or a parameter. A float.
+    * CONDITION: true or false in each row, ``a.speed > 5 km/h``. An array of n truth values.
+    """
 
     WAVEFORM = "a waveform"
     CONSTANT = "a constant"
@@ -38,7 +43,10 @@ class Wants(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """An argument of a function. Its unit is *unit*, or with None that of the first argument."""
+    """An argument of a function that is what it *wants*.
+
+    Its unit is *unit*, "" for a plain number; without one it is that of the first argument, or with *any_unit* any.
+    """
 
     name: str
     wants: Wants

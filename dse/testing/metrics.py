@@ -24,6 +24,9 @@ _OTHER = "mol"
 """A unit that no argument of another unit can take."""
 
 
+_UNITLESS = "an argument without a unit has that of the first: give a plain number the unit '', a time 's'"
+
+
 class MetricSuite:
     """Subclass it in your tests and give your *function* and its *name*:
     ``class TestMine(MetricSuite): name, function = "peak_to_peak", PEAK_TO_PEAK``.
@@ -84,6 +87,18 @@ class MetricSuite:
         shifted, here = self._value(start=64.0), self._value()
         assert _alike(shifted, here) or math.isclose(shifted, here, rel_tol=1e-9, abs_tol=1e-9)
 
+    def test_it_does_not_matter_in_which_unit_the_first_argument_is(self) -> None:
+        """Scaled with all that has its unit, it scales the result as the result's dimension says.
+
+        That fails where a constant that is a plain number or a time is declared without its unit.
+        """
+        if self.function.arguments[0].unit is not None:
+            pytest.skip("the first argument has a unit of its own, in which there may be limits")
+        power = dict(self.function.result(parse_unit("m").dimension)).get("length", 0)
+        for scale in (0.5, 2.0):
+            scaled, wanted = self._value(scale=scale), self._value() * scale ** float(power)
+            assert _alike(scaled, wanted) or math.isclose(scaled, wanted, rel_tol=1e-9, abs_tol=1e-9), _UNITLESS
+
     def test_it_survives_the_way_to_a_worker(self) -> None:
         """Programs are pickled; the function is found again by its name."""
         program = self._compiled()
@@ -91,7 +106,8 @@ class MetricSuite:
 
     def _compiled(self, wrong: str = "") -> MetricProgram:
         """The function as a metric, its constants and waveforms ports of their own; *wrong* has an unfit unit."""
-        types = {f"a.{argument.name}": _type(argument, wrong) for argument in self.function.arguments}
+        own = self.function.arguments[0].unit or "m"
+        types = {f"a.{argument.name}": _type(argument, own, wrong) for argument in self.function.arguments}
         constants = {f"a.{a.name}" for a in self.function.arguments if a.wants is Wants.CONSTANT}
         call = f"{self.name}({', '.join(_written(argument) for argument in self.function.arguments)})"
         if self.function.varies:
@@ -100,22 +116,34 @@ class MetricSuite:
         functions: Mapping[str, Function] = {**FUNCTIONS, self.name: self.function}
         return compile_metrics([metric], (), types, frozenset(types) - constants, functions)
 
-    def _value(self, rows: int = 101, defined: int = 101, start: float = 0.0, *, still: bool = False) -> float:
-        """Its value over *rows* of 0.1 s; beyond *defined* rows everything is NaN. Nothing given can be written to."""
+    def _value(
+        self, rows: int = 101, defined: int = 101, start: float = 0.0, *, still: bool = False, scale: float = 1.0
+    ) -> float:
+        """Its value over *rows* of 0.1 s; beyond *defined* rows everything is NaN. Nothing given can be written to.
+
+        What has the unit of the first argument is multiplied by *scale*, a power of two.
+        """
         program = self._compiled()
         time: Floats = np.arange(rows, dtype=np.float64) * 0.1
         wave: Floats = np.ones(rows) if still else 1 - np.exp(-time) * np.cos(3 * time)
         wave[defined:] = math.nan
         time += start
-        for array in (time, wave):
+        scales = {
+            f"a.{each.name}": 1.0
+            if each.wants is Wants.CONDITION or each.unit is not None or (each.any_unit and position)
+            else scale
+            for position, each in enumerate(self.function.arguments)
+        }
+        waves = {name: wave * scales[name] for name in program.signals}
+        for array in (time, *waves.values()):
             array.flags.writeable = False
-        constants = dict.fromkeys(program.constants, 1.0 if defined else math.nan)
-        values, _ = program.evaluate(time, dict.fromkeys(program.signals, wave), constants)
+        constants = {name: scales[name] if defined else math.nan for name in program.constants}
+        values, _ = program.evaluate(time, waves, constants)
         return values["m"]
 
 
-def _type(argument: Argument, wrong: str) -> Type:
-    unit = argument.unit if argument.unit is not None else "m"
+def _type(argument: Argument, own: str, wrong: str) -> Type:
+    unit = "m" if argument.wants is Wants.CONDITION else own if argument.unit is None else argument.unit
     return Type(Kind.REAL, parse_unit(_OTHER if argument.name == wrong else unit))
 
 

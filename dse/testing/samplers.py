@@ -16,10 +16,14 @@ import numpy as np
 import pytest
 
 from dse.domain.bench import Verdict
-from dse.domain.design import Configuration
-from dse.domain.sampler import Architecture, Brief, Candidate, DesignVariable, Objective, Outcomes, Sampler
+from dse.domain.component import NO_INTERFACE, Component
+from dse.domain.design import Compound, Configuration, DesignSpace, Part
+from dse.domain.distribution import Distribution
+from dse.domain.sampler import Architecture, Brief, Candidate, DesignVariable, Objective, Outcomes, Sampler, Scale
+from dse.exploration import unit_of
 from dse.formats import read_yaml
 from dse.loading import SAMPLERS, SamplerSection, Surroundings
+from dse.space import open_space
 from dse.units import DIMENSIONLESS
 
 VARIABLES = (
@@ -28,6 +32,15 @@ VARIABLES = (
 )
 CONFIGURATIONS = ("b", "a")
 CHOICES = ({"s": "x", "t": "u"}, {"s": "x", "t": "v"}, {"s": "y", "t": "u"}, {"s": "y", "t": "v"}, {"t": "u"})
+SCALES = {
+    "scale": DesignVariable("part.x", 0.01, 100.0, 4, 0.1, DIMENSIONLESS, scale=Scale.LOG),
+    "values": DesignVariable("part.x", 1.0, 50.0, 4, 2.0, DIMENSIONLESS, values=(1.0, 2.0, 40.0, 50.0)),
+    "distribution": DesignVariable(
+        "part.x", 0.0, 9.0, 4, 0.5, DIMENSIONLESS, distribution=Distribution("empirical", values=(0.0, 1.0, 9.0))
+    ),
+}
+"""In place of the first of `VARIABLES`; each has its nominal value, too, at a quarter of the unit cube's side."""
+
 _MOST_ASKS = 200
 
 
@@ -70,6 +83,8 @@ class SamplerSuite:
     """
 
     sampler: type[SamplerSection]
+    listed = False
+    """Whether its values are those that the user wrote, on whatever scale."""
 
     @pytest.fixture
     def settled(self, example: Mapping[str, Any], tmp_path: Path) -> Sampler:
@@ -106,6 +121,30 @@ class SamplerSuite:
             assert all(type(value) is float for value in point)
             assert all(v.low <= value <= v.high for v, value in zip(VARIABLES, point, strict=True))
 
+    @pytest.mark.parametrize("key", SCALES)
+    def test_it_heeds_a_scale_values_and_a_distribution(self, settled: Sampler, key: str) -> None:
+        """Its first ask is at the same places of the unit cube as in a linear range; it asks for no other values."""
+        if self.listed or (key == "distribution" and settled.grid is not None):
+            pytest.skip("its values do not depend on scales")
+        varied = SCALES[key]
+        made = asks(
+            settled, replace(brief(), variables=(varied, VARIABLES[1])), most=_MOST_ASKS if varied.values else 1
+        )
+        linear = asks(settled, brief(), most=1)[0]
+        assert _places(made[0], varied) == _places(linear, VARIABLES[0], varied.values)
+        assert not varied.values or {point[0] for ask in made for _, point in ask} <= {*varied.values}
+
+    def test_a_design_without_choices_is_explored(self, settled: Sampler, example: Mapping[str, Any]) -> None:
+        """Its space has one configuration and nothing to choose; with the first example, as others may name a place."""
+        if example is not self.sampler.examples[0]:
+            return
+        parts = {"part": Part(Component("part", NO_INTERFACE))}
+        space = open_space(DesignSpace("only", Compound("only", parts))).architectures()
+        (only,) = space.draw(1, 1)
+        candidates = [c for ask in asks(settled, replace(brief(), configurations=(only.id,), space=space)) for c in ask]
+        assert candidates
+        assert {candidate.configuration for candidate in candidates} == {only.id}
+
     def test_no_ask_wants_a_run_twice(self, settled: Sampler) -> None:
         assert all(len(set(ask)) == len(ask) for ask in asks(settled, brief()))
 
@@ -140,21 +179,29 @@ class SamplerSuite:
             assert any(off <= names for names in free)
 
 
+def _places(ask: Sequence[Candidate], variable: DesignVariable, values: Sequence[float] = ()) -> set[tuple[Any, ...]]:
+    """Where in the unit cube *ask* has *variable*, to nine decimals, or in which of as many equal parts as *values*."""
+    first = unit_of(np.array([[point[0]] for _, point in ask]), (variable,))[:, 0]
+    count = len(values or variable.values)
+    places = np.minimum(np.floor(first * count), count - 1) if count else np.round(first, 9)
+    return {(name, place, point[1]) for (name, point), place in zip(ask, places.tolist(), strict=True)}
+
+
 def brief() -> Brief:
     """A new study over `VARIABLES` and `CONFIGURATIONS`, with the space `Chosen` and objectives ``m`` and -``m``."""
     return Brief(VARIABLES, CONFIGURATIONS, 1, outcomes([]), Chosen(), (Objective("m"), Objective("m", maximize=True)))
 
 
-def asks(sampler: Sampler, given: Brief, *, fails: bool = False) -> list[list[Candidate]]:
-    """All that *sampler* asks for, told what `outcomes` makes of it; stops after 200 asks."""
+def asks(sampler: Sampler, given: Brief, *, fails: bool = False, most: int = _MOST_ASKS) -> list[list[Candidate]]:
+    """All that *sampler* asks for, told what `outcomes` makes of it; stops after *most* asks."""
     search = sampler.start(given)
     made: list[list[Candidate]] = []
-    while len(made) < _MOST_ASKS:
+    while len(made) < most:
         candidates = list(search.ask())
         if not candidates:
             break
         made.append(candidates)
-        if sampler.once:
+        if sampler.once or len(made) == most:
             break
         search.tell(outcomes(candidates, fails=fails))
     return made

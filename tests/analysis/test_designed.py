@@ -20,7 +20,7 @@ def _points(kind, width, **options):
     variables = tuple(replace(_UNIT, name=f"x{number + 1}") for number in range(width))
     nothing = Outcomes((), {each.name: np.zeros(0) for each in variables}, np.zeros(0, dtype=np.bool_), {}, {}, {})
     sampler = SAMPLERS.get(kind).model_validate(options)
-    return np.array(sampler.points(Brief(variables, (), 1, nothing))), DefinedSampler(kind, sampler.options())
+    return np.array(sampler.values(Brief(variables, (), 1, nothing))), DefinedSampler(kind, sampler.options())
 
 
 def _sobol(function, width, base, *, lacking=0, second=False):
@@ -147,7 +147,7 @@ def test_correlated_variables_are_refused_by_the_design():
     brief = Brief(variables, (), 1, nothing, correlations={("x1", "x2"): 0.5})
     for kind, options in (("sobol_indices", {"base": 4}), ("morris", {"trajectories": 4})):
         with pytest.raises(DseError, match="some are correlated"):
-            SAMPLERS.get(kind).model_validate(options).points(brief)
+            SAMPLERS.get(kind).model_validate(options).values(brief)
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,48 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from dse.errors import DseError
+from dse.exploration.once_sampler import OnceSampler
 from dse.loading.extensions import SAMPLERS
-from dse.testing.samplers import SamplerSuite
+from dse.testing.samplers import SCALES, SamplerSuite
 
 for _name in SAMPLERS.names():
-    globals()[f"Test_{_name}"] = type(f"Test_{_name}", (SamplerSuite,), {"sampler": SAMPLERS.get(_name)})
+    _members = {"sampler": SAMPLERS.get(_name), "listed": _name == "csv"}
+    globals()[f"Test_{_name}"] = type(f"Test_{_name}", (SamplerSuite,), _members)
+
+
+class Scaled(OnceSampler):
+    """Scales its points itself, linearly."""
+
+    name: ClassVar[str] = "scaled"
+
+    def points(self, brief):
+        low, high = (np.array([getattr(variable, end) for variable in brief.variables]) for end in ("low", "high"))
+        return low + np.array([[0.2, 0.3], [0.7, 0.8]]) * (high - low)
+
+
+class Linear(Scaled):
+    """The same past the check of points."""
+
+    name: ClassVar[str] = "linear"
+
+    def values(self, brief):
+        return self.points(brief)
+
+
+@pytest.mark.parametrize("key", SCALES)
+def test_a_sampler_that_scales_points_itself_fails(key):
+    def suite(sampler):
+        found = SamplerSuite()
+        found.sampler = sampler
+        return found
+
+    with pytest.raises(DseError, match="outside of the unit cube"):
+        suite(Scaled).test_every_run_it_wants_lies_in_the_ranges(Scaled())
+    with pytest.raises(AssertionError):
+        suite(Linear).test_it_heeds_a_scale_values_and_a_distribution(Linear(), key)

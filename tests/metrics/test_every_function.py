@@ -41,6 +41,25 @@ def inverse_of_span(time, x):
     return 1.0 / (float(time[-1]) - float(time[0]))
 
 
+def share_above(x, share):
+    return float(np.mean(x > share * np.max(x)))
+
+
+def quantile(x, share):
+    return float(np.quantile(x, share))
+
+
+def weakest_of(gap, least):
+    return float(np.min(gap) - least)
+
+
+class TestAFirstArgumentWithAUnitThatOthersShare(MetricSuite):
+    name = "weakest_of"
+    function = metric_function(
+        weakest_of, [Argument("gap", Wants.WAVEFORM, "s"), Argument("least", Wants.CONSTANT)], same
+    )
+
+
 class TestPeakToPeak(MetricSuite):
     name, function = "peak_to_peak", metric_function(peak_to_peak, [X], same)
 
@@ -74,6 +93,18 @@ def suite_of(function, name):
 def test_the_suite_finds_the_mistakes_one_makes(function, test, error):
     with pytest.raises(error):
         test(suite_of(function, function.__name__))
+
+
+@pytest.mark.parametrize(("function", "result"), [(share_above, ""), (quantile, same)])
+def test_a_plain_number_that_is_declared_without_its_unit_is_found(function, result):
+    """Without one, it would be a share in metres of a waveform in metres, and refuse ``quantile(a.x, 0.9)``."""
+    suite = MetricSuite()
+    suite.name = function.__name__
+    suite.function = metric_function(function, [X, Argument("share", Wants.CONSTANT)], result)
+    with pytest.raises((AssertionError, DseError)):
+        suite.test_it_does_not_matter_in_which_unit_the_first_argument_is()
+    suite.function = metric_function(function, [X, Argument("share", Wants.CONSTANT, "")], result)
+    suite.test_it_does_not_matter_in_which_unit_the_first_argument_is()
 
 
 def test_a_function_that_needs_the_clock_must_say_so():

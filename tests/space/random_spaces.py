@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 from hypothesis import strategies as st
@@ -247,19 +246,15 @@ def _is_below(found: list[Site], path: str, name: str) -> bool:
 
 
 def spelled_out(text: str, space: DesignSpace) -> str:
-    """*text* with every ``same_choice`` in other words: no two of its places that are there have two names."""
+    """*text* with every ``same_choice`` in other words: one name stands at all its places, or nothing at any."""
     names: dict[str, set[str]] = {}
     for site in sites(space):
         names.setdefault(site.path, set()).add(site.name)
 
-    def apart(one: str, other: str) -> Iterator[str]:
-        for name in sorted(names[one]):
-            if others := sorted(names[other] - {name}):
-                yield f"{one} is {name} and {other} in [{', '.join(others)}]"
-
     def spelled(call: re.Match[str]) -> str:
-        pairs = combinations(call[1].split(", "), 2)
-        return f"(not ({' or '.join(['false', *(both for pair in pairs for both in apart(*pair))])}))"
+        paths = call[1].split(", ")
+        common = sorted(set.intersection(*(names[path] for path in paths)))
+        return f"({' or '.join(' and '.join(f'{path} is {name}' for path in paths) for name in [*common, 'absent'])})"
 
     return re.sub(r"same_choice\(([^)]*)\)", spelled, text)
 

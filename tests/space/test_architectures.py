@@ -11,6 +11,8 @@ from hypothesis import assume, given
 from question_spaces import EXAMPLES, Answers, asked
 from scipy.stats import chisquare
 
+from dse.domain.component import NO_INTERFACE, Component
+from dse.domain.design import Compound, DesignSpace, Part
 from dse.domain.sampler import Architecture
 from dse.errors import DseError
 from dse.loading import Workspace
@@ -82,6 +84,17 @@ def test_what_was_given_out_becomes_a_configuration(acc: OpenedSpace) -> None:
     assert acc.architectures().configuration(given_out.id) == configuration
     with pytest.raises(DseError, match="no valid configuration 'zz'"):
         architectures.configuration("zz")
+
+
+def test_a_space_without_choices_has_its_one_configuration_to_propose() -> None:
+    parts = {"part": Part(Component("part", NO_INTERFACE))}
+    space = open_space(DesignSpace("only", Compound("only", parts))).architectures()
+    only = Architecture(space.draw(1, 1)[0].id, {})
+    assert space.count() == 1
+    assert space.alternatives == {}
+    assert space.draw(3, 1) == space.stratified(3, 1) == [only] * 3
+    assert space.completed([], 1) == space.completed([("nowhere", "x")], 1) == only
+    assert space.configuration(only.id).parts == {"part": parts["part"].component}
 
 
 def test_a_wish_for_what_is_no_alternative_is_not_had(acc: OpenedSpace) -> None:

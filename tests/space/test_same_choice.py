@@ -1,4 +1,4 @@
-"""``same_choice`` says that no two places that are there differ: with fewer than two of them it is true.
+"""``same_choice`` is true where one name is chosen at all its places, or all are absent: absent is no same choice.
 
 Every method that answers about a design space is asked about small random ones with optional places and places
 inside architectures; the truth is that of the same rule written without ``same_choice``, by brute force.
@@ -7,6 +7,7 @@ inside architectures; the truth is that of the same rule written without ``same_
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -14,7 +15,8 @@ from hypothesis import HealthCheck, Phase, given, settings, strategies as st
 from question_spaces import SMALL, Answers, answers, listed, without_diagram
 from random_spaces import agreement, bare_space, holding, spelled_out
 
-from dse.domain.design import Constraint
+from dse.domain.component import Component, Interface
+from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.loading.uvl.reading import read_uvl_text
@@ -35,6 +37,7 @@ from dse.space.questions.nearest import nearest
 from dse.space.questions.occurrence import occurrences
 from dse.space.questions.optimum import Aim, best_configurations
 from dse.space.questions.picking import Picking
+from dse.units import parse_quantity
 
 MASS = Aim(parse_expression("sum(mass)"), largest=True)
 
@@ -54,12 +57,60 @@ def comparing(draw: st.DrawFn) -> Answers:
     "examples",
     [2, pytest.param(200, marks=pytest.mark.thorough), pytest.param(1000, marks=pytest.mark.nightly)],
 )
-def test_every_method_takes_an_absent_place_for_alike(examples):
+def test_every_method_takes_an_absent_place_for_another_choice(examples):
     # Shrinking would take longer than reading what is found, which is small.
     quiet = settings(
         deadline=None, max_examples=examples, suppress_health_check=list(HealthCheck), phases=[Phase.generate]
     )
     quiet(given(comparing(), st.data())(every_method))()
+
+
+PART = {
+    name: Part(Component(name, Interface("any", ()), properties={"mass": parse_quantity("1 kg")})) for name in "abc"
+}
+PLACES = {"one": ["a", "b"], "two": ["a", "c", None], "three": ["a", "b", "c", None]}
+SAME = {
+    "same_choice(one, two)": lambda one, two, three: one == two,
+    "not same_choice(two, one)": lambda one, two, three: one != two,
+    "same_choice(two, three)": lambda one, two, three: two == three,
+    "same_choice(three, two) xor true": lambda one, two, three: two != three,
+    "same_choice(one, two, three)": lambda one, two, three: one == two == three,
+    "same_choice(two, three, two) iff false": lambda one, two, three: two != three,
+    "sum(mass) >= 3 kg implies not same_choice(two, one)": lambda one, two, three: one != two or None in (two, three),
+    "if one is a then not same_choice(two, three) else true": lambda one, two, three: one != "a" or two != three,
+    "at_least(2, same_choice(one, two), same_choice(two, three), one is b)": lambda one, two, three: (
+        (one == two) + (two == three) + (one == "b") >= 2
+    ),
+}
+
+
+@pytest.mark.parametrize("text", SAME)
+def test_an_absent_place_has_the_choice_of_an_absent_one_only(text):
+    """Counted by hand over all 24 ways to choose, and by every method."""
+    tree = {
+        place: Optional(either) if None in names else either
+        for place, names in PLACES.items()
+        for either in [Alternative(tuple(PART[name] for name in names if name))]
+    }
+    rules = (Constraint("c", parse_expression(text)),)
+    found = answers(DesignSpace("pair", Compound("pair", tree), rules))
+    wanted = [
+        {place: name for place, name in zip(PLACES, names, strict=True) if name}
+        for names in product(*PLACES.values())
+        if SAME[text](*names)
+    ]
+    counted(found, len(wanted))
+    valid = [dict(choices) for choices, holds in zip(found.choices, found.valid(), strict=True) if holds]
+    assert sorted(map(sorted, map(dict.items, valid))) == sorted(map(sorted, map(dict.items, wanted)))
+    chosen_in(replace(found, space=replace(found.space, constraints=())), text)
+
+
+def test_a_broken_rule_is_explained_by_what_stands_at_its_places():
+    space = DesignSpace("pair", Compound("pair", {"one": PART["a"], "two": Optional(PART["a"])}), ())
+    space = replace(space, constraints=(Constraint("c", parse_expression("same_choice(one, two)")),))
+    (broken,) = broken_by(space, {})
+    assert [(seen.what, seen.value) for seen in broken.seen] == [("one", "a"), ("two", "absent")]
+    assert not broken_by(space, {"two": "a"})
 
 
 def every_method(found, data):

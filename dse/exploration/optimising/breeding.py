@@ -78,7 +78,8 @@ class Breeding:
         """All wishes of the parents in random order, after other choices at as many places as one on average."""
         wishes = [wish for parent in parents for wish in self._wishes(parent)]
         wishes = [wishes[index] for index in random.permutation(len(wishes)).tolist()]
-        changes = int(random.binomial(len(self._open), 1 / len(self._open))) if self._open else 0
+        # At a place that is the only one every other child has to keep its parent's choice, or none is inherited.
+        changes = int(random.binomial(len(self._open), min(0.5, 1 / len(self._open)))) if self._open else 0
         changed = [self._other(parents[0], random) for _ in range(changes)]
         return self._space.completed([*changed, *wishes], int(random.integers(1 << 31)))
 

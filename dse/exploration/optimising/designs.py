@@ -51,6 +51,11 @@ class Cases:
         """Where *designs* are run, (n, design variables), in the unit cube; what they do not have is nominal."""
         return unit_of(self._points(designs, 0)[:, self._columns[Role.DESIGN]], self.variables)
 
+    def has(self, design: Design) -> list[bool]:
+        """Which of the design variables its configuration has, as far as is known."""
+        idle = self._idle.get(design.architecture.id)
+        return [idle is None or not idle[column] for column in self._columns[Role.DESIGN]]
+
     def take(self, design: Design) -> bool:
         """Whether *design* is allowed and was not taken before; then it is."""
         key = self.key(design)

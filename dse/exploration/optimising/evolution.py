@@ -25,8 +25,14 @@ _MATINGS = 20
 """Rounds of mating without enough new designs after which a generation is as small as it is."""
 
 
+_LEAST, _MOST = 16, 64
+_GROWTH = 24
+"""Without a *population*, a generation has one design for every 24 that were judged, within these bounds. So a short
+search has many generations, and a longer one begins as the shorter one."""
+
+
 class EvolutionSampler(OptimizingSampler):
-    """A generation of *population* designs after the other."""
+    """A generation of *population* designs after the other; without that, of more and more, 16 to 64."""
 
     package: ClassVar[str] = "pymoo"
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = (
@@ -34,7 +40,7 @@ class EvolutionSampler(OptimizingSampler):
         {"population": 4, "evaluations": 30, "draws": 2},
     )
 
-    population: int = Field(default=64, ge=4, le=100_000)
+    population: int | None = Field(default=None, ge=4, le=100_000)
 
     @abstractmethod
     def algorithm(self, objectives: int, options: Mapping[str, Any]) -> Any:
@@ -53,9 +59,10 @@ class _Selection:
         from pymoo.core.problem import Problem
         from pymoo.core.termination import NoTermination
 
-        first = mating.breeding.begin(sampler.population, brief.seed, mating.cases)
+        self._population, self._judged = sampler.population, 0
+        first = mating.breeding.begin(self._population or _LEAST, brief.seed, mating.cases)
         options = {
-            "pop_size": sampler.population,
+            "pop_size": self._population or _MOST,
             "sampling": Population.new(X=_column(first)),
             "eliminate_duplicates": False,
             "mating": mating,
@@ -65,6 +72,7 @@ class _Selection:
         self._algorithm = sampler.algorithm(len(brief.objectives), options)
         self._algorithm.setup(self._problem, termination=NoTermination())
         self._asked: Any = None
+        self._grow()
 
     def next(self) -> list[Design]:
         """The designs of the next generation; none if there is no new one."""
@@ -80,6 +88,12 @@ class _Selection:
         values = np.where(violation > 0, _BAD, worth.objectives)
         self._algorithm.evaluator.eval(StaticProblem(self._problem, F=values, G=violation), self._asked)
         self._algorithm.tell(infills=self._asked)
+        self._judged += len(worth.violations)
+        self._grow()
+
+    def _grow(self) -> None:
+        size = self._population or min(max(_LEAST, self._judged // _GROWTH), _MOST)
+        self._algorithm.pop_size = self._algorithm.n_offsprings = size
 
 
 class _Mating:

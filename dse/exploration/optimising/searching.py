@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 from pydantic import Field
 
@@ -47,6 +47,10 @@ class OptimizingSampler(SamplerSection):
     def grid(self) -> Grid | None:
         """The points may lie anywhere."""
         return None
+
+    def options(self) -> Mapping[str, Any]:
+        """What it was given."""
+        return self.model_dump(mode="json", exclude_none=True)
 
     @abstractmethod
     def proposer(self, brief: Brief, cases: Cases) -> Proposer:

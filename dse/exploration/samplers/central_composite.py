@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from dse.domain.sampler import Brief
 from dse.errors import fail
-from dse.exploration.once_sampler import OnceSampler
+from dse.exploration.once_sampler import ValueSampler
 from dse.exploration.variables import scaled
 from dse.loading import Surroundings
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _MOST_VARIABLES = 16
 
 
-class CentralComposite(OnceSampler):
+class CentralComposite(ValueSampler):
     """The centre of the ranges, two points on each axis through it, and the corners of a cube (Box, Wilson 1951).
 
     *inscribed*: the axes reach to the ends of the ranges, and the corners are 2^(k/4) times nearer for k variables, so
@@ -39,7 +39,7 @@ class CentralComposite(OnceSampler):
             raise fail(what, where, f"take at most {_MOST_VARIABLES}, or a sampler such as sobol")
         return self
 
-    def points(self, brief: Brief) -> NDArray[np.float64]:
+    def values(self, brief: Brief) -> NDArray[np.float64]:
         """The centre, then the axes, then the corners, each once."""
         import numpy as np
 

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from dse.domain.sampler import Brief, DesignVariable, Point
 from dse.errors import Location, Problem, closest, fail, raise_if_any
-from dse.exploration.once_sampler import OnceSampler, require_few
+from dse.exploration.once_sampler import ValueSampler, require_few
 from dse.formats import shown
 from dse.loading import Surroundings, named_file, read_unit
 from dse.units import Unit
@@ -22,7 +22,7 @@ from dse.units import Unit
 _MAX_BYTES = 500_000_000
 
 
-class Csv(OnceSampler):
+class Csv(ValueSampler):
     """The rows of a CSV *file*: a column for each design variable, headed ``name [unit]``, or by the name alone if it
     is in SI anyway.
 
@@ -61,7 +61,7 @@ class Csv(OnceSampler):
         # Rows that stand there twice are one run.
         return self.model_copy(update={"rows": tuple(dict.fromkeys(tuple(row) for row in rows))})
 
-    def points(self, brief: Brief) -> Sequence[Point]:  # noqa: ARG002  # as every sampler has it
+    def values(self, brief: Brief) -> Sequence[Point]:  # noqa: ARG002  # as every sampler has it
         """The rows, in the order of the file."""
         return self.rows
 

@@ -11,12 +11,12 @@ from pydantic import Field
 
 from dse.domain.sampler import Brief, DesignVariable, Grid, Point, Role
 from dse.errors import Problem, closest, raise_if_any
-from dse.exploration.once_sampler import MOST_RUNS, OnceSampler, require_few
+from dse.exploration.once_sampler import MOST_RUNS, ValueSampler, require_few
 from dse.exploration.variables import levels
 from dse.loading import Surroundings
 
 
-class FullFactorial(OnceSampler):
+class FullFactorial(ValueSampler):
     """Every combination of levels, the last variable fastest; with *slices* the union of the slices' factorials.
 
     In a slice the other variables are at their nominal values. A point that several slices share is asked for once.
@@ -50,7 +50,7 @@ class FullFactorial(OnceSampler):
         raise_if_any(problems)
         return self
 
-    def points(self, brief: Brief) -> Sequence[Point]:
+    def values(self, brief: Brief) -> Sequence[Point]:
         """The points in order, each once."""
         free = [set(names) for names in self.slices] or [{variable.name for variable in brief.variables}]
         axes = [

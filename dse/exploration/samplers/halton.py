@@ -9,7 +9,6 @@ from pydantic import Field
 
 from dse.domain.sampler import Brief
 from dse.exploration.once_sampler import MOST_RUNS, OnceSampler
-from dse.exploration.variables import scaled
 
 if TYPE_CHECKING:
     import numpy as np
@@ -34,7 +33,7 @@ class Halton(OnceSampler):
         from scipy.stats import qmc
 
         sequence = qmc.Halton(len(brief.variables), scramble=self.scramble, seed=np.random.default_rng(brief.seed))
-        return scaled(sequence.random(self.samples), brief.variables, brief.correlations)
+        return sequence.random(self.samples)
 
 
 SAMPLER = Halton

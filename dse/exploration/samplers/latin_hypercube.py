@@ -44,18 +44,23 @@ class LatinHypercube(OnceSampler):
             raise fail(what, around.place("samples"), hint)
         return self
 
-    def points(self, brief: Brief) -> NDArray[np.float64]:
+    def values(self, brief: Brief) -> NDArray[np.float64]:
         """The points in a random order, those that are there first."""
         import numpy as np
-        from scipy.stats.qmc import LatinHypercube as Hypercube
 
         there = _points_everywhere(brief)[: self.samples]
         if there:
             return np.concatenate([there, scaled(self._between(there, brief), brief.variables, brief.correlations)])
+        return super().values(brief)
+
+    def points(self, brief: Brief) -> NDArray[np.float64]:
+        """Those of a new study, in a random order."""
+        import numpy as np
+        from scipy.stats.qmc import LatinHypercube as Hypercube
+
         method: Literal["random-cd"] | None = "random-cd" if self.optimize and self.samples > 1 else None
         random = np.random.default_rng(brief.seed)
-        unit = Hypercube(len(brief.variables), optimization=method, seed=random).random(self.samples)
-        return scaled(unit, brief.variables, brief.correlations)
+        return Hypercube(len(brief.variables), optimization=method, seed=random).random(self.samples)
 
     def _between(self, there: Sequence[Point], brief: Brief) -> NDArray[np.float64]:
         """New points of the unit cube, each in strata of its own that none of those *there* lies in."""

@@ -9,7 +9,7 @@ from pydantic import Field, field_validator
 
 from dse.domain.sampler import Brief
 from dse.errors import fail
-from dse.exploration.once_sampler import OnceSampler
+from dse.exploration.once_sampler import ValueSampler
 from dse.exploration.samplers.sobol_indices import different, salib
 from dse.exploration.variables import scaled
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-class Morris(OnceSampler):
+class Morris(ValueSampler):
     """*trajectories* of k + 1 runs for k variables, each changing one variable at a time by half its range or a little
     more (Morris 1991). Variables take *levels* values, an even number. A point of several trajectories is one run.
     """
@@ -36,7 +36,7 @@ class Morris(OnceSampler):
             raise ValueError(f"levels: {value} is odd: take {value + 1}")
         return value
 
-    def points(self, brief: Brief) -> NDArray[np.float64]:
+    def values(self, brief: Brief) -> NDArray[np.float64]:
         """Those that are different, in the order of the trajectories; DseError as `design`."""
         return different(self.design(brief))
 

@@ -10,7 +10,6 @@ from pydantic import Field
 
 from dse.domain.sampler import Brief
 from dse.exploration.once_sampler import MOST_RUNS, OnceSampler
-from dse.exploration.variables import scaled
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,7 +37,7 @@ class Sobol(OnceSampler):
         with warnings.catch_warnings():
             # Any other number than a power of two is less even, not wrong.
             warnings.filterwarnings("ignore", message="The balance properties", category=UserWarning)
-            return scaled(sequence.random(self.samples), brief.variables, brief.correlations)
+            return sequence.random(self.samples)
 
 
 SAMPLER = Sobol

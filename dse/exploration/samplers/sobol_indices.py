@@ -11,7 +11,7 @@ from pydantic import Field, field_validator
 
 from dse.domain.sampler import Brief
 from dse.errors import fail
-from dse.exploration.once_sampler import OnceSampler
+from dse.exploration.once_sampler import ValueSampler
 from dse.exploration.variables import scaled
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-class SobolIndices(OnceSampler):
+class SobolIndices(ValueSampler):
     """Blocks of runs that differ in one variable each (Saltelli et al. 2010): *base* blocks of k + 2 runs for k
     variables, with *second_order* of 2 k + 2. *base* is a power of two. A point that occurs twice is one run.
     """
@@ -37,7 +37,7 @@ class SobolIndices(OnceSampler):
             raise ValueError(f"base: {value} is no power of two: take {2 ** (value.bit_length() - 1)}")
         return value
 
-    def points(self, brief: Brief) -> NDArray[np.float64]:
+    def values(self, brief: Brief) -> NDArray[np.float64]:
         """Those that are different, in the order of the blocks; DseError as `design`."""
         return different(self.design(brief))
 

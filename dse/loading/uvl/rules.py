@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, pairwise
 from math import comb
 
 from dse.domain.expression import (
@@ -250,15 +250,12 @@ class _Writer:
 
     def same_choice(self, node: Call) -> Text:
         pairs = []
-        for left, right in combinations(node.arguments, 2):
+        for left, right in pairwise(node.arguments):
             if not isinstance(left, Name) or not isinstance(right, Name):
                 raise self.refused(node, "'same_choice'")
-            for choice in dict.fromkeys(name for name, _ in self.outlined.standing.get(left.path, [])):
-                here = self.chosen(Chosen(left.path, (choice,), left.span))
-                there = self.chosen(Chosen(right.path, ("present",), right.span))
-                pairs.append(
-                    _implied(_joined("&", [here, there]), self.chosen(Chosen(right.path, (choice,), left.span)))
-                )
+            choices = [*dict.fromkeys(name for name, _ in self.outlined.standing.get(left.path, [])), "absent"]
+            sides = [[self.chosen(Chosen(name.path, (each,), name.span)) for each in choices] for name in (left, right)]
+            pairs += [_implied(*both) for both in zip(*sides, strict=True) if both[0] != self.truth(False)]
         return _joined("&", pairs)
 
     def some(self, features: Iterable[Outline]) -> Text | None:

@@ -6,7 +6,7 @@
   property, without a place over the whole design. A bare ``cost`` is ``sum(cost)``. ``min`` and ``max`` of
   values, ``min(a.mass, b.mass)``, are told apart by the dot in their first argument.
 * ``place is x``, ``place in [x, y]``, ``place is absent``, ``place is present``; ``same_choice(p, q)`` is
-  true unless the names of what stands at p and q differ; what is absent differs from nothing.
+  true if one name is chosen at p and q, or both are absent.
 * ``at_least(2, a is x, b is y, c is z)``, ``at_most`` and ``exactly`` count the conditions that are true.
 * ``abs sqrt floor min max`` calculate; all is exact but roots and fractional powers, which are floats.
 * A property of an absent part is undefined, and so is all that needs it, as in SQL. A constraint whose
@@ -35,7 +35,6 @@ from dse.space.language.terms import (
     Operation,
     Quota,
     RollUp,
-    SameChoice,
     Some,
     Standing,
     Stated,
@@ -186,7 +185,7 @@ def _read(leaf: Leaf, there: There[Source]) -> Evaluate[Source]:
     """How the value of *leaf* is read from a source."""
     match leaf:
         case Standing(sites, named):
-            name_at = there(_names(sites))
+            name_at = there([(site, site.name) for site in sites])
             return lambda source: next(iter(name_at(source)), None) in named
         case Stated(entries):
             stated = there(entries)
@@ -194,14 +193,6 @@ def _read(leaf: Leaf, there: There[Source]) -> Evaluate[Source]:
         case RollUp(function, entries):
             values = there(entries)
             return lambda source: roll_up(function, values(source))
-        case SameChoice(places):
-            names = [there(_names(sites)) for sites in places]
-
-            return lambda source: len({name for name_at in names for name in name_at(source)}) < 2
-
-
-def _names(sites: Iterable[Site]) -> list[tuple[Site, str]]:
-    return [(site, site.name) for site in sites]
 
 
 def _truth(value: Value) -> bool | None:

@@ -1,12 +1,13 @@
 """From an expression to a term: names are resolved, units checked, and what makes no sense is refused.
 
-``between``, ``implies`` and the bare name of a property are shorthands and leave no trace in the term.
+``between``, ``implies``, ``same_choice`` and the bare name of a property are shorthands and leave no trace in the term.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from itertools import pairwise
 
 from dse.domain.expression import (
     ROLLUPS,
@@ -37,6 +38,7 @@ from dse.expression import (
     require_truth,
     unary_sort,
 )
+from dse.space.decisions import Site
 from dse.space.language.places import Places
 from dse.space.language.terms import (
     Choose,
@@ -45,7 +47,6 @@ from dse.space.language.terms import (
     Operation,
     Quota,
     RollUp,
-    SameChoice,
     Some,
     Standing,
     Stated,
@@ -175,7 +176,8 @@ class _Interpreter:
             compared.append(self.places.at(self.expression, argument.path, argument.span))
         if len(compared) < 2:
             raise self.error(node.span, "'same_choice' needs two places or more", "same_choice(front.tyre, rear.tyre)")
-        return SameChoice(tuple(compared))
+        # At each place there is one choice, absent among them: two are the same if what the one is the other is, too.
+        return Every(tuple(_alike(one, other, node.span) for one, other in pairwise(compared)))
 
     def quota(self, node: Call) -> Term:
         form = f"{node.function}(2, a is x, b is y, c is z)"
@@ -230,3 +232,8 @@ class _Interpreter:
 
     def error(self, span: Span, what: str, advice: str) -> DseError:
         return error_in(self.expression, span, what, advice)
+
+
+def _alike(one: tuple[Site, ...], other: tuple[Site, ...], span: Span) -> Term:
+    named = [frozenset([choice]) for choice in (*dict.fromkeys(site.name for site in one), None)]
+    return Every(tuple(Some((Operation("not", (Standing(one, each),), span), Standing(other, each))) for each in named))

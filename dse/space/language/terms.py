@@ -48,13 +48,6 @@ class RollUp:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SameChoice:
-    """Whether what is there at *places*, two or more, has one name; true if fewer than two are filled."""
-
-    places: tuple[tuple[Site, ...], ...]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Operation:
     """A function of *operands*, undefined as soon as one of them is; a division by zero is told at *span*."""
 
@@ -95,7 +88,7 @@ class Quota:
     conditions: tuple[Term, ...]
 
 
-Leaf = Standing | Stated | RollUp | SameChoice
+Leaf = Standing | Stated | RollUp
 """The terms that look at what is chosen."""
 
 Term = Constant | Leaf | Operation | Every | Some | Choose | Quota
@@ -131,5 +124,3 @@ def sites_of(leaf: Leaf) -> Iterator[Site]:
             yield from leaf.sites
         case Stated() | RollUp():
             yield from (site for site, _ in leaf.entries)
-        case SameChoice():
-            yield from (site for sites in leaf.places for site in sites)

@@ -10,7 +10,6 @@ from dse.space.language.terms import (
     Every,
     Operation,
     Quota,
-    SameChoice,
     Some,
     Standing,
     Term,
@@ -59,8 +58,6 @@ class Conditions:
             case Standing():
                 truth = _standing(shape, term)
                 return truth if outcome else negation(shape, truth)
-            case SameChoice():
-                return _same_choice(shape, term, outcome)
             case Every(conditions):
                 return self._junction(conditions, outcome, every=outcome)
             case Some(conditions):
@@ -143,27 +140,3 @@ def _there(shape: Shape, sites: list[Site]) -> Formula:
             return TRUE
         branches.append(site.branch)
     return one_taken(shape, branches)
-
-
-def _same_choice(shape: Shape, term: SameChoice, outcome: bool) -> Formula:
-    """Alike are all that are there iff no two differ."""
-    pairs = [(first, second) for number, first in enumerate(term.places) for second in term.places[number + 1 :]]
-    different = disjoin(shape, [_differ(shape, first, second) for first, second in pairs])
-    return negation(shape, different) if outcome else different
-
-
-def _differ(shape: Shape, first: tuple[Site, ...], second: tuple[Site, ...]) -> Formula:
-    return disjoin(
-        shape,
-        [
-            conjoin(shape, [_there(shape, here), _there(shape, [site for site in second if site.name != name])])
-            for name, here in _by_name(first).items()
-        ],
-    )
-
-
-def _by_name(sites: tuple[Site, ...]) -> dict[str, list[Site]]:
-    found: dict[str, list[Site]] = {}
-    for site in sites:
-        found.setdefault(site.name, []).append(site)
-    return found

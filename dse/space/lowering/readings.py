@@ -19,7 +19,7 @@ from dse.space.decisions import Site
 from dse.space.flat import NOTHING, Floats, Gather, Ints
 from dse.space.language.arithmetic import Value
 from dse.space.language.intervals import Numbers, Truths, calculation, defined_between, ends, scaled
-from dse.space.language.terms import Entries, Leaf, RollUp, SameChoice, Standing, Stated
+from dse.space.language.terms import Entries, Leaf, RollUp, Standing, Stated
 from dse.space.lowering.folds import Folds
 
 T = TypeVar("T")
@@ -44,8 +44,6 @@ def reading(leaf: Leaf, folds: Folds) -> Reading:
             return _standing(leaf, folds)
         case Stated(entries):
             return _stated(entries, folds)
-        case SameChoice(places):
-            return _same(places, folds)
         case RollUp("sum", entries):
             return _sum(entries, folds)
         case RollUp("count", entries):
@@ -202,24 +200,6 @@ class _Standing:
         return Truths(high[self.fold] >= 1, low[self.fold] < 1, no, no)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Same:
-    """Alike if the least and the greatest number of a name are one, or both of nothing."""
-
-    least: int
-    greatest: int
-
-    def value(self, folds: Sequence[int]) -> bool:
-        return folds[self.least] == folds[self.greatest]
-
-    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Truths:
-        apart = (high[self.least] < low[self.greatest]) | (high[self.greatest] < low[self.least])
-        alike = (low[self.least] == high[self.greatest]) & (low[self.least] == high[self.least])
-        alike &= low[self.greatest] == high[self.greatest]
-        never = np.zeros(apart.shape, bool)
-        return Truths(~apart, ~alike, never, never)
-
-
 def _standing(leaf: Standing, folds: Folds) -> _Standing:
     named = [(site, 1) for site in leaf.sites if site.name in leaf.named]
     if None not in leaf.named:
@@ -233,13 +213,6 @@ def _stated(entries: Entries, folds: Folds) -> _Stated:
     always = None in branches or folds.shape.is_certain(branch for branch in branches if branch)
     presence = None if always else folds.total((site, 1) for site, _ in entries)
     return _Stated(_sum(entries, folds), presence, *_range(entries))
-
-
-def _same(places: tuple[tuple[Site, ...], ...], folds: Folds) -> _Same:
-    sites = [site for place in places for site in place]
-    code = {name: number for number, name in enumerate(sorted({site.name for site in sites}))}
-    coded = [(site, code[site.name]) for site in sites]
-    return _Same(folds.extreme(Gather.MIN, coded), folds.extreme(Gather.MAX, coded))
 
 
 def _sum(entries: Sequence[tuple[Site, Fraction]], folds: Folds) -> _Sum:

@@ -139,8 +139,12 @@ class _Rewriter:
                 halves = Binary("<=", low, value, span), Binary("<=", value, high, span)
                 return self.condition(Binary("and", *halves, span), sense)
             case Call("same_choice"):
-                places = [name for name in node.arguments if isinstance(name, Name) and name.path in self.after]
-                return replace(node, arguments=tuple(places)) if len(places) > 1 else Truth(True, node.span)
+                # One of its places is gone, so that all of them have to be absent.
+                found: Node = Truth(True, node.span)
+                for name in node.arguments:
+                    if isinstance(name, Name) and name.path in self.after:
+                        found = _joined("and", found, Chosen(name.path, ("absent",), node.span))
+                return found
             case Call(function, (Number() as number, *conditions)):
                 return self.counted(function, int(number.si), conditions, sense, node)
         return node

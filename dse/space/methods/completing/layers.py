@@ -34,7 +34,8 @@ class LayeredCompletion:
 
     def __init__(self, diagram: Diagram) -> None:
         self._diagram = diagram
-        self._none = [*(len(layer) for layer in diagram.layers[1:]), 1]
+        # Without choices there is no layer, and so no next one.
+        self._none = [*map(len, diagram.layers), 1][1:]
         self._children = [
             np.ascontiguousarray(np.where(layer < 0, none, layer).T)
             for layer, none in zip(diagram.layers, self._none, strict=True)
