@@ -37,5 +37,5 @@ def test_what_is_vouched_for_is_not_tried(tmp_path: Path, monkeypatch: pytest.Mo
     workspace = lay_out(CASES["source, as is said"], tmp_path)
     ((_, prepared),) = prepare_study(bench_study(workspace.bench("bench")), say=told.append).benches.items()
     assert told == []
-    assert [variation.step for variation in prepared.checks.variations] == [0.5, pytest.approx(0.7, rel=0.01)]
-    assert math.isclose(prepared.timeout, 3 * 60.0)
+    assert [variation.step for variation in prepared.checks.variations] == [0.5, 1 / 3]
+    assert math.isclose(prepared.timeout, (1 + 2 + 3) * 60.0)
