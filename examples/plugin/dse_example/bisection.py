@@ -40,9 +40,16 @@ class _Search:
         for name, (low, high) in self.brackets.items():
             if name not in self.signs:
                 self.asked += [Candidate(name, (end, *rest)) for end in (low, high)]
-            elif high - low > self.sampler.width:
-                self.asked.append(Candidate(name, ((low + high) / 2, *rest)))
+            elif (middle := self._middle(low, high)) is not None:
+                self.asked.append(Candidate(name, (middle, *rest)))
         return self.asked
+
+    def _middle(self, low: float, high: float) -> float | None:
+        """Of a variable that has certain values only, one of these."""
+        if values := self.brief.variables[0].values:
+            between = sorted(value for value in values if low < value < high)
+            return between[len(between) // 2] if between else None
+        return (low + high) / 2 if high - low > self.sampler.width else None
 
     def tell(self, outcomes: Outcomes) -> None:
         for (name, (x, *_)), margin in zip(self.asked, outcomes.margins[self.sampler.requirement], strict=True):
