@@ -194,13 +194,13 @@ class FakeRunner:
 
 
 class FakeCheck(FakeRunner):
-    """Adds error bars of 0.05, 0.1, …; a variation judges otherwise where the sum of a point is just below 1."""
+    """Adds error bars of 0.1, 0.2, …; a variation judges otherwise where the sum of a point is just below 1."""
 
     def run(self, request: RunRequest, *, keep: bool) -> Run:
         run = super().run(request, keep=keep)
         if run.outcome is Outcome.FAILED:
             return run
-        bars = {f"{name}{ERROR_BAR}": 0.05 * (i + 1) for i, name in enumerate(METRICS)}
+        bars = {f"{name}{ERROR_BAR}": 0.1 * (i + 1) for i, name in enumerate(METRICS)}
         flips = 0.85 < run.metrics["m0"] < 1.0
         under = {j.requirement: {j.verdict, Verdict.FAIL} if flips else {j.verdict} for j in run.judgements}
         sums = {f"{n}{VERDICTS_UNDER}": float(sum(1 << VERDICTS.index(v) for v in each)) for n, each in under.items()}
