@@ -178,7 +178,8 @@ def test_the_best_of_many_configurations_is_found_with_its_gain(sampler: Optimiz
     driven = drive(sampler, brief(variables(1), "f", space=acc.architectures()), run)
     found = driven.column("f")
     assert found.min() < 1.5
-    assert np.median(found[-20:]) < np.median(found[:20]) / 2
+    # It also asks for what it knows little of; but more and more for what is good.
+    assert np.quantile(found[-20:], 0.3) < np.quantile(found[:20], 0.3) / 2
 
 
 def test_an_expected_improvement_is_what_its_integral_says() -> None:
