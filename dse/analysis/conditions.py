@@ -1,7 +1,7 @@
-"""Designs at the worst of their conditions: what a study tells of its designs is told of these.
+"""Designs at the worst of their conditions: the rows that every finding on designs is computed from.
 
-The points of a study are designs at conditions. A designer chooses the design and has to do with every condition, so
-that the verdict on a design is the worst of the verdicts on its runs.
+The points of a study are designs at conditions. A designer chooses the design, the environment the condition, so the
+verdict on a design is the worst of the verdicts on its runs.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ def essentials(table: RunTable, parts: Sequence[StudyData] = ()) -> tuple[Findin
 def findings(table: RunTable, notice: Callable[[str], None] = lambda _: None) -> tuple[Finding, ...]:
     """All that is known how to be said: also of other metrics, and of what matters together with others.
 
-    *notice* is told what is looked for next.
+    *notice* is called with what is computed next.
     """
     return _told(planes(table), _of_everything, notice)
 

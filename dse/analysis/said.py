@@ -41,7 +41,7 @@ class Account:
     """Findings as they are made, and what could not be said, by its reason."""
 
     def __init__(self, notice: Callable[[str], None] = lambda _: None) -> None:
-        """*notice* is told what is looked for next: with many runs that may take a minute."""
+        """*notice* is called with what is computed next: with many runs that may take a minute."""
         self._notice = notice
         self.findings: list[Finding] = []
         self._reasons: dict[tuple[str, str], list[str]] = {}

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 _MOST_LEFT = 1e8
-"""Seconds that are told to be left at most."""
+"""Seconds: a longer time left is not shown."""
 
 
 @contextmanager
