@@ -1,11 +1,11 @@
 from __future__ import annotations
 
-import gc
+import sys
 from pathlib import Path
-from time import thread_time
 
 import pytest
 from oracle.reference import run_reference
+from private_memory import keeps
 
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.method import PLAIN, Algorithm, Coupling, Method
@@ -123,38 +123,21 @@ def test_a_failed_run_does_not_spoil_the_next(lone, version):
 
 @pytest.mark.thorough
 @pytest.mark.sampled(4)
-@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the memory in use is read from /proc")
+@pytest.mark.skipif(sys.platform != "linux", reason="reserved memory is told by Linux")
 @pytest.mark.parametrize("method", [PLAIN, Method(Algorithm.GAUSS_SEIDEL, Coupling.SOLVE)], ids=["plain", "by plan"])
 @pytest.mark.parametrize("trust", [None, False], ids=["reset", "made anew"])
 def test_five_thousand_runs_leave_memory_and_open_files_as_they_were(shelf, trust, method):
     system = shelf.system({"a": shelf.fmu("linear", 2), "b": shelf.fmu("linear", 3)}, ["a.y -> b.u"], {"b.b": 1.0})
 
-    def use(runs: int) -> tuple[int, int]:
+    def use(runs: int = 5000) -> None:
         with Simulator(system, ["a.y"], method=method) as simulator:
             simulator.reset_is_trusted = trust
             for number in range(runs):
                 simulator.run(stop=1, step=0.1, start={"a.y0": float(number)} if number % 4 < 2 else {"a.a": 1.0})
-        gc.collect()
-        pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1])
-        return pages * 4096, len(list(Path("/proc/self/fd").iterdir()))
 
     use(500)  # what is allocated once and kept
-    memory, files = use(500)
-    after_memory, after_files = use(5000)
+    files = len(list(Path("/proc/self/fd").iterdir()))
     # One instance (300 bytes) or one table of starts lost per run would be 1.5 MiB and more; Python itself takes its
     # memory in pieces of 1 MiB.
-    assert after_memory - memory < 1280 * 1024
-    assert after_files == files
-
-
-def test_a_run_costs_less_than_a_tenth_of_a_millisecond_besides_its_steps(shelf):
-    system = shelf.system({"a": shelf.fmu("linear", 2), "b": shelf.fmu("linear", 3)}, ["a.y -> b.u"], {"b.b": 1.0})
-    for method in (PLAIN, Method(Algorithm.GAUSS_SEIDEL, Coupling.SOLVE)):
-        with Simulator(system, ["a.y"], method=method) as simulator:
-            times = []
-            for _ in range(2000):
-                began = thread_time()
-                simulator.run(stop=0.1, step=0.1)
-                times.append(thread_time() - began)
-        # One step of two elements takes a microsecond; half of all runs are quicker than the machine is disturbed.
-        assert sorted(times)[1000] < 1e-4
+    assert not keeps(use, 1 << 20)
+    assert len(list(Path("/proc/self/fd").iterdir())) == files
