@@ -6,6 +6,8 @@
     tests/report/test_page.py is selected
     tests/space/test_tally.py is not: nothing it imports leads to dse.storage
 
+``--rooms base`` selects less, the tests of the rooms that changed, and adds a fifth of the others by turns.
+
 The graph is grimp's: the modules of dse, with the Python files of tests/ added. Three kinds of imports that grimp does
 not see are added, too. A name taken from a room is followed through the room's ``__init__.pyi`` to the module that
 defines it: by whole rooms, a change of dse.modelica would reach all tests of dse.space, which takes one function from
@@ -25,10 +27,12 @@ from collections.abc import Iterable, Iterator
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import pytest
 from grimp import ImportGraph, build_graph
 
+_TURNS = 5
 _FROM = re.compile(r"^[ \t]*from ([\w.]+) import (\((?:[^)#]|#.*)*\)|.*)", re.MULTILINE)
 _IMPORT = re.compile(r"^[ \t]*import ([\w.]+)", re.MULTILINE)
 _STRING = re.compile(r"(dse(?:\.\w+)+)[\"']")
@@ -73,6 +77,20 @@ class Reach:
         rooms = {name.split(".")[1] for name in affected if name.startswith("dse.")}
         return sorted(rooms), self.files & affected
 
+    def near(self, changed: Iterable[str]) -> frozenset[str]:
+        """The test files of what *changed* itself: its room's own, or those that use a file of tests or of content.
+
+        Those of rooms that import a changed one are not among them, unless that has no tests of its own.
+        """
+        found: set[str] = set()
+        for seed in {seed for path in changed for seed in self._seeds(path)}:
+            room = seed.removeprefix("dse.")
+            own = {path for path in self.files if path.startswith((f"tests/{room}/", f"tests/test_{room}.py"))}
+            if seed in self._tests:
+                own = {seed, *self._graph.find_downstream_modules(seed)}
+            found |= own or self.select([f"dse/{room}"])[1]
+        return self.files & found
+
     def _seeds(self, path: str) -> Iterable[str]:
         """The nodes of the graph that a change of *path* changes."""
         top, _, rest = path.partition("/")
@@ -88,7 +106,7 @@ class Reach:
         named = rf"[\"'/]{re.escape(top)}[\"'/]"
         if rest and top in _CONTENT:
             return self._naming(f"{named}|{_READS_CONTENT}")
-        if (rest and top in _TEXTS) or name.endswith((".cff", ".md", ".yaml")):
+        if (rest and top in _TEXTS) or name.endswith((".cff", ".md", ".yaml")) or path == "house.toml":
             return self._naming(f"{named}|{re.escape(name)}", folder="tests/docs")
         return ("dse", *self._tests)
 
@@ -167,9 +185,9 @@ def dse_graph() -> ImportGraph:
     return build_graph("dse", cache_dir=None)
 
 
-def changed_files(root: Path) -> tuple[list[str], str]:
+def changed_files(root: Path, starts: Iterable[str] = ("origin/main", "main", "HEAD~1")) -> tuple[list[str], str]:
     """The files, untracked ones too, that differ from where this branch left main, and the name of that commit."""
-    for start in ("origin/main", "main", "HEAD~1"):
+    for start in starts:
         if base := _git(root, "merge-base", "HEAD", start):
             changed = _git(root, "diff", "--name-only", "--no-renames", "-z", base[0].strip())
             return [*changed, *_git(root, "ls-files", "--others", "--exclude-standard", "-z")], start
@@ -182,15 +200,31 @@ def selected(reach: Reach, which: str) -> tuple[str, frozenset[str]]:
         changed, since = changed_files(reach.root)
         named = ", ".join(changed[:3]) + (f" and {len(changed) - 3} more" if len(changed) > 3 else "")
         reason = f"{named or 'no change'} since {since}"
+    elif which == "base":
+        return _base(reach)
     else:
         unknown = sorted({*which.split(",")} - {*reach.rooms})
         if unknown:
-            there_are = ", ".join(["changed", *reach.rooms])
+            there_are = ", ".join(["changed", "base", *reach.rooms])
             raise pytest.UsageError(f"--rooms: there is no room {', '.join(unknown)}; there are {there_are}")
         changed, reason = [f"dse/{room}" for room in which.split(",")], which
     rooms, files = reach.select(changed)
     named = "all" if rooms == reach.rooms else ", ".join(rooms) or "none"
     return f"rooms: {named} (from {reason}); {len(files)} of {len(reach.files)} test files", files
+
+
+def _base(reach: Reach) -> tuple[str, frozenset[str]]:
+    """After the whole run that ``.ci/base`` names: the tests of what changed since, and a fifth of the others."""
+    file = reach.root / ".ci" / "base"
+    base = file.read_text("utf-8").split() if file.is_file() else []
+    changed, since = changed_files(reach.root, base)
+    if since not in base:
+        return f"all test files, as {since}", reach.files
+    turn = int(_git(reach.root, "rev-list", "--count", "HEAD")[0]) % _TURNS
+    near = reach.near({*changed} - {".ci/base"})
+    others = {path for path in reach.files - near if crc32(path.encode()) % _TURNS == turn}
+    line = f"{len(near)} test files of what changed since {since[:8]}, {len(others)} of the others (fifth {turn + 1})"
+    return f"{line}; {len(near | others)} of {len(reach.files)}", near | others
 
 
 class ByRooms:

@@ -49,7 +49,8 @@ if threading.current_thread() is threading.main_thread():
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Which tests are run, how C is compiled, and where processor times are written."""
-    what = "only tests that can reach these rooms of dse (cosim,fmu) or, if it is 'changed', what differs from main"
+    what = "only tests that can reach these rooms of dse (cosim,fmu) or what differs from main (changed), or those of"
+    what += " what differs from the commit in .ci/base and, by turns, a fifth of the others (base)"
     parser.addoption("--rooms", metavar="WHICH", help=what)
     parser.addoption("--optimized", action="store_true", help="compile C with the optimizer, as users do")
     what = "in CI, fail if an everyday test, or all of them together, cost too much processor time"

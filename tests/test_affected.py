@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -46,11 +47,19 @@ def tree(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def chosen(tree: Path, *changed: str) -> set[str]:
+def reach_of(tree: Path) -> Reach:
     modules = ImportGraph()
     for module in (*MODULES, "dse.kernel", "dse.solver"):
         modules.add_module(module)
-    return {Path(path).stem.removeprefix("test_") for path in Reach(tree, modules).select(changed)[1]}
+    return Reach(tree, modules)
+
+
+def names(paths: Iterable[str]) -> set[str]:
+    return {Path(path).stem.removeprefix("test_") for path in paths}
+
+
+def chosen(tree: Path, *changed: str) -> set[str]:
+    return names(reach_of(tree).select(changed)[1])
 
 
 @pytest.mark.parametrize(
@@ -82,6 +91,24 @@ def test_several_changes_select_what_each_of_them_does(tree):
     assert not chosen(tree)
 
 
+@pytest.mark.parametrize(
+    ("changed", "tests"),
+    [
+        ("dse/kernel/master.c", {"kernel", "command"}),  # it has no tests of its own
+        ("dse/high.py", {"of_high"}),
+        ("tests/fakes.py", {"by_helper", "of_high"}),
+        ("tests/far/test_other.py", {"other"}),
+        ("components/brake/brake.c", {"component"}),
+        ("house.toml", {"pages"}),
+        ("pyproject.toml", ALL | {"of_high"}),
+    ],
+)
+def test_near_are_the_tests_of_a_room_that_changed_not_of_those_that_import_it(tree, changed, tests):
+    (tree / "tests/high").mkdir()
+    (tree / "tests/high/test_of_high.py").write_text("import dse.high\nimport fakes\n", encoding="utf-8")
+    assert names(reach_of(tree).near([changed])) == tests
+
+
 def git(folder: Path, *words: str) -> None:
     identity = ("-c", "user.name=T", "-c", "user.email=t@example.org", "-c", "init.defaultBranch=main")
     subprocess.run(["git", *identity, *words], cwd=folder, check=True, capture_output=True)
@@ -100,6 +127,31 @@ def test_what_git_says_differs_from_main_has_changed(tmp_path):
     assert changed_files(tmp_path) == (["c.py", "ä b.py", "new.py"], "main")
     git(tmp_path, "branch", "-D", "main")
     assert changed_files(tmp_path)[1] == "HEAD~1"
+
+
+def test_after_a_whole_run_what_changed_since_is_tested_and_all_else_within_five_commits(tree):
+    everything = {f"tests/far/test_{number}.py" for number in range(60)} | {*reach_of(tree).files}
+    for path in everything - {*TREE}:
+        (tree / path).write_text("import dse.low\n", encoding="utf-8")
+    assert selected(reach_of(tree), "base") == ("all test files, as no commit that git can compare with", everything)
+    git(tree, "init")
+    git(tree, "add", ".")
+    git(tree, "commit", "-m", "whole")
+    (tree / ".ci").mkdir()
+    commit = subprocess.run(["git", "rev-parse", "HEAD"], cwd=tree, check=True, capture_output=True, text=True).stdout
+    (tree / ".ci/base").write_text(commit, encoding="utf-8")
+    (tree / "tests/fakes.py").write_text("import dse.high", encoding="utf-8")
+    runs = []
+    for number in range(5):
+        git(tree, "commit", "--allow-empty", "-m", str(number))
+        line, files = selected(reach_of(tree), "base")
+        assert line.startswith(f"1 test files of what changed since {commit[:8]}, "), line
+        assert "tests/far/test_by_helper.py" in files
+        runs.append(files)
+    assert frozenset().union(*runs) == everything
+    assert sum(map(len, runs)) == len(everything) + 4
+    (tree / ".ci/base").write_text("0" * 40, encoding="utf-8")
+    assert selected(reach_of(tree), "base")[1] == everything
 
 
 @pytest.fixture(scope="module")
@@ -136,7 +188,7 @@ def test_every_room_is_reached_by_its_tests_and_the_command_line(here):
 
 
 def test_an_unknown_room_is_refused_with_those_there_are(here):
-    with pytest.raises(pytest.UsageError, match=r"no room kosim; there are changed, .*cosim, csolve"):
+    with pytest.raises(pytest.UsageError, match=r"no room kosim; there are changed, base, .*cosim, csolve"):
         selected(here, "cosim,kosim")
 
 
