@@ -56,6 +56,17 @@ def worst_marks(content: ReportContent, designs: Sequence[NDArray[np.intp]], con
     return np.where((marks == Mark.PASS) & ~whole, Mark.NOT_EXERCISED, marks).astype(np.uint8)
 
 
+def marks_of_designs(content: ReportContent) -> Marks:
+    """For every run the mark of its design at the worst of its conditions; its own where there are no conditions."""
+    conditions = conditions_of(content)
+    marks = overall_marks(content)
+    if conditions:
+        designs = alike(content, [each.name for each in content.variables if each not in conditions])
+        for rows, mark in zip(designs, worst_marks(content, designs, conditions), strict=True):
+            marks[rows] = mark
+    return marks
+
+
 def deciding_runs(content: ReportContent, requirement: RequirementRow) -> tuple[NDArray[np.intp], Marks]:
     """For each design the run with its smallest margin of *requirement* at any condition, and the design's mark for it;
     every run where there are no conditions."""

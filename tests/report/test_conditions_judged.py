@@ -23,7 +23,7 @@ from dse.report.figures.constraints import axis_pairs, constraint_plot_data
 from dse.report.figures.margins import Margins
 from dse.report.insight.chances import chances_of
 from dse.report.insight.naming import Naming
-from dse.report.verdicts import Mark, alike, conditions_of, worst_marks
+from dse.report.verdicts import Mark, alike, conditions_of, marks_of_designs, worst_marks
 
 
 def _content(variables, y, at_most, sampler=SamplerKind.FULL_FACTORIAL, brakes=None, exercised=None):
@@ -97,6 +97,8 @@ def test_a_design_is_marked_by_its_worst_condition(made, passing, designs):
     rows = alike(content, [each.name for each in content.variables if each not in conditions])
     marks = worst_marks(content, rows, conditions)
     assert (int((marks == Mark.PASS).sum()), len(marks)) == (passing, designs)
+    runs = marks_of_designs(content) == Mark.PASS
+    assert int(runs.sum()) == passing * len(runs) // designs
 
 
 def test_a_design_that_lacks_a_condition_does_not_pass():
@@ -190,6 +192,19 @@ def test_a_run_that_passes_says_that_its_design_does_not(open_report: Open):
     settle(page)
     assert "pass" in page.inner_text(".run-name .badge")
     assert page.inner_text("#design-verdict") == "Its design at the worst of its conditions: fail, decided by run 91."
+
+
+@pytest.mark.thorough
+@pytest.mark.browser
+def test_a_design_that_lacks_a_condition_is_undecided(open_report: Open):
+    x, load = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]]).T
+    condition = Variable("load", "load", "kg", 0, 1, None, 0, load, role="condition")
+    variables = (Variable("x", "x", "", 0, 1, None, 0, x), Variable("z", "z", "", 0, 1, None, 0, x), condition)
+    page = open_report(_content(variables, x, 2.0, SamplerKind.SCATTERED))
+    assert counts(page) == [1, 0, 1, 0]
+    assert page.inner_text(".legend li:nth-child(3)").startswith("undecided")
+    open_tab(page, "designs")
+    assert "\u25cb undecided" in page.inner_text("#leaders")
 
 
 @pytest.mark.thorough

@@ -74,7 +74,7 @@ def export_ssp(
     with screen.status("building FMUs"):
         chosen, elements = write_package(tested, configuration, read_settings(settings), target, fmi=version)
     for what in _left_behind(tested):
-        screen.print(f"note: {what}: SSP has no words for that", soft_wrap=True)
+        screen.print(f"note: the package lacks {what}, for which SSP has no place", soft_wrap=True)
     say(f"{target}: configuration {chosen.id} of {tested.name}, {elements} components")
 
 
@@ -103,6 +103,6 @@ def _left_behind(bench: TestBench) -> Iterator[str]:
     kept = [f"{len(things)} {name}{'s' * (len(things) > 1)}" for name, things in counted.items() if things]
     if kept:
         listed = " and ".join([", ".join(kept[:-1]), kept[-1]] if len(kept) > 1 else kept)
-        yield f"the bench's {listed} stay behind"
+        yield f"the bench's {listed}"
     if bench.simulation.method != PLAIN:
-        yield "the bench's co-simulation algorithm stays behind"
+        yield "the bench's co-simulation algorithm"

@@ -4,7 +4,7 @@ Containers become groups of features as `dse.loading.uvl.outline` tells. Propert
 of them have finite decimals there, else in a unit of theirs in which they have; UVL has no units, so a comment
 names that of each, and constraints are written in SI. Constraints that are on are written in the language of UVL,
 which has no names for them; one that counts optional parts side by side becomes a range of their group. What UVL
-cannot say is refused with the name of the constraint. Ports, connections, parameters and sources stay behind:
+cannot say is refused with the name of the constraint. Ports, connections, parameters and sources are left out:
 a feature model has no place for them.
 """
 

@@ -20,7 +20,7 @@ from dse.report.verdicts import Mark, alike, conditions_of, worst_marks
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet
 
-_WORDS = {Mark.FAIL: "fail", Mark.NOT_EXERCISED: "not exercised", Mark.PASS: "pass"}
+_WORDS = {Mark.FAIL: "fail", Mark.NOT_EXERCISED: "undecided", Mark.PASS: "pass"}
 
 
 class Front:

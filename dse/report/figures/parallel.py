@@ -12,7 +12,7 @@ from dse.report.content.nouns import Floats, ReportContent, label
 from dse.report.drawing.sheets import axes_of, sheet, style, ticks
 from dse.report.drawing.style import MUTED, PASS
 from dse.report.figure import View
-from dse.report.verdicts import Mark, overall_marks
+from dse.report.verdicts import Mark, conditions_of, marks_of_designs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet
@@ -46,12 +46,13 @@ FIGURE = Parallel()
 
 
 def _draw(content: ReportContent, shown: Sequence[tuple[str, Floats]], all_: int) -> Sheet:
-    marks = overall_marks(content)
+    marks = marks_of_designs(content)
     order = np.argsort(marks == Mark.PASS, kind="stable")  # those that pass lie on top
     rows = order[np.linspace(0, len(order) - 1, min(_MOST, len(order))).astype(int)]
     places, ends = zip(*(_scaled(values) for _, values in shown), strict=True)
     lines = np.column_stack(places)[rows]
-    text = f"{len(rows):,} of {len(marks):,} runs; green ones meet every requirement, a gap is an undefined value."
+    green = f"meets every requirement{', as its design does at all conditions' * bool(conditions_of(content))}"
+    text = f"{len(rows):,} of {len(marks):,} runs; green: {green}; a gap is an undefined value."
     note = text + (f" The first {len(shown)} of {all_} axes." if all_ > len(shown) else "")
     with style():
         figure = sheet(content.title, note, width=max(6.4, 1.1 * len(shown)), height=4.0)

@@ -500,6 +500,19 @@ def test_what_an_fmu_computes_is_not_set_and_that_is_told(tmp_path):
     assert "hint: set what it is computed from" in typed
 
 
+def test_a_value_of_a_connected_input_is_told_and_not_set(tmp_path):
+    own = bindings(binding(parameter_set("u Real 3", "k Real 2")))
+    second = component("b", "input u", "output y", source="resources/gain.fmu", more=own)
+    first = component("a", "input u", "output y", source="resources/gain.fmu")
+    text = description(elements(first, second) + connections(connection("a.y", "b.u")))
+    found = resolved(tmp_path, text, REAL)
+    assert found.structure.element("b").start == {"k": 2.0}
+    assert [note.what for note in found.notes] == ["b.u is connected; the value here is not used"]
+    (typed,) = problems(tmp_path, text, REAL, settings={"b.u": "5"})
+    assert "b.u is connected" in typed
+    assert "hint: set what it is connected to" in typed
+
+
 def test_two_names_of_one_variable_take_one_value(tmp_path):
     values = parameter_set("gain Real 1", "other Real 2")
     found = resolved(tmp_path, description(elements(component("twice", more=bindings(binding(values))))), COMPUTED)

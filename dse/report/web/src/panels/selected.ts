@@ -6,7 +6,7 @@ import type { Store } from "../store";
 import { copyText } from "../save";
 import type { Study } from "../study";
 import { variablesOf, yamlOf } from "../yaml";
-import { CLASSES, errorOf, isDoubtful, margin, SIGNS, type Threshold, WORDS } from "../verdicts";
+import { CLASSES, errorOf, isDoubtful, margin, SIGNS, type Threshold, wordFor, WORDS } from "../verdicts";
 
 const ROOMY = "(min-width: 1800px)";
 
@@ -25,7 +25,7 @@ export function createSelected(store: Store): { box: HTMLElement; name: HTMLElem
     const problem = study.problems.get(run);
     const { judgement: { overall }, deciding, noun } = store.designs();
     const other = deciding(run);
-    const elsewhere = noun === "design" && overall[run] !== store.judgement().overall[run] ? el("p", { class: "hint", id: "design-verdict" }, `Its design at the worst of its conditions: ${WORDS[overall[run]!]}, decided by run ${study.number[other]}.`) : "";
+    const elsewhere = noun === "design" && overall[run] !== store.judgement().overall[run] ? el("p", { class: "hint", id: "design-verdict" }, `Its design at the worst of its conditions: ${wordFor(overall[run]!, noun)}, decided by run ${study.number[other]}.`) : "";
     const metrics = el("details", { class: "numbers", open: numbers, toggle: () => (numbers = metrics.open) }, el("summary", {}, count(study.metrics.length, "metric")), metricsTable(store, run));
     const yaml = yamlParts(study, run, open, (now) => (open = now));
     box.replaceChildren(

@@ -8,11 +8,12 @@ import { drawShape, paintShape } from "../plot/points";
 import { fit } from "../plot/sheet";
 import type { State, Store } from "../store";
 import { palette } from "../theme";
-import { CLASSES, FAIL, PASS, WORDS, type Mark } from "../verdicts";
+import { CLASSES, FAIL, NOT_EXERCISED, PASS, wordFor, type Mark } from "../verdicts";
 
 const ORDER: Mark[] = [0, 1, 2, 3];
 const COUNTED: (keyof State)[] = ["thresholds", "configuration", "x", "y", "fixed", "brushes", "theme"];
 const MEANING = ["meets every requirement that is switched on", "fails at least one", "not exercised: a pass there would be empty", "failed to run"];
+const UNDECIDED = "a requirement was not exercised, or not all conditions were run";
 
 export function createSummary(store: Store): HTMLElement {
   const head = el("p", { class: "headline" });
@@ -20,14 +21,14 @@ export function createSummary(store: Store): HTMLElement {
   const legend = el("ul", { class: "legend" });
   const box = el("div", { class: "summary" }, head, bar, legend);
   const draw = (): void => {
-    const { judgement: { overall, doubtful }, within } = store.points();
+    const { judgement: { overall, doubtful }, within, noun } = store.points();
     const shown = shownRuns(store);
     const counts = countMarks(overall, shown, within);
     const total = sum(counts);
     const open = countDoubtful(overall, doubtful, shown, within);
     head.replaceChildren(
       el("b", { id: "passing" }, group(counts[PASS]!)),
-      ` of ${group(total)} ${store.points().noun}s${scopeInWords(store)}${meeting(store)}`,
+      ` of ${group(total)} ${noun}s${scopeInWords(store)}${meeting(store)}`,
       el("span", { class: "muted" }, ` (${percent(counts[PASS]!, total)})`),
       el("span", { id: "doubtful" }, open ? `, ${group(open)} of them doubtful: ringed in the plot` : ""),
       el("span", { class: "muted", id: "everywhere" }, whole(store)),
@@ -44,9 +45,9 @@ export function createSummary(store: Store): HTMLElement {
         const symbol = el("canvas", { class: "symbol", "aria-hidden": "true" });
         return el(
           "li",
-          { title: MEANING[mark]! },
+          { title: mark === NOT_EXERCISED && noun !== "run" ? UNDECIDED : MEANING[mark]! },
           symbol,
-          el("span", {}, WORDS[mark]),
+          el("span", {}, wordFor(mark, noun)),
           el("b", { id: `count-${CLASSES[mark]}` }, group(counts[mark]!)),
         );
       }),

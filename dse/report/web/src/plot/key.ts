@@ -3,7 +3,7 @@ import { countMarks, shownRuns } from "../counts";
 import { number, withUnit } from "../format";
 import type { Store } from "../store";
 import { palette } from "../theme";
-import type { Mark } from "../verdicts";
+import { wordFor, type Mark } from "../verdicts";
 import type { Frame } from "./frame";
 import { drawSwatch } from "./hatch";
 import { markEntry, SIGN, type Entry } from "./legend";
@@ -11,8 +11,9 @@ import { colourOf, regionsOf } from "./regions";
 
 export function plotLegend(store: Store, frame: Frame): Entry[] {
   const { study, state } = store;
-  const counts = countMarks(store.points().judgement.overall, shownRuns(store), null);
-  const marks = ([0, 1, 2, 3] as Mark[]).filter((mark) => counts[mark]).map((mark) => markEntry(mark));
+  const { judgement, noun } = store.points();
+  const counts = countMarks(judgement.overall, shownRuns(store), null);
+  const marks = ([0, 1, 2, 3] as Mark[]).filter((mark) => counts[mark]).map((mark) => markEntry(mark, wordFor(mark, noun)));
   const { fields } = store.plane();
   const seen = new Set(fields ? regionsOf(study, fields, state.thresholds, frame).sides.filter(({ rings }) => rings.length).map(({ requirement }) => requirement) : []);
   const hatches = study.requirements.flatMap(({ title, metric }, index): Entry[] => {

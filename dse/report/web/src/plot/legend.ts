@@ -1,6 +1,6 @@
 // A legend as a part of a picture that is saved; on the page legends are text.
 import { palette, type Palette } from "../theme";
-import { WORDS, type Mark } from "../verdicts";
+import type { Mark } from "../verdicts";
 import type { Pen } from "./pen";
 import { drawShape, paintShape } from "./points";
 
@@ -15,7 +15,7 @@ const LINE = 22;
 const EDGE = 12;
 const MOST = 90;
 
-export function markEntry(mark: Mark, text: string = WORDS[mark]): Entry {
+export function markEntry(mark: Mark, text: string): Entry {
   return {
     text,
     draw(pen, x, y) {

@@ -4,7 +4,7 @@ import { el } from "../../dom";
 import { number } from "../../format";
 import { createHeading } from "../../panels/heading";
 import { axisLabel } from "../../study";
-import { CLASSES, PASS, SIGNS, WORDS } from "../../verdicts";
+import { CLASSES, PASS, SIGNS, wordFor } from "../../verdicts";
 import { choiceAt, configurationOf, differingPlaces, hasVariable, nameOf, subscribeCalmly, togglePick, type Model } from "./model";
 import { SHARE_OF } from "../shared/margins";
 import { designColumns, place } from "./values";
@@ -106,7 +106,7 @@ function columnsOf(model: Model): Column[] {
   return [
     { key: "design", title: "Design", hint: "", numeric: false, value: (design) => design, text: (design) => nameOf(model, design) },
     ...(aims.length ? [{ key: "score", title: "Score", hint: "TOPSIS: 1 is the best of every criterion among the feasible designs, 0 the worst", numeric: true, value: (design: number) => scores[design]!, text: (design: number) => (Number.isNaN(scores[design]!) ? "\u2013" : scores[design]!.toFixed(3)) }] : []),
-    { key: "verdict", title: "Verdict", hint: "By the number of requirements that are met", numeric: false, value: (design) => missed[design]!, text: (design) => `${SIGNS[mark[design]!]} ${WORDS[mark[design]!]}`, mark: (design) => mark[design]! },
+    { key: "verdict", title: "Verdict", hint: "By the number of requirements that are met", numeric: false, value: (design) => missed[design]!, text: (design) => `${SIGNS[mark[design]!]} ${wordFor(mark[design]!, "design")}`, mark: (design) => mark[design]! },
     ...(study.requirements.length ? [{ key: "slack", title: "Least margin [%]", hint: `Of any requirement that is on, as a share: ${SHARE_OF}`, numeric: true, value: (design: number) => slack[design]!, text: (design: number) => (Number.isNaN(slack[design]!) ? "\u2013" : number(100 * slack[design]!, 3)) }] : []),
     ...(aims.length > 1 ? [{ key: "front", title: "Front", hint: "On the Pareto front of the criteria, among the feasible designs", numeric: false, value: (design: number) => 1 - front[design]!, text: (design: number) => (front[design] ? "\u25cf" : "") }] : []),
     ...aims.map(numeric),

@@ -4,7 +4,7 @@ import { el } from "../../dom";
 import { cell, download } from "../../save";
 import type { Part } from "../../plot/sheet";
 import { axisLabel } from "../../study";
-import { WORDS } from "../../verdicts";
+import { wordFor, WORDS } from "../../verdicts";
 import { choiceAt, configurationOf, hasVariable, nameOf, type Model } from "./model";
 import { designColumns, place } from "./values";
 
@@ -56,7 +56,7 @@ function designsCsv(model: Model): string {
         exact(100 * slack[design]!),
         exact(scores[design]!),
         front[design],
-        WORDS[mark[design]!],
+        wordFor(mark[design]!, "design"),
       ].join(),
     );
   }

@@ -20,7 +20,7 @@ import { designColumns } from "./values";
 const REACH = 22;
 const DRAG = 5;
 /** What a point's sign says, by its mark. */
-const MARKS = ["feasible", "misses a requirement", "not exercised", "failed to run"];
+const MARKS = ["feasible", "misses a requirement", "undecided", "failed to run"];
 const FILLED = "filled: feasible; rings: not";
 
 interface Drawn {
