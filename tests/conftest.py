@@ -11,7 +11,7 @@ import threading
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -110,6 +110,14 @@ def built_before(request: pytest.FixtureRequest) -> Callable[[Path], Path]:
         return folder
 
     return fill
+
+
+@pytest.fixture(scope="module")
+def kept_cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Iterator[None]:
+    """The tests of a module use one cache of dse: FMUs are built once for all of them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("DSE_CACHE", str(built_before(tmp_path_factory.mktemp("cache"))))
+        yield
 
 
 _DSE = Path(__file__).parents[1] / "dse"

@@ -54,6 +54,14 @@ class PrintedFigure(Protocol):
         ...
 
 
+class PrintOnly:
+    """The charts of a figure that is only for print: the page has a view of its own."""
+
+    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # of none
+        """None."""
+        return ()
+
+
 FIGURES: Registry[Figure] = Registry("dse.figures", "figure", room="dse.report.figures", attribute="FIGURE")
 
 

@@ -9,104 +9,37 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from oscillators import OSCILLATOR
 
 import dse
 from dse.errors import DseError
 from dse.report import read_content
 
+
+def _bench(name: str, more: str = "", checks: str = "") -> str:
+    return f"""\
+testbench: {name}
+design: one
+{more}simulation: {{stop: 1 s, step: 10 ms, record: [mass.x]{checks}}}
+metrics: {{end: final(mass.x)}}
+requirements:
+  R1: {{metric: end, at_most: 1 m}}
+"""
+
+
+def _study(name: str, bench: str, start: str, more: str = "") -> str:
+    return f"study: {name}\ntestbench: {bench}\ndesign_variables: {{mass.start: {start}}}\n{more}"
+
+
+_CHECK = "check_step: near_boundary\n"
 FILES = {
-    "components/interfaces.yaml": """\
-interfaces:
-  spring: {inputs: {x: m}, outputs: {force: N}}
-  mass: {inputs: {force: N}, outputs: {x: m}}
-""",
-    "components/spring/component.yaml": """\
-component: spring
-implements: spring
-source: {kind: c, files: [spring.c]}
-""",
-    "components/spring/spring.h": """\
-typedef struct { struct { double x; } in; struct { double force; } out; } spring;
-void spring_init(spring *self);
-void spring_step(spring *self, double h);
-""",
-    "components/spring/spring.c": """\
-#include "spring.h"
-void spring_init(spring *self) { self->out.force = -self->in.x; }
-void spring_step(spring *self, double h) { (void)h; self->out.force = -self->in.x; }
-""",
-    "components/mass/component.yaml": """\
-component: mass
-implements: mass
-source: {kind: c, files: [mass.c]}
-parameters: {start: {start: 1 m}, fails_below: {start: 0 s, unit: s}}
-""",
-    "components/mass/mass.h": """\
-typedef struct {
-    struct { double force; } in; struct { double x; } out; struct { double start, fails_below; } par; double v;
-} mass;
-void mass_init(mass *self);
-void mass_step(mass *self, double h);
-""",
-    # Exact for a force that is held: all of the error is the coupling's, of first order.
-    "components/mass/mass.c": """\
-#include "mass.h"
-#include <math.h>
-void mass_init(mass *self) { self->out.x = self->par.start; self->v = 0.0; }
-void mass_step(mass *self, double h) {
-    self->out.x += h * self->v + 0.5 * h * h * self->in.force;
-    self->v += h * self->in.force;
-    if (h < self->par.fails_below) self->out.x = sqrt(-1.0 - h);
-}
-""",
-    "designs/one.yaml": """\
-design: one
-root:
-  compound: {spring: spring, mass: mass}
-  connections: [spring.force -> mass.force, mass.x -> spring.x]
-""",
-    "testbenches/swing.yaml": """\
-testbench: swing
-design: one
-simulation: {stop: 1 s, step: 10 ms, record: [mass.x]}
-metrics: {end: final(mass.x)}
-requirements:
-  R1: {metric: end, at_most: 1 m}
-""",
-    "testbenches/fine.pet.yaml": """\
-study: fine
-testbench: swing
-design_variables: {mass.start: {range: [1.5 m, 2.2 m], levels: 200}}
-check_step: near_boundary
-""",
-    "testbenches/broken.yaml": """\
-testbench: broken
-design: one
-parameters: {mass.fails_below: 7 ms}
-simulation: {stop: 1 s, step: 10 ms, record: [mass.x]}
-metrics: {end: final(mass.x)}
-requirements:
-  R1: {metric: end, at_most: 1 m}
-""",
-    "testbenches/rough.pet.yaml": """\
-study: rough
-testbench: broken
-design_variables: {mass.start: {range: [1 m, 3 m], levels: 9}}
-check_step: near_boundary
-""",
-    "testbenches/all.yaml": """\
-testbench: all
-design: one
-simulation: {stop: 1 s, step: 10 ms, record: [mass.x], check_step: true}
-metrics: {end: final(mass.x)}
-requirements:
-  R1: {metric: end, at_most: 1 m}
-""",
-    "testbenches/every.pet.yaml": """\
-study: every
-testbench: all
-design_variables: {mass.start: {range: [1.8 m, 1.9 m], levels: 30}}
-""",
+    **OSCILLATOR,
+    "testbenches/swing.yaml": _bench("swing"),
+    "testbenches/fine.pet.yaml": _study("fine", "swing", "{range: [1.5 m, 2.2 m], levels: 200}", _CHECK),
+    "testbenches/broken.yaml": _bench("broken", "parameters: {mass.fails_below: 7 ms}\n"),
+    "testbenches/rough.pet.yaml": _study("rough", "broken", "{range: [1 m, 3 m], levels: 9}", _CHECK),
+    "testbenches/all.yaml": _bench("all", checks=", check_step: true"),
+    "testbenches/every.pet.yaml": _study("every", "all", "{range: [1.8 m, 1.9 m], levels: 30}"),
 }
 
 

@@ -32,7 +32,6 @@ pytestmark = pytest.mark.browser
 
 Open = Callable[[ReportContent], Page]
 HOSTILE = '</script><img src=x onerror="window.pwned=1"><b>\u202e'
-CLASSES = {"pass": "pass", "fail": "fail", "undecided": "open", "failed to run": "broken"}
 
 SENSORS = {"camera": (100.0, 0.0), "radar": (300.0, 3.0), "lidar": (900.0, 4.0)}
 """What a sensor costs, and what it adds to the gap."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import shutil
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,19 +12,12 @@ import pytest
 
 import dse
 
+pytestmark = pytest.mark.usefixtures("kept_cache")
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("components", "designs", "roads", "testbenches")
 KMH = 1 / 3.6
 REST = "controller is pd_acc and lateral is pure_pursuit and powertrain is combustion_ideal and chassis is longitudinal"
 SENSORS = "sensor: {alternatives: [object_radar_long"
-
-
-@pytest.fixture(scope="module", autouse=True)
-def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Iterator[None]:
-    """FMUs are built once for all tests."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("DSE_CACHE", str(built_before(tmp_path_factory.mktemp("cache"))))
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from world.test_traffic_on_roads import BENCH, DESIGN, ROOT
 
 import dse
 
+pytestmark = pytest.mark.usefixtures("kept_cache")
 WIRED = """
 test_components:
   traffic: {component: stream_traffic, parameters: {WITH}}
@@ -31,14 +31,6 @@ configurations: {where: road is road_straight}
 conditions:
   traffic.seed: {values: [1, 2, 3, 4]}
 """
-
-
-@pytest.fixture(scope="module", autouse=True)
-def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Iterator[None]:
-    """FMUs are built once for all tests."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("DSE_CACHE", str(built_before(tmp_path_factory.mktemp("cache"))))
-        yield
 
 
 def workspace(folder: Path, given: str, stop: str) -> Any:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,17 +10,10 @@ import pytest
 
 import dse
 
+pytestmark = pytest.mark.usefixtures("kept_cache")
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("components", "designs", "roads", "testbenches")
 PARTS = {"sensor": "radar_77ghz_mid", "controller": "pd_acc", "brake": "hydraulic_booster"}
-
-
-@pytest.fixture(scope="module", autouse=True)
-def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Iterator[None]:
-    """FMUs are built once for all tests."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("DSE_CACHE", str(built_before(tmp_path_factory.mktemp("cache"))))
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ import socket
 import struct
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
@@ -32,7 +32,7 @@ from dse.world.code import along_own_lane
 from dse.world.pieces import value
 from dse.world.sumo.network import sumo_network, sumo_version
 
-pytestmark = needs_sumo
+pytestmark = [needs_sumo, pytest.mark.usefixtures("kept_cache")]
 
 ROOT = Path(__file__).parents[2]
 DRIVE = Path(__file__).parent / "sumo_drive.py"
@@ -53,14 +53,6 @@ segments:
 """
 
 
-@pytest.fixture(scope="module", autouse=True)
-def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Iterator[None]:
-    """FMUs are built once for all tests."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("DSE_CACHE", str(built_before(tmp_path_factory.mktemp("cache"))))
-        yield
-
-
 def on_a_bend(lanes: int, folder: Path) -> Component:
     """Our component, on another road."""
     file = folder / "roads" / "bend.yaml"
@@ -76,7 +68,7 @@ def component(tmp_path_factory: pytest.TempPathFactory) -> Component:
 
 
 @pytest.fixture(scope="module")
-def resources(component: Component, cache: None) -> Path:
+def resources(component: Component, kept_cache: None) -> Path:
     return open_fmu(build(component)).folder / "resources"
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -25,6 +25,7 @@ from dse.testbench.prepare import prepare_bench
 from dse.testbench.runner import Runner
 from dse.testbench.wired import wire_bench
 
+pytestmark = pytest.mark.usefixtures("kept_cache")
 ROOT = Path(__file__).parents[2]
 BENCHES = ("drive_following", "drive_motorway", "drive_town")
 MANUAL, STANDBY, CRUISE, OVERRIDE, EMERGENCY = range(5)
@@ -41,14 +42,6 @@ SEEN = (
     "controls.steered_by",
     "chassis.motion.lateral_acceleration",
 )
-
-
-@pytest.fixture(scope="module", autouse=True)
-def built(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Iterator[None]:
-    """FMUs are built once for all tests."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("DSE_CACHE", str(built_before(tmp_path_factory.mktemp("cache"))))
-        yield
 
 
 @cache

@@ -298,8 +298,7 @@ class _Assembly:
             if not self._takes(node, variable, assigned):
                 continue
             if draft.wired >= set(labels):
-                # What arrives over a wire replaces it before it is ever used.
-                self._refused(node, "is connected", "set what it is connected to", assigned)
+                self._unused(node, "is connected", assigned, "set what it is connected to")
                 continue
             if {node.connector, *variable.labels} & draft.driven and assigned.value.type != TYPED:
                 self._unused(node, "is given another over a connection", assigned)
@@ -315,18 +314,15 @@ class _Assembly:
         if not variable.is_settable:
             what = "constant" if variable.variability == "constant" else variable.causality
             why = f"takes no value: it is {what}" + (", which the FMU computes" if what != "constant" else "")
-            self._refused(node, why, "set what it is computed from", assigned)
+            self._unused(node, why, assigned, "set what it is computed from")
             return False
         name = self._names.setdefault((node.way, variable.fmi_type, variable.reference), variable.name)
         if name != variable.name:
             self._unused(node, f"is the variable that is given a value as '{name}'", assigned)
         return name == variable.name
 
-    def _refused(self, node: Endpoint, why: str, hint: str, assigned: Assignment) -> None:
-        if assigned.value.type == TYPED:
+    def _unused(self, node: Endpoint, why: str, assigned: Assignment, hint: str = "") -> None:
+        if hint and assigned.value.type == TYPED:
             self._problems.append(Problem(f"{node} {why}", assigned.where, hint))
         else:
-            self._unused(node, why, assigned)
-
-    def _unused(self, node: Endpoint, why: str, assigned: Assignment) -> None:
-        self._notes.append(Problem(f"{node} {why}; the value here is not used", assigned.where))
+            self._notes.append(Problem(f"{node} {why}; the value here is not used", assigned.where))

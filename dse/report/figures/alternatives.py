@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dse.report.charts.chart import Chart
 from dse.report.content.nouns import MetricColumn, ReportContent, label
 from dse.report.drawing.sheets import axes_of, gridded, say, sheet, style, ticks
 from dse.report.drawing.style import CURRENT, INK, MUTED
-from dse.report.figure import View
+from dse.report.figure import PrintOnly, View
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet
@@ -19,14 +18,10 @@ if TYPE_CHECKING:
 _ABSENT = "left out"
 
 
-class Alternatives:
+class Alternatives(PrintOnly):
     """A box for each alternative of every place in which runs differ, for each required metric."""
 
     title = "What alternatives bring"
-
-    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # the page has a view of its own
-        """None: the page has a view of its own."""
-        return ()
 
     def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:  # noqa: ARG002  # of all
         """One for each required metric; none where all runs are of one configuration."""

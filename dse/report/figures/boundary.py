@@ -3,17 +3,16 @@ constraint plot alone, by its interpolation."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dse.report.charts.chart import Chart
 from dse.report.content.insight import ChanceMap
 from dse.report.content.nouns import ReportContent, label
 from dse.report.drawing.sheets import axes_of, say, sheet, style
 from dse.report.drawing.style import INK
-from dse.report.figure import View
+from dse.report.figure import PrintOnly, View
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet
@@ -22,15 +21,11 @@ _DOUBT = 5
 """Percent: from here on a verdict is in doubt."""
 
 
-class Boundary:
+class Boundary(PrintOnly):
     """How probable it is that a requirement is met, by what all runs of the plane tell."""
 
     title = "Boundaries and their bands"
     uses_insight = True
-
-    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # the page has a view of its own
-        """None: the page has a view of its own."""
-        return ()
 
     def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:  # noqa: ARG002  # of all
         """One for each requirement and plane that can be told."""

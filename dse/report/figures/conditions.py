@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from dse.report.charts.chart import Chart
 from dse.report.content.nouns import ReportContent, Variable, label
 from dse.report.drawing.sheets import axes_of, say, sheet, style, ticks
-from dse.report.figure import View
+from dse.report.figure import PrintOnly, View
 from dse.report.verdicts import Mark, Marks, marks_of, overall_marks
 
 if TYPE_CHECKING:
@@ -21,14 +20,10 @@ _MOST = 24
 """Values of a condition that a matrix has room for."""
 
 
-class Conditions:
+class Conditions(PrintOnly):
     """A matrix of the first two conditions for all requirements, and for each; on the page a view shows them."""
 
     title = "Verdicts over the conditions"
-
-    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # the page has a view of its own
-        """None: the page has a view of its own."""
-        return ()
 
     def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:  # noqa: ARG002  # of all
         """One for all requirements, one for each if there are several."""

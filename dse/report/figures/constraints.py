@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from dse.domain.sampler import Role
 from dse.errors import fail
 from dse.exploration import equal_rows
-from dse.report.charts.chart import Chart
 from dse.report.content.nouns import Floats, ReportContent, RequirementRow, Variable, label
 from dse.report.drawing.constraint_plot import ConstraintPlotData, Line, RequirementLayer, draw_constraint_plot
-from dse.report.figure import View
+from dse.report.figure import PrintOnly, View
 from dse.report.interpolation.planes import Plane, PlaneFields, plane_of
 from dse.report.verdicts import alike, conditions_of, margins, outside, worst_marks
 
@@ -125,14 +124,10 @@ def _zero_lines(xs: Floats, ys: Floats, margin: Floats) -> tuple[Line, ...]:
     return tuple(np.asarray(line, dtype=np.float64) for line in generator.lines(0.0))
 
 
-class Constraints:
+class Constraints(PrintOnly):
     """A hatch and a line per requirement over two design variables, drawn for print only."""
 
     title = "Constraint plot"
-
-    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # the page has a plot of its own
-        """None: the page's plot follows thresholds and sliders."""
-        return ()
 
     def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:
         """Figure 6 over the axes asked for, else over each slice of the study. Raises DseError if it has no such."""

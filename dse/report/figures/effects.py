@@ -2,31 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dse.report.charts.chart import Chart
 from dse.report.content.insight import Part, Response
 from dse.report.content.nouns import ReportContent
 from dse.report.drawing.sheets import axes_of, gridded, say, sheet, style, ticks
 from dse.report.drawing.style import CURRENT, INK
-from dse.report.figure import View
+from dse.report.figure import PrintOnly, View
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet
 
 
-class Effects:
+class Effects(PrintOnly):
     """Bars for each required metric, in each part of the runs that may be compared; on the page a view shows them."""
 
     title = "What metrics depend on"
     uses_insight = True
-
-    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # the page has a view of its own
-        """None: the page has a view of its own."""
-        return ()
 
     def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:  # noqa: ARG002  # of all
         """A sheet for each required metric and part, called after both."""

@@ -14,7 +14,7 @@ from dse.exploration import equal_rows, front_of
 from dse.report.charts.chart import Axis, Chart, Line, Points, Rule
 from dse.report.content.nouns import Floats, ReportContent, Variable
 from dse.report.drawing.chart import draw_chart
-from dse.report.figure import View
+from dse.report.figure import PrintOnly, View
 from dse.report.verdicts import Mark, alike, conditions_of, worst_marks
 
 if TYPE_CHECKING:
@@ -23,14 +23,10 @@ if TYPE_CHECKING:
 _WORDS = {Mark.FAIL: "fail", Mark.NOT_EXERCISED: "undecided", Mark.PASS: "pass"}
 
 
-class Front:
+class Front(PrintOnly):
     """Runs over two objectives at a time, and the front of those that pass; on the page a view shows designs."""
 
     title = "Objectives"
-
-    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # the page has a view of its own
-        """None: the page has a view of its own."""
-        return ()
 
     def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:  # noqa: ARG002  # of all
         """One for each pair of objectives; of a single one, over the metric of each requirement."""

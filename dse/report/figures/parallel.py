@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dse.report.charts.chart import Chart
 from dse.report.content.nouns import Floats, ReportContent, label
 from dse.report.drawing.sheets import axes_of, sheet, style, ticks
 from dse.report.drawing.style import MUTED, PASS
-from dse.report.figure import View
+from dse.report.figure import PrintOnly, View
 from dse.report.verdicts import Mark, conditions_of, marks_of_designs
 
 if TYPE_CHECKING:
@@ -23,14 +22,10 @@ _MOST = 1500
 _AXES = 14
 
 
-class Parallel:
+class Parallel(PrintOnly):
     """Parallel coordinates; on the page a view lets the reader choose and limit axes."""
 
     title = "Runs in parallel coordinates"
-
-    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # the page has a view of its own
-        """None: the page has a view of its own."""
-        return ()
 
     def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:  # noqa: ARG002  # of all
         """One, of a study that varies something."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,21 +10,17 @@ import numpy as np
 from dse.report.charts.chart import Axis, Chart, Steps
 from dse.report.content.nouns import ReportContent
 from dse.report.drawing.chart import draw_chart
-from dse.report.figure import View
+from dse.report.figure import PrintOnly, View
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet
 
 
-class Search:
+class Search(PrintOnly):
     """The best design, or the volume that the front dominates, by the number of runs."""
 
     title = "The search"
     uses_insight = True
-
-    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # the page has a view of its own
-        """None: the page has a view of its own."""
-        return ()
 
     def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:  # noqa: ARG002  # of all
         """One, of a study with objectives that found a design."""

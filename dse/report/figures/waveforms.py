@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,12 +11,11 @@ import numpy as np
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Run
 from dse.errors import fail
-from dse.report.charts.chart import Chart
 from dse.report.content.nouns import FigureSpec, Floats, ReportContent, label
 from dse.report.content.reading import content_of_run
 from dse.report.drawing.style import save_drawing
 from dse.report.drawing.waveform_plot import WaveformData, WaveformPanel, draw_waveforms
-from dse.report.figure import View
+from dse.report.figure import PrintOnly, View
 from dse.report.verdicts import Mark, overall_marks
 
 if TYPE_CHECKING:
@@ -83,14 +82,10 @@ def _panel(figure: FigureSpec, run: int) -> WaveformPanel:
     )
 
 
-class Waveforms:
+class Waveforms(PrintOnly):
     """The waveforms of one run against their targets, drawn for print only."""
 
     title = "Waveforms"
-
-    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # the page has a panel of its own
-        """None: the page follows the selected run."""
-        return ()
 
     def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:
         """Figure 7 of the run asked for, else of `default_run`. Raises DseError if it was not kept."""
