@@ -7,19 +7,20 @@ from __future__ import annotations
 
 import os
 import signal
-import threading
-import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 
+import psutil
 import pytest
+from background import LIMIT
 from example_study import small_study
 
 import dse
 from dse.domain.study import ExecutorChoice
+from dse.exploration import Progress
 from dse.storage import StudyFolder
 
 pytestmark = pytest.mark.thorough
@@ -72,8 +73,8 @@ def test_a_pool_that_breaks_is_made_anew(study, local, tmp_path: Path) -> None:
         made_pools.append(pool(tmp_path / "cache"))
         return made_pools[-1]
 
-    when_there_are_runs(tmp_path / "out", 20, lambda: os.kill(next(iter(made_pools[-1]._processes)), signal.SIGKILL))
-    made = study.explore(tmp_path / "out", executor=make, fresh=True)
+    kill = once_there_are(20, lambda: os.kill(next(iter(made_pools[-1]._processes)), signal.SIGKILL))
+    made = study.explore(tmp_path / "out", executor=make, fresh=True, progress=kill)
     assert len(made_pools) == 2
     assert is_the_same(made, local)
     assert made.summary.failed == 0
@@ -97,30 +98,23 @@ def test_half_of_the_workers_of_a_dask_cluster_are_killed(study, local, tmp_path
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
-        workers = list(client.run(os.getpid).values())
-
-        def kill() -> None:
-            for process in workers[:2]:
-                os.kill(process, signal.SIGKILL)
-
-        when_there_are_runs(tmp_path / "out", 20, kill)
+        half = [psutil.Process(number) for number in [*client.run(os.getpid).values()][:2]]
         chosen = ExecutorChoice("dask", {"address": cluster.scheduler_address})
-        made = dse.Study(replace(study.noun, executor=chosen)).explore(tmp_path / "out", fresh=True)
-        assert not set(workers[:2]) & set(client.run(os.getpid).values())
+        over_dask = dse.Study(replace(study.noun, executor=chosen))
+        kill = once_there_are(20, lambda: [process.kill() for process in half])
+        made = over_dask.explore(tmp_path / "out", fresh=True, progress=kill)
+        assert psutil.wait_procs(half, LIMIT)[1] == []
     assert is_the_same(made, local)
     assert made.summary.failed == 0
 
 
-def when_there_are_runs(folder: Path, runs: int, act: Callable[[], None]) -> None:
-    """Call *act* from another thread as soon as so many are stored."""
+def once_there_are(runs: int, act: Callable[[], object]) -> Callable[[Progress], None]:
+    """What calls *act* as soon as so many are stored, when it is told of progress."""
+    waiting = [act]
 
-    def watch() -> None:
-        while True:
-            time.sleep(0.02)
-            if (folder / "study.sqlite").exists():
-                with StudyFolder.open(folder) as stored:
-                    if len(stored.finished()) >= runs:
-                        act()
-                        return
+    def told(progress: Progress) -> None:
+        if progress.done >= runs and waiting:
+            assert progress.done < progress.total
+            waiting.pop()()
 
-    threading.Thread(target=watch, daemon=True).start()
+    return told
