@@ -23,13 +23,12 @@ from .designed import (
     sobol_indices as sobol_indices,
 )
 from .effects import (
-    Correlation as Correlation,
     MainEffect as MainEffect,
-    correlations as correlations,
     main_effects as main_effects,
 )
 from .first_order import (
     Share as Share,
+    courses as courses,
     first_order_shares as first_order_shares,
     going_together as going_together,
 )

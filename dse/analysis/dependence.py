@@ -8,8 +8,7 @@ from dataclasses import asdict
 
 from dse.analysis.data import StudyData
 from dse.analysis.designed import Effects, Indices, morris_effects, sobol_indices
-from dse.analysis.effects import correlations
-from dse.analysis.first_order import first_order_shares, going_together
+from dse.analysis.first_order import courses, first_order_shares, going_together
 from dse.analysis.importance import importances
 from dse.analysis.phrases import between, difference, listed, parts, percent
 from dse.analysis.probability import Interval
@@ -21,7 +20,6 @@ DESIGNED = {"sobol_indices": sobol_indices, "morris": morris_effects}
 
 _MOST_NAMED = 4
 _HARDLY = 0.03
-_TREND = 0.2
 
 
 def metric_label(data: StudyData, name: str) -> str:
@@ -38,8 +36,8 @@ def shares(data: StudyData, metric: str) -> Iterator[Finding]:
     named = [each for each in named if each.share.value >= _HARDLY] or named[:1]
     defined = data.response(metric, 2)[0]
     where = "" if len(defined) == len(data) else f" where it is defined ({len(defined)} of {len(data)} runs)"
-    trends = _trends(data, metric)
-    told = parts([(_called(data, each.factor), each.share, trends.get(each.factor, "")) for each in named])
+    ways = {factor: f", {course}" for factor, course in courses(data, metric).items()}
+    told = parts([(_called(data, each.factor), each.share, ways.get(each.factor, "")) for each in named])
     most = max(each.share.high for each in found)
     text = f"{label}{where}: {told or f'nothing has more than {percent(most)} of the variance by itself'}"
     pairs = [pair for pair in going_together(defined) if {*pair} & {each.factor for each in named}]
@@ -101,15 +99,6 @@ def _alone(each: Indices) -> str:
 def _change(each: Effects, unit: str) -> str:
     half = difference(each.size.high - each.size.value, unit)
     return f"{difference(each.size.value, unit)} (± {half})"
-
-
-def _trends(data: StudyData, metric: str) -> dict[str, str]:
-    ranks = {each.factor: each.spearman for each in correlations(data, metric)}
-    return {
-        name: ", rising" if rank.low > _TREND else ", falling"
-        for name, rank in ranks.items()
-        if rank.low > _TREND or rank.high < -_TREND
-    }
 
 
 def _capped(share: Interval) -> Interval:

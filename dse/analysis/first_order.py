@@ -6,6 +6,7 @@ adjusted coefficient of determination (Ezekiel 1930), so that chance among bins 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from dse.analysis.bins import binned
 from dse.analysis.cells import effective
-from dse.analysis.data import Floats, StudyData
+from dse.analysis.data import Floats, Rows, StudyData
 from dse.analysis.once import once
 from dse.analysis.probability import Interval
 
@@ -24,6 +25,10 @@ _BINS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 _LEAST_A_BIN = 6
 _NORMAL = 1.96
 _ASSOCIATED = 0.3
+_LEAST_FOR_COURSE = 100
+_LEAST_BINS = 6
+_TURN, _SURE, _DOUBTED = 0.1, 3.0, 0.25
+_COURSES = {(1,): "rising", (-1,): "falling", (1, -1): "with a peak", (-1, 1): "with a valley"}
 _ROUNDING = 1e-12
 
 
@@ -60,6 +65,49 @@ def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
 
 
 @once
+def courses(data: StudyData, metric: str) -> dict[str, str]:
+    """``rising``, ``falling``, ``with a peak``, ``with a valley`` or ``up and down``: what the mean of a metric does
+    along each factor that is a number. Nothing is said of one where chance would look the same.
+
+    Means are those of the fewest bins, six or a variable's few values, that explain no less than chance. From bin to
+    bin a turn counts if it is more than a tenth of their range and three standard deviations; where some other way
+    back is more than a quarter of it, nothing is said, nor from fewer than 100 runs. Raises DseError, as
+    `first_order_shares` does.
+    """
+    there, values = data.response(metric, LEAST)
+    found = {}
+    for k, factor in enumerate(there.factors):
+        binnings = _binnings(there, k)
+        rows, bins = _best_bins(binnings, values, there.weights, np.sqrt(2 / len(values)), _LEAST_BINS)
+        y, weights = values[rows], there.weights[rows]
+        total = np.bincount(bins, weights)
+        if factor.is_choice or len(y) < _LEAST_FOR_COURSE or not total.all():
+            continue
+        variances = _unexplained(bins, y, weights) * np.bincount(bins, weights**2) / total**2
+        legs = _legs(np.bincount(bins, weights * y) / total, variances)
+        if legs:
+            found[factor.name] = _COURSES.get(legs, "up and down")
+    return found
+
+
+def _legs(means: Floats, variances: Floats) -> tuple[int, ...]:
+    """Which ways the means go from turn to turn, 1 up and -1 down; none where that is not known."""
+    legs: list[int] = []
+    ends, most, back = [0], float(np.ptp(means)), 0.0
+    for at in range(1, len(means)):
+        rise = means[at] - means[ends[-1]]
+        if legs and rise * legs[-1] >= 0:
+            ends[-1] = at
+        elif abs(rise) > max(_TURN * most, _SURE * np.sqrt(variances[at] + variances[ends[-1]])):
+            legs.append(1 if rise > 0 else -1)
+            ends.append(at)
+    for start, end, way in zip(ends, [*ends[1:-1], len(means) - 1], legs, strict=False):
+        leg = way * means[start : end + 1]
+        back = max(back, float((np.maximum.accumulate(leg) - leg).max()))
+    return tuple(legs) if back <= _DOUBTED * most else ()
+
+
+@once
 def going_together(data: StudyData) -> tuple[tuple[str, str], ...]:
     """Pairs of factors that are not independent in these runs: what one of them explains, the other does as well.
 
@@ -79,7 +127,7 @@ def going_together(data: StudyData) -> tuple[tuple[str, str], ...]:
 
 
 @once
-def _binnings(data: StudyData, k: int) -> tuple[tuple[NDArray[np.bool_], NDArray[np.intp]], ...]:
+def _binnings(data: StudyData, k: int) -> tuple[tuple[Rows, NDArray[np.intp]], ...]:
     """The bins of factor *k*, few and then more, as many as its runs bear."""
     found = [binned(data.places[:, k], data.factors[k], _BINS[0])]
     for most in _BINS[1:]:
@@ -92,17 +140,22 @@ def _binnings(data: StudyData, k: int) -> tuple[tuple[NDArray[np.bool_], NDArray
 
 
 def _best_bins(
-    binnings: tuple[tuple[NDArray[np.bool_], NDArray[np.intp]], ...], values: Floats, weights: Floats
-) -> tuple[NDArray[np.bool_], NDArray[np.intp]]:
-    """As many bins as leave least unexplained, each bin having its price (generalised cross-validation)."""
-    best, least = binnings[0], np.inf
-    for rows, bins in binnings:
-        count = int(bins.max(initial=0)) + 1
-        left = _unexplained(bins, values[rows], weights[rows])
-        left /= max(1 - count / max(effective(weights[rows]), 1), 1e-9) ** 2
-        if left < least * (1 - 1e-9):
-            best, least = (rows, bins), left
-    return best
+    binnings: Sequence[tuple[Rows, NDArray[np.intp]]],
+    values: Floats,
+    weights: Floats,
+    tolerance: float = 0.0,
+    least: int = 0,
+) -> tuple[Rows, NDArray[np.intp]]:
+    """As many bins as leave least unexplained, each bin having its price (generalised cross-validation); or the fewest,
+    *least* if there are, that leave no more than that and the share *tolerance* of it."""
+    counts = [int(bins.max(initial=0)) + 1 for _, bins in binnings]
+    left = [
+        _unexplained(bins, values[rows], weights[rows]) / max(1 - count / max(effective(weights[rows]), 1), 1e-9) ** 2
+        for (rows, bins), count in zip(binnings, counts, strict=True)
+    ]
+    enough = min(left) * (1 + tolerance + 1e-9)
+    first = next(place for place, one in enumerate(left) if one <= enough)
+    return binnings[max(first, next((place for place, count in enumerate(counts) if count >= least), len(counts) - 1))]
 
 
 def _unexplained(bins: NDArray[np.intp], y: Floats, weights: Floats) -> float:
