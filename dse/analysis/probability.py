@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from dse.analysis.cells import effective, lean
 from dse.analysis.data import ALL, MET, StudyData, withheld
 from dse.domain.bench import VERDICTS, Verdict
@@ -25,8 +27,9 @@ class Interval:
 class Met:
     """How often *requirement* is met where it is exercised: the *share* of *met* in *met* + *failed*.
 
-    *not_exercised* runs and those that *failed_to_run* are in neither. Where runs count differently, *counts_as* is how
-    many that count alike would tell as much.
+    *not_exercised* runs and those that *failed_to_run* are in neither; but of all requirements together the share is
+    that of the whole space: what does not exercise one does not meet all, and is *failed*. Where runs count
+    differently, *counts_as* is how many that count alike would tell as much.
     """
 
     requirement: str
@@ -61,6 +64,8 @@ def wilson(successes: float, trials: float, confidence: float = CONFIDENCE) -> I
 def probability_met(data: StudyData, requirement: str = ALL) -> Met:
     """DseError if there is no such requirement, no run met or failed it, or they crowd on one side of the boundary."""
     codes = data.codes(requirement)
+    if requirement == ALL:
+        codes = np.where(codes == VERDICTS.index(Verdict.NOT_EXERCISED), VERDICTS.index(Verdict.FAIL), codes)
     met = codes == MET
     judged = met | (codes == VERDICTS.index(Verdict.FAIL))
     count = {verdict: int((codes == code).sum()) for code, verdict in enumerate(VERDICTS)}

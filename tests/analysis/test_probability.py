@@ -5,7 +5,7 @@ import pytest
 from known_functions import even, study, variable
 from scipy.stats import binom
 
-from dse.analysis import ALL, probability_met, study_data, wilson
+from dse.analysis import ALL, Topic, essentials, probability_met, study_data, wilson
 from dse.errors import DseError
 
 REPEATS = 1000
@@ -60,10 +60,14 @@ def test_no_run_that_exercises_it_is_no_probability():
         probability_met(study_data(table), "R1")
 
 
-def test_all_requirements_are_met_where_each_is():
+def test_what_does_not_exercise_a_requirement_does_not_meet_all():
     points = even(500, 2)
-    table = study(points, {"a": points[:, 0], "b": points[:, 1]}, {"a": 0.5, "b": 0.5})
-    assert probability_met(study_data(table), ALL).share.value == pytest.approx(0.25, abs=0.06)
+    exercised = points[:, 0] < 0.3
+    table = study(points, {"a": points[:, 0], "b": points[:, 1]}, {"a": 1.0, "b": 0.5}, exercised=exercised)
+    assert probability_met(study_data(table), "R1").share.value == 1.0
+    assert probability_met(study_data(table), ALL).share.value == (exercised & (points[:, 1] <= 0.5)).mean()
+    text = next(each.text for each in essentials(table) if each.about == ALL and each.topic is Topic.MET)
+    assert text == "all requirements: met in 11 % (9 … 14 %) of the space (estimated from 500 runs)"
 
 
 def test_without_a_requirement_there_is_no_probability():
