@@ -3,19 +3,9 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
 from pathlib import Path
 
 from dse.simulink import CodedModel
-
-
-def written(folder: Path, files: Mapping[str, str]) -> Path:
-    """*folder*, with *files* by path."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, text in files.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text, encoding="utf-8")
-    return folder
 
 
 class Copy:

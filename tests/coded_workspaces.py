@@ -6,6 +6,8 @@ import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
+from workspaces import written
+
 Code = Mapping[str, str | bytes]
 """What a folder of generated code holds, by file name."""
 
@@ -85,11 +87,7 @@ def workspace(
     record = ", ".join(f"{part}.filtered" for part in parts)
     files["testbenches/see.yaml"] = _BENCH % (wires, stop, record, timeout, next(iter(parts)))
     files["testbenches/all.pet.yaml"] = _STUDY
-    for name, content in files.items():
-        path = root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    return root
+    return written(root, files)
 
 
 SPEEDS = [1 + 0.25 * k for k in range(21)]

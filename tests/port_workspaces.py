@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from workspaces import written
 
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.loading.workspace import Workspace
@@ -32,11 +33,7 @@ types:
 
 def write(folder: Path, files: Mapping[str, str]) -> Path:
     """*files* below *folder*, which is a workspace then."""
-    for name, text in files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return folder
+    return written(folder, files)
 
 
 def c_part(name: str, members: str, step: str, *, parameters: str = "", head: str = OBJECTS) -> dict[str, str]:

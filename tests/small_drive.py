@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from workspaces import written
+
 INTERFACES = """\
 interfaces:
   driver:
@@ -113,8 +115,4 @@ _FILES = {
 
 def drive_workspace(root: Path, stop: str = "20 s") -> Path:
     """The folder *root* as that workspace, whose bench ``field`` lasts *stop*."""
-    for name, text in {**_FILES, "testbenches/field.yaml": _BENCH.replace("STOP", stop)}.items():
-        path = root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return root
+    return written(root, {**_FILES, "testbenches/field.yaml": _BENCH.replace("STOP", stop)})

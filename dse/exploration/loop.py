@@ -13,6 +13,7 @@ import numpy as np
 from dse.domain.run import RunRequest
 from dse.domain.sampler import Architectures
 from dse.domain.study import Keep, Shard, Study
+from dse.errors import fail
 from dse.exploration.asking import Asking, Prepare
 from dse.exploration.batches import Chunks
 from dse.exploration.executor import Executor
@@ -108,13 +109,14 @@ def explore(
             while asking.ask():
                 asked = chunks.part(asking.asked, shard) if shard else set(asking.asked)
                 sink.take(asking.requests[number] for number in asked - sink.finished)
-                if study.keep is Keep.ALL:
-                    there = asked & sink.finished & (sink.failed | sink.kept.keys())
-                    sink.begin(Stage.RUNS, asked, there)
-                    pool.work_off(sink.unknown(chunks.waveforms(asked - there, sink.kept)))
-                else:
-                    sink.begin(Stage.RUNS, asked, asked & sink.finished)
-                    pool.work_off(chunks.runs(asked - sink.finished))
+                keeps = study.keep is Keep.ALL
+                there = asked & sink.finished & (sink.failed | sink.kept.keys() if keeps else asked)
+                sink.begin(Stage.RUNS, asked, there)
+                left = asked - there
+                pool.work_off(sink.unknown(chunks.waveforms(left, sink.kept)) if keeps else chunks.runs(left))
+                if lost := asked - sink.finished:
+                    what = f"the executor '{executor.name}' ended without {len(lost)} of the runs that it was given"
+                    raise fail(what, hint="finished runs are stored: the same command goes on")
                 asking.tell()
             if study.keep is Keep.NEAR_BOUNDARY and not shard:
                 near = _near(study, folder, prepared)

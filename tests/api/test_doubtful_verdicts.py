@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from oscillators import OSCILLATOR
+from workspaces import OSCILLATOR, written
 
 import dse
 from dse.errors import DseError
@@ -46,10 +46,7 @@ FILES = {
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> dse.Workspace:
     folder = tmp_path_factory.mktemp("swing")
-    for name, text in FILES.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text, encoding="utf-8")
-    return dse.open(folder)
+    return dse.open(written(folder, FILES))
 
 
 @pytest.fixture(scope="module")
@@ -142,9 +139,7 @@ def test_error_bars_of_all_runs_tell_what_is_doubtful(workspace: dse.Workspace, 
 
 def test_a_check_of_what_is_checked_already_is_refused(workspace: dse.Workspace, tmp_path: Path) -> None:
     folder = tmp_path / "twice"
-    for name, text in FILES.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text, encoding="utf-8")
+    written(folder, FILES)
     file = folder / "testbenches" / "every.pet.yaml"
     file.write_text(FILES["testbenches/every.pet.yaml"] + "check_step: near_boundary\n", encoding="utf-8")
     with pytest.raises(DseError, match=r"every\.pet\.yaml:4:13: the bench's check_step repeats every run already"):

@@ -23,6 +23,7 @@ from ssp_packages import (
     pack,
     parameter_set,
 )
+from workspaces import written
 
 FILES = {
     "components/interfaces.yaml": """\
@@ -104,10 +105,7 @@ metrics: {end: final(second.x)}
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("lags")
-    for name, text in FILES.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text, encoding="utf-8")
-    return folder
+    return written(folder, FILES)
 
 
 @pytest.fixture(scope="module")

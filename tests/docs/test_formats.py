@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from command_line import run_dse
+from workspaces import written
 
 from dse.domain.bench import Verdict
 from dse.domain.expression import ROLLUPS
@@ -73,10 +74,7 @@ def sections() -> Iterator[type[Section]]:
 @pytest.fixture(scope="module")
 def dse(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Dse:
     root = tmp_path_factory.mktemp("formats")
-    for name, text in files().items():
-        path = root / "workspace" / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
+    written(root / "workspace", files())
 
     cache = built_before(root / "cache")
 

@@ -215,6 +215,19 @@ def test_a_connection_that_is_lost_is_nobodys_fault(line: Line, tmp_path: Path) 
     assert line.renewed == 4
 
 
+def test_a_connection_that_is_lost_when_something_is_sent_loses_no_run(tmp_path: Path) -> None:
+    class Lossy(Line):
+        def send(self, content: bytes, worker: str) -> Future[Answer]:
+            if self.renewed < 3 and len(self.log) == 4:
+                raise CancelledError("the connection to the scheduler was lost")
+            return super().send(content, worker)
+
+    line = Lossy(tmp_path / "far")
+    sink, _ = work_off(line, tmp_path, list(many(64)))
+    assert line.renewed == 3
+    assert sorted(sink.results()) == list(range(64))
+
+
 def test_workers_that_all_die_are_not_the_runs_fault(line: Line, tmp_path: Path) -> None:
     line.mischief = deadly(*range(63))
     with pytest.raises(DseError, match="workers end with what they are given, the last: worker 7 is gone"):

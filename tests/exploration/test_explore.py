@@ -14,6 +14,7 @@ import pytest
 from fake_runners import benches, definition_of, make_fake, study_of
 
 from dse.domain.study import Keep, Study
+from dse.errors import DseError
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
 from dse.exploration.near_boundary import near_boundary
@@ -43,6 +44,12 @@ def run(
             make_runner=make_fake,
             on_progress=tell,
         )
+
+
+def test_an_executor_that_loses_runs_is_found_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dse.exploration.supervision.supervisor.Supervisor.work_off", lambda *_: None)
+    with pytest.raises(DseError, match="the executor 'local' ended without 50 of the runs that it was given"):
+        run(tmp_path, study_of(levels=5))
 
 
 def content(path: Path) -> tuple[bytes, dict[str, bytes]]:
@@ -176,6 +183,7 @@ from pathlib import Path
 sys.path[:0] = {paths!r}
 from fake_runners import benches, definition_of, make_fake, study_of
 from dse.domain.study import Keep
+from dse.errors import DseError
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import explore
 from dse.storage.folder import StudyFolder

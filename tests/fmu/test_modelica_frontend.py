@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from workspaces import written
 
 from dse.errors import DseError, Location
 from dse.modelica.frontend import process
@@ -24,14 +25,6 @@ LIBRARY = {
     "Lib/Part/package.mo": "within Lib;\npackage Part\n"
     "  function f input Real x; output Real y; algorithm y := x*x; end f;\nend Part;\n",
 }
-
-
-def written(folder: Path, files: dict[str, str]) -> Path:
-    for name, text in files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return folder
 
 
 def refusal(folder: Path, text: str, model: str = "M") -> str:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from workspaces import written
 
 from dse.domain.run import Run, RunRequest
 from dse.loading.workspace import Workspace
@@ -288,10 +289,7 @@ def _bench(stop: float, step: float, level: float) -> str:
 
 
 def _prepared(texts: Mapping[str, str], folder: Path) -> Mapping[str, PreparedBench]:
-    for name, text in texts.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
+    written(folder, texts)
     return prepare_study(bench_study(Workspace(folder).bench("b"))).benches
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from workspaces import written
+
 from dse.domain.run import Run, RunRequest
 from dse.loading.workspace import Workspace
 from dse.testbench.runner import Runner
@@ -51,8 +53,4 @@ def lay_out(case: Case, folder: Path) -> Workspace:
             source = f"{{kind: modelica, files: [M.mo], model: M, tolerance: {tolerance}}}"
             texts[f"{home}/component.yaml"] = f"{head}source: {source}\nparameters: {{k: {{start: 1}}}}\n"
             texts[f"{home}/M.mo"] = f"model M {MODELICA[model]} end M;\n"
-    for name, text in texts.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return Workspace(folder)
+    return Workspace(written(folder, texts))

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import coded_texts as texts
 import pytest
-from coded_copies import Copy, written
+from coded_copies import Copy
+from workspaces import written
 
 from dse.simulink import Style, build_library, read_model
 

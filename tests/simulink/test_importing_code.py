@@ -6,7 +6,7 @@ from pathlib import Path
 
 import coded_texts as texts
 import pytest
-from coded_copies import written
+from workspaces import written
 
 from dse.errors import DseError
 from dse.interchange import import_code

@@ -17,6 +17,7 @@ from chromium import started_chromium
 from coded_texts import scheduled
 from command_line import run_dse
 from reference_fmus.build import build as build_reference
+from workspaces import written
 
 from dse.kinds import SimulinkSource
 
@@ -156,10 +157,7 @@ def lay_out(folder: Path) -> Path:
         **{f"components/clean_sensor/{name}": text for name, text in _CLEAN.items()},
         **{f"{CODE}/{name}": text for name, text in acc_files().items()},
     }
-    for name, text in texts.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text, encoding="utf-8")
-    return folder
+    return written(folder, texts)
 
 
 def map_the_stranger(folder: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from workspaces import written
 
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import explore
@@ -86,11 +87,7 @@ keep_waveforms: none
 
 @pytest.fixture
 def workspace(tmp_path: Path) -> Workspace:
-    for name, text in FILES.items():
-        path = tmp_path / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return Workspace(tmp_path)
+    return Workspace(written(tmp_path, FILES))
 
 
 @pytest.mark.thorough

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from oscillators import OSCILLATOR
+from workspaces import OSCILLATOR, written
 
 from dse.domain.method import Adaptive, Method
 from dse.domain.run import Outcome, RunRequest
@@ -33,10 +33,7 @@ requirements:
 
 @pytest.fixture
 def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    for name, text in FILES.items():
-        path = tmp_path / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
+    written(tmp_path, FILES)
     monkeypatch.chdir(tmp_path)
     return Workspace(tmp_path).bench("swing")
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from workspaces import written
 
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.study import Keep
@@ -69,11 +70,7 @@ requirements: {R1: {metric: last, at_most: 1000 m}}
 
 @pytest.fixture
 def workspace(tmp_path: Path) -> Workspace:
-    for name, text in FILES.items():
-        path = tmp_path / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return Workspace(tmp_path)
+    return Workspace(written(tmp_path, FILES))
 
 
 def know(planned: PreparedStudy, cache: Path, answers: dict[Question, Answer], instances: int = 0) -> None:

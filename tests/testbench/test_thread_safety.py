@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from workspaces import written
 
 from dse.fmu.statics import static_names
 from dse.fmu.toolchain.compilation import compile_assembly
@@ -50,9 +51,7 @@ void counter_step(counter *self) {{ %s self->x += table[self->x > 5.0]; self->ou
 def test_a_c_component_with_static_variables_is_not_simulated_in_threads(
     tmp_path: Path, line: str, safe: bool, version: int
 ) -> None:
-    for name, text in {**FILES, "components/counter/counter.c": CODE % line}.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text, encoding="utf-8")
+    written(tmp_path, {**FILES, "components/counter/counter.c": CODE % line})
     study = bench_study(Workspace(tmp_path).bench("one"))
     for _ in range(2):  # found out, and remembered
         planned = prepare_study(study, cache=tmp_path / "cache", version=version)

@@ -6,6 +6,8 @@ import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from workspaces import written
+
 from dse.loading.workspace import Workspace
 from zoo.animals import ANIMALS, build_animal
 
@@ -53,10 +55,7 @@ root:
     tail: follower
   connections: [head.y -> tail.u]
 """
-    for name, text in {**_FILES, "designs/pair.yaml": design}.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
+    written(folder, {**_FILES, "designs/pair.yaml": design})
     built = [(name, name, "source") for name in animals]
     for component, animal, role in [
         *built,

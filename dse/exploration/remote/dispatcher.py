@@ -115,7 +115,7 @@ class Dispatcher:
         try:
             while True:
                 self._send(cutter)
-                if not self._sent:
+                if not self._sent and not self._again:
                     return
                 self._wait()
                 self._sink.tick()
@@ -153,8 +153,7 @@ class Dispatcher:
         """How many runs make a load: of a second, or as long as it takes to keep up with so many workers."""
         if not self._seconds:
             return 1
-        seconds = max(_LOAD_SECONDS, self._slots / _MOST_LOADS_PER_SECOND)
-        return int(min(_LARGEST_LOAD, max(1, seconds / self._seconds)))
+        return int(min(_LARGEST_LOAD, max(1, max(_LOAD_SECONDS, self._slots / _MOST_LOADS_PER_SECOND) / self._seconds)))
 
     def _slots_now(self) -> int:
         now = time.monotonic()
@@ -171,8 +170,7 @@ class Dispatcher:
         with suppress(Empty):
             future = self._done.get(timeout=_TURN)
             while True:
-                load = self._sent.pop(future, None)
-                if load is not None:
+                if load := self._sent.pop(future, None):
                     self._take(load, future)
                 future = self._done.get_nowait()
 

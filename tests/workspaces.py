@@ -1,4 +1,19 @@
-"""A mass on a spring, each a component in C: x is cos(t) times where it starts."""
+"""Workspaces that tests write: files by path, among them a mass on a spring."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+
+def written(folder: Path, files: Mapping[str, str | bytes]) -> Path:
+    """*folder*, with *files* by path."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    return folder
+
 
 OSCILLATOR = {
     "components/interfaces.yaml": """\
@@ -52,3 +67,4 @@ root:
   connections: [spring.force -> mass.force, mass.x -> spring.x]
 """,
 }
+"""A mass on a spring, each a component in C: x is cos(t) times where it starts."""
