@@ -66,4 +66,3 @@ from .rivals import claim as claim, what_would_change as what_would_change
 from .robust import Centre as Centre, robust_centre as robust_centre
 from .said import Finding as Finding, Topic as Topic
 from .slack import slack_of_runs as slack_of_runs
-from .surrogates import Surrogate as Surrogate, best_surrogate as best_surrogate, fit as fit

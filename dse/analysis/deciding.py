@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.analysis.data import Rows
 from dse.analysis.slack import slack_of_runs
 from dse.domain.definition import DefinedRequirement, StudyDefinition
 from dse.domain.sampler import Objective, Role
@@ -18,6 +20,9 @@ from dse.testbench import compile_objective, with_composites
 
 _DIGITS = 10
 """Significant ones that are compared."""
+
+_ROUNDED = 1e-3
+"""The share of a bound by which it is rounded outwards, at most, when it is told."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,14 +122,15 @@ def ranked(table: RunTable, objectives: Sequence[Objective], number: int) -> Ran
     standing = _Reader(table, designs, [v.name for v in variables if v.role is Role.DESIGN])
     best = tuple(replace(standing.of(row), slack=float(least[row])) for row in chosen)
     ahead = chosen if objectives else []
-    better = [
-        replace(standing.of(n), is_whole=not unfinished[n], slack=float(least[n]))
-        for n in _better(values, designs, ahead, is_open)
-    ]
+    rivals = ~is_open & (designs.failed == 0) & ~np.isnan(values).any(axis=1)
+    behind = [(n, standing.of(n)) for n in _better(values, designs, ahead, rivals)]
+    better = [(n, replace(one, is_whole=not unfinished[n], slack=float(least[n]))) for n, one in behind]
+    better.sort(key=lambda each: _nearness(each[1], bool(objectives)))
+    winning = (one for n, one in better if standing.is_one_sided(n) and _wins(values, designs, n, one, rivals))
     return Ranking(
         tuple(objectives),
         best,
-        tuple(sorted(better, key=lambda one: _nearness(one, bool(objectives)))[:number]),
+        tuple(islice(winning, number)),
         len(designs),
         int(feasible.sum()),
         int(is_open.sum()),
@@ -170,6 +176,16 @@ class _Reader:
             elif not designs.shown[row, column]:
                 yield Missed(name)
 
+    def is_one_sided(self, row: int) -> bool:
+        """Whether no requirement is missed at both of its bounds: one that is told would not be enough."""
+        for requirement in self._requirements.values():
+            rows = self._designs.rows[row]
+            missing = self._table.metric(requirement.metric)[rows][self._table.margins(requirement.name)[rows] < 0]
+            low, high = requirement.at_least, requirement.at_most
+            if low is not None and high is not None and (missing < low).any() and (missing > high).any():
+                return False
+        return True
+
     def _worst(self, requirement: DefinedRequirement, rows: NDArray[np.intp]) -> float:
         margins = self._table.margins(requirement.name)[rows]
         worst = rows[int(np.nanargmin(np.where(np.isnan(margins), np.inf, margins)))]
@@ -210,13 +226,23 @@ def _front(values: NDArray[np.float64], feasible: NDArray[np.bool_]) -> list[int
     return [on_it[point] for point in sorted(on_it)]
 
 
-def _better(
-    values: NDArray[np.float64], designs: Designs, best: Sequence[int], is_open: NDArray[np.bool_]
-) -> list[int]:
-    """Designs that miss a requirement, came to their end, and that none of the best is as good as."""
-    rest = np.flatnonzero(~designs.feasible & ~is_open & (designs.failed == 0) & ~np.isnan(values).any(axis=1))
+def _better(values: NDArray[np.float64], designs: Designs, best: Sequence[int], rivals: Rows) -> list[int]:
+    """Of *rivals* those that miss a requirement and that none of the best is as good as."""
+    rest = np.flatnonzero(~designs.feasible & rivals)
     ahead = values[list(best[: 1 if values.shape[1] == 1 else len(best)])]
     return [int(row) for row in rest if not (ahead <= values[row]).all(axis=1).any()]
+
+
+def _wins(values: NDArray[np.float64], designs: Designs, row: int, design: Standing, rivals: Rows) -> bool:
+    """Whether none of *rivals* beats design number *row* where bounds are as far out as it needs them.
+
+    They let other designs through as well; also those that only the rounding of the bounds lets through count.
+    """
+    near = {missed.requirement: _ROUNDED * abs(missed.worst or 0.0) for missed in design.missed}
+    needs = designs.margins[row] - [near.get(name, 0.0) for name in design.margins]
+    through = np.where(designs.failing, designs.failing[row] & (designs.margins >= needs), designs.shown)
+    ahead = values[rivals & through.all(axis=1)]
+    return not ((ahead <= values[row]).all(axis=1) & (ahead < values[row]).any(axis=1)).any()
 
 
 def _significant(values: NDArray[np.float64]) -> NDArray[np.float64]:

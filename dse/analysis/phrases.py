@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -21,6 +21,14 @@ def quantity(si: float, unit: str) -> str:
 def difference(si: float, unit: str) -> str:
     """A difference of SI numbers in *unit*, to three digits: one of 20 degC is 20 K."""
     return f"{shown(si / float(parse_unit(unit).factor), 3)} {unit}".rstrip()
+
+
+def outwards(value: float, towards: Callable[[float], int]) -> str:
+    """A number to four digits, rounded with *towards*, up or down; as it is if four digits tell it."""
+    if not value or float(f"{value:.4g}") == value:
+        return shown(value)
+    step = 10.0 ** (math.floor(math.log10(abs(value))) - 3)
+    return shown(towards(value / step) * step)
 
 
 def percent(share: float) -> str:

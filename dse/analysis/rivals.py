@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from dse.analysis.deciding import Missed, Ranking, Standing, unit_of_objective
-from dse.analysis.phrases import listed
+from dse.analysis.phrases import listed, outwards
 from dse.domain.definition import StudyDefinition
 from dse.units import parse_unit, shown
 
@@ -50,7 +51,7 @@ def _must(ranking: Ranking, definition: StudyDefinition, winner: Standing, other
     if not apart:
         return f"{_label(objective.name, definition)} {change} at all: they are equal"
     share = f" ({shown(100 * apart / abs(other.values[0]), 2)} %)" if other.values[0] else ""
-    by = f"{shown(apart / float(parse_unit(unit).factor))} {unit}".rstrip()
+    by = f"{outwards(apart / float(parse_unit(unit).factor), math.ceil)} {unit}".rstrip()
     return f"{_label(objective.name, definition)} {change} by more than {by}{share}"
 
 
@@ -60,8 +61,10 @@ def _needs(missed: Missed, definition: StudyDefinition) -> str:
         return f"{missed.requirement} is met once it is exercised"
     is_above = requirement.at_most is not None and missed.worst > requirement.at_most
     bound = (requirement.at_most if is_above else requirement.at_least) or 0.0
-    word, unit = "at most" if is_above else "at least", requirement.unit
-    return f"{missed.requirement} were {word} {_quantity(missed.worst, unit)} instead of {_quantity(bound, unit)}"
+    word, towards = ("at most", math.ceil) if is_above else ("at least", math.floor)
+    enough = outwards(parse_unit(requirement.unit).from_si(missed.worst), towards)
+    instead = f"{enough} {requirement.unit}".rstrip()
+    return f"{missed.requirement} were {word} {instead} instead of {_quantity(bound, requirement.unit)}"
 
 
 def _values(ranking: Ranking, definition: StudyDefinition, design: Standing) -> str:

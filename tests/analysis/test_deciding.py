@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -72,6 +73,47 @@ def test_what_would_have_to_change_is_said():
         "of 4 designs 2 meet all requirements wherever they were run; 1 more were not run at all conditions and are not"
         " counted"
     )
+
+
+def _rivals(*slips_and_uses, **facts):
+    """What is said of designs that miss the bound of 0.5 on slip, beside one that meets it with a use of 6."""
+    runs = [("small", 0.9, 0, 6.0, 0.2)] + [("large", 0.1 * k, 0, u, s) for k, (s, u) in enumerate(slips_and_uses)]
+    table = _table(*runs, **facts)
+    names = {each.choices["motor"]: each.id for each in table.header.definition.configurations}
+    told = [*what_would_change(ranked(table, [USE], 5), table.header.definition)]
+    return [text.replace(names["large"], "large") for text in told], table
+
+
+def test_a_bound_that_lets_a_better_one_through_makes_no_winner():
+    """Up to 0.8 run 2, with less use and slip than run 1, is let through, too."""
+    told, _ = _rivals((0.8, 3.5), (0.7, 3.0))
+    assert told == ["large (run 2), with use 3, wins if R1 were at most 0.7 instead of 0.5"]
+
+
+def test_a_bound_is_told_rounded_outwards_and_what_else_that_lets_through_counts():
+    told, _ = _rivals((0.71234, 3.5))
+    assert told == ["large (run 1), with use 3.5, wins if R1 were at most 0.7124 instead of 0.5"]
+    told, _ = _rivals((0.71234, 3.5), (0.71238, 3.0))
+    assert told == ["large (run 2), with use 3, wins if R1 were at most 0.7124 instead of 0.5"]
+
+
+def test_of_a_design_that_misses_both_bounds_nothing_is_said():
+    table = _table(*RUNS[:2], ("large", 0.2, 0, 3.0, 0.7), ("large", 0.2, 1, 3.0, 0.9))
+    assert len(ranked(table, [USE], 5).better) == 1
+    definition = table.header.definition
+    both = replace(definition, requirements=(replace(definition.requirements[0], at_least=0.8, at_most=0.85),))
+    assert ranked(replace(table, header=replace(table.header, definition=both)), [USE], 5).better == ()
+
+
+def test_what_every_sentence_says_is_so():
+    """Of random designs: with the bound that is told, and nothing else changed, the design named is the best."""
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        told, table = _rivals(*random.uniform([0.0, 1.0], [1.0, 6.0], (9, 2)).tolist())
+        slip, use = table.metric("slip"), table.metric("use")
+        for text in (text for text in told if "R1 were" in text):
+            run, bound = (float(found) for found in re.findall(r"run (\d+)\).* at most (\S+)", text)[0])
+            assert np.argmin(np.where(slip <= bound, use, np.inf)) == run, text
 
 
 def test_what_is_to_be_large_wins_by_its_smallest_value():

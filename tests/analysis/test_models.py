@@ -5,9 +5,7 @@ import pytest
 from known_functions import ISHIGAMI, even, ishigami, study
 
 from dse.analysis import (
-    best_surrogate,
     courses,
-    fit,
     importances,
     main_effects,
     study_data,
@@ -18,73 +16,6 @@ from dse.errors import DseError
 def _data(count, function, width=2, seed=0, **facts):
     points = even(count, width, seed)
     return study_data(study(points, {"y": function(points)}, **facts))
-
-
-def _curved(points):
-    return 3 + 2 * points[:, 0] - points[:, 1] ** 2 + points[:, 0] * points[:, 1]
-
-
-def test_a_quadratic_is_found_exactly():
-    model = fit(_data(40, _curved), "y", "quadratic")
-    fresh = even(20, 2, 9)
-    assert model.predict(fresh) == pytest.approx(_curved(fresh))
-    assert model.explained == pytest.approx(1.0)
-
-
-@pytest.mark.thorough
-def test_the_error_of_a_surrogate_is_that_on_runs_it_has_not_seen():
-    """Of pure noise nothing is explained, however well the runs themselves are hit; the error is the noise."""
-    data = _data(300, lambda points: np.random.default_rng(1).normal(size=len(points)))
-    model = fit(data, "y", "forest")
-    assert model.explained < 0.05
-    assert model.error == pytest.approx(1.0, abs=0.15)
-
-
-@pytest.mark.thorough
-def test_the_stated_error_is_not_less_than_that_on_fresh_runs():
-    """It is that of models of four fifths of the runs, which may err much more where few runs more help much."""
-    for kind in ("quadratic", "process", "forest"):
-        model = fit(_data(120, ishigami, 3), "y", kind)
-        fresh = even(2000, 3, 9)
-        actual = np.sqrt(((model.predict(fresh) - ishigami(fresh)) ** 2).mean())
-        assert 0.75 * actual <= model.error <= 2 * actual
-
-
-@pytest.mark.thorough
-def test_the_best_surrogate_is_the_one_that_errs_least():
-    assert best_surrogate(_data(60, _curved), "y").kind in ("quadratic", "process")
-    model = best_surrogate(_data(60, lambda points: (points[:, 0] > 0.5) * 1.0 + (points[:, 1] > 0.3)), "y")
-    assert model.explained > 0.5
-
-
-@pytest.mark.parametrize("count", [1, 2, 5])
-def test_few_runs_have_no_surrogate(count):
-    with pytest.raises(DseError, match="y: "):
-        best_surrogate(_data(count, _curved), "y")
-
-
-def test_each_surrogate_says_how_many_runs_it_needs():
-    with pytest.raises(
-        DseError, match=r"a quadratic of 2 variables needs 12 runs, and there are 9(?s:.*)needs 30 runs"
-    ):
-        best_surrogate(_data(9, _curved), "y")
-
-
-def test_a_surrogate_says_nothing_outside_of_the_ranges():
-    with pytest.raises(DseError, match="nothing outside of the ranges"):
-        fit(_data(40, _curved), "y", "quadratic").predict(np.array([[0.5, 1.1]]))
-
-
-def test_a_surrogate_of_runs_that_lack_a_factor_is_refused():
-    points = even(50, 2)
-    points[:10, 1] = np.nan
-    with pytest.raises(DseError, match="some runs lack x2"):
-        fit(study_data(study(points, {"y": points[:, 0]})), "y", "forest")
-
-
-def test_an_unknown_surrogate_is_refused_by_its_name():
-    with pytest.raises(DseError, match=r"no surrogate 'proces'(?s:.*)did you mean 'process'"):
-        fit(_data(40, _curved), "y", "proces")
 
 
 @pytest.mark.thorough
