@@ -21,7 +21,7 @@ from dse.exploration.known_runs import NOT_REPRODUCIBLE, NOTHING_KNOWN, KnownRun
 from dse.exploration.near_boundary import near_boundary
 from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage import Attempt, FileFacts, RowBlock, StudyFolder
+from dse.storage import Attempt, FileFacts, Rehearsal, RowBlock, StudyFolder
 from dse.testbench import make_runner
 
 _TELL_EVERY = 0.1
@@ -94,7 +94,7 @@ def explore(
     waveforms: what is near a boundary is known when all shards are merged. A sampler that proposes configurations takes
     them from *space*; *prepare* adds those it asks for to *prepared*.
 
-    Raises DseError if workers cannot work at all, ExplorationInterruptedError on Ctrl-C.
+    Raises DseError if workers cannot work at all or end without a run, ExplorationInterruptedError on Ctrl-C.
     """
     header = folder.header
     work = Work(prepared, make_runner, folder.waveform_folder, header.measures, folder.spool_folder, header.fingerprint)
@@ -114,7 +114,7 @@ def explore(
                 sink.begin(Stage.RUNS, asked, there)
                 left = asked - there
                 pool.work_off(sink.unknown(chunks.waveforms(left, sink.kept)) if keeps else chunks.runs(left))
-                if lost := asked - sink.finished:
+                if (lost := asked - sink.finished) and not isinstance(folder, Rehearsal):
                     what = f"the executor '{executor.name}' ended without {len(lost)} of the runs that it was given"
                     raise fail(what, hint="finished runs are stored: the same command goes on")
                 asking.tell()
