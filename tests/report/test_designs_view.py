@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from design_cases import AT_MOST, DESIGN_CASES
 from playwright.sync_api import Page
+from report_pages import settle
 
 from dse.exploration.designs import front_of
 from dse.report.content.nouns import (
@@ -105,11 +106,6 @@ def opened(open_report: Open, content: ReportContent) -> Page:
     page.click("#tab-designs")
     settle(page)
     return page
-
-
-def settle(page: Page) -> None:
-    """Wait until what was changed has been drawn."""
-    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
 
 def demand(page: Page, percent: int) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from known_functions import even, study, variable
 from playwright.sync_api import Page
-from report_pages import content_of
+from report_pages import content_of, settle
 
 from dse.analysis import evaluated, features, planes
 from dse.domain.definition import DefinedObjective
@@ -43,10 +43,6 @@ def conditions() -> RunTable:
     )
     y = points[:, 0] + points[:, 1] - points[:, 2]
     return study(points, {"y": y}, {"y": 0.5}, variables=variables, exercised=points[:, 2] > 0)
-
-
-def settle(page: Page) -> None:
-    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
 
 def opened(page: Page, view: str) -> Page:

@@ -29,7 +29,8 @@ def passing_without(content: ReportContent, requirement: int) -> int:
 
 
 def corner(page: Page, across: float, up: float) -> tuple[float, float]:
-    """A place of the window, by its shares of the constraint plot between its axes."""
+    """A place of the window, by its shares of the constraint plot between its axes, as it is when all is drawn."""
+    settle(page)
     box = page.locator(".plot").bounding_box()
     assert box is not None
     x = box["x"] + 66 + across * (box["width"] - 82)
