@@ -181,6 +181,12 @@ def test_up_to_five_runs_are_pinned(sliced: ReportContent, open_report: Open) ->
     settle(page)
     assert page.locator(".curves .pin b").all_inner_texts() == [f"Run {44 + 2 * pin}" for pin in range(5)]
     assert page.is_disabled("#pin")
+    # As when the pointer leaves the plot late: what is pressed stays, and the click counts.
+    page.mouse.move(*corner(page, 0.3, 0.7))
+    page.evaluate("document.querySelector('#unpin-1').dataset.same = 'yes'")
+    page.mouse.move(*corner(page, 0.5, 0.2))
+    settle(page)
+    assert page.get_attribute("#unpin-1", "data-same") == "yes"
     page.click("#unpin-1")
     page.wait_for_function("() => document.querySelectorAll('.curves .pin b').length === 4")
     assert page.locator(".curves .pin b").all_inner_texts() == ["Run 44", "Run 48", "Run 50", "Run 52"]

@@ -29,7 +29,7 @@ const SHOWN: (keyof State)[] = ["selected", "hovered", "pins"];
 /** The charts, and the button that pins the selected run. */
 export function createWaveforms(store: Store): { box: HTMLElement; pin: HTMLElement; picture: () => Part[] } {
   const notice = el("div", { class: "missing" });
-  const legend = el("div", { class: "curves" });
+  const legend = el("div", { class: "curves" }, el("span", { class: "keys" }), el("span", { class: "keys" }));
   const figures = el("div", { class: "figures" });
   const pin = el("button", { id: "pin", type: "button", click: () => togglePin(store, store.state.selected) });
   const box = el("div", { class: "waveforms" }, legend, notice, figures);
@@ -104,6 +104,7 @@ export function isKept({ study }: Pick<Store, "study">, run: number): boolean {
 
 function drawLegend(store: Store, box: HTMLElement): void {
   const { study, state } = store;
+  const [now, pinned] = [...box.children] as [HTMLElement, HTMLElement];
   const run = runShown(store);
   const colours = palette();
   const focused = document.activeElement instanceof HTMLElement && box.contains(document.activeElement) ? document.activeElement.id : "";
@@ -119,12 +120,17 @@ function drawLegend(store: Store, box: HTMLElement): void {
     dashed.classList.add("dashed");
     parts.push(el("span", { class: "entry-key" }, dashed, el("span", { class: "muted" }, "target")));
   }
-  state.pins.forEach((pin, index) => {
+  now.replaceChildren(...parts);
+  // A button that is made anew while it is pressed, as the pointer leaves the plot, is not clicked.
+  const drawn = [...state.pins, ...colours.pins].join();
+  if (pinned.dataset["drawn"] === drawn) return;
+  pinned.dataset["drawn"] = drawn;
+  const pins = state.pins.map((pin, index) => {
     const name = `Run ${study.number[pin]}`;
     const unpin = el("button", { id: `unpin-${index}`, class: "bare", type: "button", title: `Unpin ${name}`, "aria-label": `Unpin ${name}`, click: () => togglePin(store, pin) }, "\u00d7");
-    parts.push(el("span", { class: "entry-key pin" }, key(colours.pins[index]!), el("b", {}, name), unpin));
+    return el("span", { class: "entry-key pin" }, key(colours.pins[index]!), el("b", {}, name), unpin);
   });
-  box.replaceChildren(...parts);
+  pinned.replaceChildren(...pins);
   if (focused) (document.getElementById(focused) ?? document.getElementById("pin"))?.focus();
 }
 
