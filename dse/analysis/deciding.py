@@ -22,7 +22,7 @@ _DIGITS = 10
 """Significant ones that are compared."""
 
 _ROUNDED = 1e-3
-"""The share of a bound by which it is rounded outwards, at most, when it is told."""
+"""The largest relative change of a bound when it is rounded outwards for a sentence."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,7 +177,7 @@ class _Reader:
                 yield Missed(name)
 
     def is_one_sided(self, row: int) -> bool:
-        """Whether no requirement is missed at both of its bounds: one that is told would not be enough."""
+        """Whether each requirement is missed at one of its bounds only, so that one changed bound is enough."""
         for requirement in self._requirements.values():
             rows = self._designs.rows[row]
             missing = self._table.metric(requirement.metric)[rows][self._table.margins(requirement.name)[rows] < 0]

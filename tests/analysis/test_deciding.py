@@ -75,10 +75,10 @@ def test_what_would_have_to_change_is_said():
     )
 
 
-def _rivals(*slips_and_uses, **facts):
+def _rivals(*slips_and_uses):
     """What is said of designs that miss the bound of 0.5 on slip, beside one that meets it with a use of 6."""
     runs = [("small", 0.9, 0, 6.0, 0.2)] + [("large", 0.1 * k, 0, u, s) for k, (s, u) in enumerate(slips_and_uses)]
-    table = _table(*runs, **facts)
+    table = _table(*runs)
     names = {each.choices["motor"]: each.id for each in table.header.definition.configurations}
     told = [*what_would_change(ranked(table, [USE], 5), table.header.definition)]
     return [text.replace(names["large"], "large") for text in told], table
