@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from dse.domain.component import Component, CSource, Source
-    from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes
+    from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes, Placing
     from dse.errors import DseError, Location, Problem, fail
     from dse.exploration import Batch, FuturesExecutor, OnceSampler, Pool, Sink, Work, scaled, unit_of
     from dse.kinds import build_generated
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _PLACES = {
     "dse.domain.component": ("CSource", "Component", "Source"),
-    "dse.domain.sampler": ("Brief", "Candidate", "DesignVariable", "Outcomes"),
+    "dse.domain.sampler": ("Brief", "Candidate", "DesignVariable", "Outcomes", "Placing"),
     "dse.errors": ("DseError", "Location", "Problem", "fail"),
     "dse.exploration": ("Batch", "FuturesExecutor", "OnceSampler", "Pool", "Sink", "Work", "scaled", "unit_of"),
     "dse.kinds": ("build_generated",),
@@ -58,6 +58,7 @@ __all__ = [  # as above: type checkers read a list of words only
     "Location",
     "OnceSampler",
     "Outcomes",
+    "Placing",
     "Points",
     "Pool",
     "Problem",

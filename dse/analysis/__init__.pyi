@@ -3,6 +3,7 @@ from .claims import Stage as Stage, stages as stages, static_bound as static_bou
 from .conditions import (
     Condition as Condition,
     WorstCase as WorstCase,
+    share_met as share_met,
     worst_case as worst_case,
     worst_designs as worst_designs,
 )
@@ -51,7 +52,13 @@ from .narrowing import (
     of_band as of_band,
     of_box as of_box,
 )
-from .probability import Interval as Interval, Met as Met, probability_met as probability_met, wilson as wilson
+from .probability import (
+    Basis as Basis,
+    Interval as Interval,
+    Met as Met,
+    probability_met as probability_met,
+    wilson as wilson,
+)
 from .radial import (
     Formula as Formula,
     centres_of as centres_of,

@@ -32,7 +32,6 @@ _CHANCE = 0.05
 _LEAST_COVERAGE = 0.1
 _LEAST_DENSITY = 0.5
 _DIGITS = 9
-_SEED = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +61,7 @@ def best_boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[
     Runs that did not exercise a requirement, or failed to run, do not meet it. DseError if there are too few runs,
     fewer than ten that meet it, or hardly any others.
     """
+    data = data.evenly(requirement, LEAST)
     met = data.met(requirement)
     if len(data) < LEAST:
         raise withheld(requirement, f"{len(data)} {data.rows} are too few for a box: {LEAST} are needed")
@@ -73,7 +73,7 @@ def best_boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[
         raise withheld(
             requirement, f"nearly all {data.rows} meet it, {int(met.sum())} of {len(data)}: there is nothing to limit"
         )
-    made = np.random.default_rng(_SEED).permutation(len(data)) % 2 == 0
+    made = data.half()
     found: list[Box] = []
     left = np.ones(len(data), dtype=np.bool_)
     while len(found) < most and (met & made & left).sum() >= _LEAST_PASSES / 2:
@@ -122,7 +122,8 @@ class _Inside:
         usual, count = self._density(here), int(here.sum())
         best, most = None, 0.0
         for k, factor in enumerate(self._data.factors):
-            x = self._columns[k][here]
+            # A rule is advice: it names what the designer decides.
+            x = self._columns[k][here if factor.is_decided else np.zeros_like(here)]
             x = x[~np.isnan(x)]
             if len(np.unique(x)) < 2:
                 continue

@@ -6,15 +6,18 @@ verdict on a design is the worst of the verdicts on its runs.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dse.analysis.data import ALL, MET, Rows, StudyData, withheld
+from dse.analysis.measure import modelled_share
 from dse.analysis.once import once
-from dse.analysis.probability import Met, probability_met
+from dse.analysis.probability import LEAST_EVEN, Basis, Met, met_by_runs, probability_met
 from dse.analysis.reading import weighted
 from dse.analysis.slack import FAILING, slack
+from dse.errors import DseError
 from dse.exploration import equal_rows
 from dse.metrics import worst_codes
 
@@ -72,12 +75,39 @@ def worst_designs(data: StudyData) -> StudyData:
     return weighted(replace(designs.part(known), incomplete=int((~known).sum())), data.on_grid)
 
 
+def share_met(data: StudyData, requirement: str = ALL) -> Met:
+    """How often designs meet *requirement* at the worst of their conditions: by the runs if these were drawn evenly,
+    else by a model of the verdicts, with which those that were have to agree.
+
+    DseError as `probability_met` and `modelled_share` have it, or if these two do not agree.
+    """
+    if data.even.all():
+        return probability_met(worst_designs(data), requirement)
+    met, known = met_by_runs(data, requirement), None
+    with suppress(DseError):
+        known = met_by_runs(worst_designs(data.evenly(requirement, 1)), requirement)
+        known = replace(known, basis=Basis.EVEN_RUNS)
+    try:
+        share, conditions = modelled_share(data, requirement)
+    except DseError:
+        if known is None or known.judged < LEAST_EVEN:
+            raise
+        return known
+    if known and (share.low > known.share.high or known.share.low > share.high):
+        if known.judged >= LEAST_EVEN:
+            return known
+        what = f"a model of the verdicts says {share.value:.0%} of the space, {known.judged} evenly drawn {data.rows}"
+        raise withheld(requirement, f"{what} say {known.share.value:.0%}", "next: a study with 'sobol'")
+    return replace(met, share=share, conditions=conditions, basis=Basis.MODEL)
+
+
 def worst_case(data: StudyData, over: str, requirement: str = ALL) -> WorstCase:
     """Over the values that the factor *over* has in the runs; runs without it are left out.
 
     DseError if there is no such factor or requirement, if it has more than 40 values, or none at which a run met or
-    failed the requirement.
+    failed the requirement; or if runs were not drawn evenly.
     """
+    data = data.evenly(requirement, LEAST_EVEN)
     k = data.factor(over)
     there = data.part(~np.isnan(data.places[:, k]))
     places, which = np.unique(there.places[:, k], return_inverse=True)

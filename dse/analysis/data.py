@@ -71,9 +71,11 @@ class StudyData:
     """n runs that are compared with each other, and the k *factors* in which they differ.
 
     *places*, (n, k), are 0 … 1, NaN where a factor is absent from the run's configuration. *metrics* and *margins* are
-    in SI, NaN where undefined, *verdicts* positions in `VERDICTS`, each (n,) by name. *weights*, (n,), are what runs
-    count: how much of the space there is to a run, 1 on average. So many runs are *different*: of those that share
-    their values with others, as blocks of a design do, each tells little that is new; not so *on_grid*. *plane* are the
+    in SI, NaN where undefined, *verdicts* positions in `VERDICTS`, each (n,) by name. The runs that are *even*, (n,),
+    were drawn evenly over the space (`Placing`); only of these a share is one of the space. *weights*, (n,), are what
+    runs count: 1, or on a grid how much of the space there is to a run, 1 on average. So many runs are *different*: of
+    those that share their values with others, as blocks of a design do, each adds little; not so *on_grid*. *plane* are
+    the
     variables that are varied where all others are held; () if none is. *apart* is how many runs of the study are not
     among them. Where they are designs at the worst of so many *conditions* (`dse.analysis.conditions`), *incomplete*
     were left out; a run is one at 0 conditions. *known* is what was computed of it already (`dse.analysis.once`).
@@ -88,6 +90,7 @@ class StudyData:
     metrics: Mapping[str, Floats]
     margins: Mapping[str, Floats]
     verdicts: Mapping[str, Codes]
+    even: Rows
     weights: Floats
     different: int
     on_grid: bool = False
@@ -138,8 +141,25 @@ class StudyData:
             metrics={name: values[rows] for name, values in self.metrics.items()},
             margins={name: values[rows] for name, values in self.margins.items()},
             verdicts={name: values[rows] for name, values in self.verdicts.items()},
+            even=self.even[rows],
             weights=self.weights[rows],
         )
+
+    def evenly(self, about: str, least: int) -> StudyData:
+        """The runs that are drawn evenly over the space. DseError *about* something if these are less than *least*."""
+        if self.even.all():
+            return self
+        if (count := int(self.even.sum())) < least:
+            which = f"{count or 'none'} of the {len(self)} {self.rows} of '{self.definition.sampler.kind}'"
+            what = f"{which} {'is' if count < 2 else 'are'} drawn evenly over the space, and {least} are needed"
+            raise withheld(about, what, "next: a study with 'sobol'")
+        found: StudyData = self.known.setdefault("even", None) or self.part(self.even)
+        self.known["even"] = found
+        return found
+
+    def half(self) -> Rows:
+        """Every other of the runs by chance, (n,): what is found by these is judged by the others."""
+        return np.asarray(np.random.default_rng(0).permutation(len(self)) % 2 == 0)
 
     def response(self, metric: str, least: int) -> tuple[StudyData, Floats]:
         """The runs in which *metric* is defined, and its values there.

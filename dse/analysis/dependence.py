@@ -8,7 +8,7 @@ from dataclasses import asdict
 
 from dse.analysis.data import StudyData
 from dse.analysis.designed import Effects, Indices, morris_effects, sobol_indices
-from dse.analysis.first_order import courses, first_order_shares, going_together
+from dse.analysis.first_order import LEAST, courses, first_order_shares, going_together
 from dse.analysis.importance import importances
 from dse.analysis.phrases import between, difference, listed, parts, percent
 from dse.analysis.probability import Interval
@@ -29,6 +29,7 @@ def metric_label(data: StudyData, name: str) -> str:
 
 def shares(data: StudyData, metric: str) -> Iterator[Finding]:
     """What explains how much of its variance by itself. Raises DseError."""
+    data = data.evenly(metric, LEAST)
     found = sorted(first_order_shares(data, metric), key=lambda share: -round(share.share.value, 9))
     if not found:
         raise fail(f"{metric}: its runs differ in nothing that could explain it")

@@ -32,7 +32,7 @@ class MainEffect:
 
 def main_effects(data: StudyData, metric: str) -> tuple[MainEffect, ...]:
     """Of every factor, over the runs in which the metric is defined and the factor present. Raises DseError."""
-    there, values = data.response(metric, _LEAST)
+    there, values = data.evenly(metric, _LEAST).response(metric, _LEAST)
     effects = []
     for k, factor in enumerate(there.factors):
         rows, bins = binned(there.places[:, k], factor, _MOST_BINS)

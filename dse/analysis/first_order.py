@@ -47,9 +47,10 @@ def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
 
     Shares add up to 1 at most where factors are independent; what they leave is due to several factors together, or to
     bins that are too wide for few runs. Intervals are 1.96 standard deviations to either side, by the jackknife.
-    A factor of which fewer than 20 runs have a value is left out. Raises DseError, as `StudyData.response` does.
+    A factor of which fewer than 20 runs have a value is left out. Raises DseError, as `StudyData.response` does, and
+    `StudyData.evenly`.
     """
-    there, values = data.response(metric, LEAST)
+    there, values = data.evenly(metric, LEAST).response(metric, LEAST)
     found = []
     for k, factor in enumerate(there.factors):
         rows, bins = _best_bins(_binnings(there, k), values, there.weights)
@@ -74,7 +75,7 @@ def courses(data: StudyData, metric: str) -> dict[str, str]:
     back is more than a quarter of it, nothing is said, nor from fewer than 100 runs. Raises DseError, as
     `first_order_shares` does.
     """
-    there, values = data.response(metric, LEAST)
+    there, values = data.evenly(metric, LEAST).response(metric, LEAST)
     found = {}
     for k, factor in enumerate(there.factors):
         binnings = _binnings(there, k)

@@ -7,11 +7,11 @@ from dataclasses import asdict, replace
 from functools import partial
 
 from dse.analysis.boxes import best_boxes
-from dse.analysis.conditions import worst_case, worst_designs
+from dse.analysis.conditions import share_met, worst_case, worst_designs
 from dse.analysis.data import ALL, StudyData
 from dse.analysis.dependence import DESIGNED, designed_findings, interactions, metric_label, shares
 from dse.analysis.phrases import at_all, between, condition, likely, listed, percent, point, requirement_label, value
-from dse.analysis.probability import Met, probability_met
+from dse.analysis.probability import Basis, Met
 from dse.analysis.reading import planes
 from dse.analysis.robust import robust_centre
 from dse.analysis.said import Account, Finding, Topic
@@ -108,29 +108,36 @@ def _runs(data: StudyData) -> Iterator[Finding]:
 
 
 def _met(data: StudyData, name: str) -> Iterable[Finding]:
-    data = worst_designs(data)
-    met = probability_met(data, name)
+    met = share_met(data, name)
     return [Finding(Topic.MET, name, f"{requirement_label(data, name)}: {_how_often(met, data)}", asdict(met))]
 
 
 def _how_often(met: Met, data: StudyData) -> str:
+    rows, incomplete = "runs", 0
+    if met.conditions and met.basis is not Basis.MODEL:
+        designs = worst_designs(data.evenly(met.requirement, 1))
+        rows, incomplete = designs.rows, designs.incomplete
     others = [f"{met.not_exercised} do not exercise it"] if met.not_exercised else []
     others += [f"{met.failed_to_run} failed to run"] if met.failed_to_run else []
+    others += [f"{incomplete} were not run at all of them"] if incomplete else []
+    rest = f"; {listed(others)}" if others else ""
+    exercised = " where it is exercised" if met.not_exercised else ""
     # All there are, or those that were chosen: no sample of anything.
     is_sample = any(factor.variable for factor in data.factors)
-    others += [f"{data.incomplete} were not run at all of them"] if data.incomplete else []
-    rest = f"; {listed(others)}" if others else ""
     if is_sample and met.failed and met.met:
         crowded = round(met.counts_as) < _CROWDED * met.judged
-        weighed = f", which count as {met.counts_as:.0f} spread evenly" if crowded else ""
-        exercised = " where it is exercised" if met.not_exercised else ""
-        by = f"{met.met} of {met.judged} {data.rows}" if data.conditions else f"{met.judged} runs"
-        share = f"{likely(met.share)} of the space{exercised} (estimated from {by}{weighed})"
-        return f"met{at_all(data.conditions)} in {share}{rest}"
+        counted = f"{met.met} of {met.judged} {rows}" if met.conditions else f"{met.judged} {rows}"
+        by = {
+            Basis.RUNS: f"estimated from {counted}",
+            Basis.EVEN_RUNS: f"estimated from {counted} that were drawn evenly",
+            Basis.MODEL: f"by a model of the verdicts through {met.judged} runs",
+        }[met.basis]
+        by += f", which count as {met.counts_as:.0f}" if crowded and met.basis is not Basis.MODEL else ""
+        return f"met{at_all(met.conditions)} in {likely(met.share)} of the space{exercised} ({by}){rest}"
     bound = f"at least {percent(met.share.low)}" if met.met else f"at most {percent(met.share.high)}"
-    exercised = " that exercise it" if met.not_exercised else ""
-    space = f" ({bound} of the space)" if is_sample else ""
-    return f"met{at_all(data.conditions)} in {met.met} of {met.judged} {data.rows}{exercised}{space}{rest}"
+    space = f" ({bound} of the space{exercised})" if is_sample else ""
+    which = f"{rows}{' that exercise it' if met.not_exercised else ''}"
+    return f"met{at_all(met.conditions)} in {met.met} of {met.judged} {which}{space}{rest}"
 
 
 def _worst(data: StudyData, over: str, name: str) -> Iterable[Finding]:
@@ -168,11 +175,11 @@ def _boxes(data: StudyData, name: str) -> Iterator[Finding]:
 def _centre(data: StudyData, name: str) -> Iterable[Finding]:
     data = worst_designs(data)
     found = robust_centre(data, name)
-    ends = f"run {found.limit} does not" if found.limit >= 0 else "there a range ends"
+    end = f"the nearest that does not is run {found.limit}" if found.limit >= 0 else "a range ends there"
     text = (
         f"{requirement_label(data, name)}: most may change around run {found.number} ({point(data, found.number)}): "
-        f"every number by {percent(found.margin)} of its range at once, where {found.around} other {data.rows} "
-        f"meet it, too; {ends}"
+        f"by {percent(found.margin)} of the range of every number at once, {percent(found.share.value)} of "
+        f"{found.around} held-out {data.rows} there meet it ({between(found.share)}); {end}"
     )
     return [Finding(Topic.CENTRE, name, text, asdict(found))]
 

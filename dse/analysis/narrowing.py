@@ -37,6 +37,12 @@ class Narrowing:
     ids: tuple[str, ...] = ()
     where: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
+    def is_whole(self, definition: StudyDefinition) -> bool:
+        """Whether it leaves out nothing of what the study's sampler is over."""
+        whole = {variable.name: (variable.low, variable.high) for variable in definition.variables}
+        ranges = all(whole[name] == ends for name, ends in self.ranges.items())
+        return ranges and not self.where and (not self.ids or {*self.ids} == {*definition.explored})
+
 
 def around(table: RunTable, number: int, share: float) -> Narrowing:
     """*share* of each range, around run *number*, and its configuration. DseError if there is no such run."""

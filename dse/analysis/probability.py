@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 
-from dse.analysis.cells import effective, lean
+from dse.analysis.cells import effective
 from dse.analysis.data import ALL, MET, StudyData, withheld
 from dse.domain.bench import VERDICTS, Verdict
 
 CONFIDENCE = 0.95
+
+LEAST_EVEN = 50
+"""Fewer evenly drawn runs among others do not say what share of the space is met."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,13 +27,25 @@ class Interval:
     high: float
 
 
+class Basis(StrEnum):
+    """What a share of the space is taken from."""
+
+    RUNS = "runs"
+    """All, which were drawn evenly."""
+    EVEN_RUNS = "runs drawn evenly"
+    """Only these; the others were placed by what came of earlier ones, or by the user."""
+    MODEL = "a model of the verdicts"
+    """`modelled_share`, through all runs."""
+
+
 @dataclass(frozen=True, slots=True)
 class Met:
     """How often *requirement* is met where it is exercised: the *share* of *met* in *met* + *failed*.
 
     *not_exercised* runs and those that *failed_to_run* are in neither; but of all requirements together the share is
     that of the whole space: what does not exercise one does not meet all, and is *failed*. Where runs count
-    differently, *counts_as* is how many that count alike would tell as much.
+    differently, *counts_as* is how many that count alike would say as much. Of designs it is met at all *conditions*.
+    *basis* is what the share is taken from.
     """
 
     requirement: str
@@ -39,6 +55,8 @@ class Met:
     not_exercised: int
     failed_to_run: int
     counts_as: float
+    conditions: int = 0
+    basis: Basis = Basis.RUNS
 
     @property
     def judged(self) -> int:
@@ -62,7 +80,15 @@ def wilson(successes: float, trials: float, confidence: float = CONFIDENCE) -> I
 
 
 def probability_met(data: StudyData, requirement: str = ALL) -> Met:
-    """DseError if there is no such requirement, no run met or failed it, or they crowd on one side of the boundary."""
+    """By the runs that were drawn evenly over the space.
+
+    DseError if there is no such requirement, if no run met or failed it, or if fewer than 50 of others were drawn so.
+    """
+    return met_by_runs(data.evenly(requirement, LEAST_EVEN), requirement)
+
+
+def met_by_runs(data: StudyData, requirement: str) -> Met:
+    """As `probability_met`, of all runs, however they were placed."""
     codes = data.codes(requirement)
     if requirement == ALL:
         codes = np.where(codes == VERDICTS.index(Verdict.NOT_EXERCISED), VERDICTS.index(Verdict.FAIL), codes)
@@ -70,23 +96,19 @@ def probability_met(data: StudyData, requirement: str = ALL) -> Met:
     judged = met | (codes == VERDICTS.index(Verdict.FAIL))
     count = {verdict: int((codes == code).sum()) for code, verdict in enumerate(VERDICTS)}
     if not judged.any():
-        told = f"{count[Verdict.NOT_EXERCISED]} runs do not exercise it, {count[Verdict.FAILED_TO_RUN]} failed to run"
-        raise withheld(requirement, f"no run says whether it is met: {told}")
-    weights = data.weights[judged]
-    counts_as = effective(weights) * min(data.different / len(data), 1.0)
-    share = float(data.weights[met].sum() / weights.sum())
-    interval = wilson(share * counts_as, counts_as)
-    excess = 0.0 if data.on_grid else lean(data.places[judged], weights, met[judged])
-    if abs(excess) > (interval.high - interval.low) / 2:
-        told = f"{count[Verdict.PASS]} runs meet it and {count[Verdict.FAIL]} do not, but they crowd on one side of"
-        raise withheld(requirement, f"{told} where that changes: what share of the space it is cannot be told")
-    low, high = max(interval.low - max(excess, 0.0), 0.0), min(interval.high - min(excess, 0.0), 1.0)
+        without = (
+            f"{count[Verdict.NOT_EXERCISED]} runs do not exercise it, {count[Verdict.FAILED_TO_RUN]} failed to run"
+        )
+        raise withheld(requirement, f"no run says whether it is met: {without}")
+    counts_as = effective(data.weights[judged]) * min(data.different / len(data), 1.0)
+    share = float(data.weights[met].sum() / data.weights[judged].sum())
     return Met(
         requirement,
-        Interval(share, low, high),
+        wilson(share * counts_as, counts_as),
         count[Verdict.PASS],
         count[Verdict.FAIL],
         count[Verdict.NOT_EXERCISED],
         count[Verdict.FAILED_TO_RUN],
         counts_as,
+        data.conditions,
     )

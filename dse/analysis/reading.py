@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.analysis.cells import space_weights
-from dse.analysis.data import Factor, Floats, StudyData
+from dse.analysis.cells import grid_weights
+from dse.analysis.data import Factor, Floats, Rows, StudyData
 from dse.domain.definition import DefinedVariable, StudyDefinition
-from dse.domain.sampler import Role
+from dse.domain.sampler import Placing, Role
+from dse.errors import DseError
 from dse.exploration import design_variable, unit_of
+from dse.loading import SAMPLERS
 from dse.storage import RunTable
 
 
@@ -39,11 +41,27 @@ def study_data(table: RunTable) -> StudyData:
         {entry.name: _finite(table.metric(entry.name)) for entry in definition.metrics if not entry.error_of},
         {name: _finite(table.margins(name)) for name in header.requirements},
         {name: table.verdicts(name) for name in header.requirements},
+        _even(table),
         np.ones(len(table)),
         len(table),
         apart=int((~inside).sum()),
     )
     return weighted(data.part(inside), header.slices is not None)
+
+
+def _even(table: RunTable) -> Rows:
+    """Which runs were drawn evenly. Those of an extended study's earlier samplers are if the present one asks for all
+    of them again.
+    """
+    header, sampler = table.header, table.header.definition.sampler
+    try:
+        placing = SAMPLERS.get(sampler.kind).placed(sampler.options) if header.slices is None else Placing.EVEN
+    except DseError:  # a plug-in that is not installed
+        placing = Placing.CHOSEN
+    if placing is Placing.FIRST and not header.base:
+        return np.asarray(table.numbers < header.first)
+    since = 0 if header.asked == header.runs else header.base
+    return np.asarray((table.numbers >= since) & (placing is Placing.EVEN))
 
 
 def planes(table: RunTable) -> tuple[StudyData, ...]:
@@ -86,7 +104,7 @@ def weighted(data: StudyData, on_grid: bool) -> StudyData:
         factors=tuple(factor for factor, kept in zip(data.factors, differs, strict=True) if kept),
         places=data.places[:, np.array(differs, dtype=np.bool_)],
     )
-    weights = space_weights(data.places, groups(data), on_grid)
+    weights = grid_weights(data.places, groups(data)) if on_grid else np.ones(len(data))
     return replace(data, weights=weights, different=len(data) if on_grid else _different(data), on_grid=on_grid)
 
 

@@ -36,6 +36,21 @@ class Role(StrEnum):
     UNCERTAIN = "uncertain"
 
 
+class Placing(StrEnum):
+    """Which runs of a sampler are drawn evenly over the space, so that shares of them are shares of it.
+
+    Even means: over ranges by their scales, values and distributions, without what constraints exclude, and over the
+    configurations that are explored.
+    """
+
+    EVEN = "even"
+    """All; where the sampler has a grid, each with the space around it."""
+    FIRST = "first"
+    """Those of the first ask, before results lead the search."""
+    CHOSEN = "chosen"
+    """None: by rules of its own, or by the user."""
+
+
 class Scale(StrEnum):
     """Along what a range is even."""
 
@@ -186,12 +201,14 @@ class Sampler(Protocol):
     """A kind of sampling with its options; frozen.
 
     *name* is what it is found by. With *once* it asks a single time and needs no results. With *proposes* it takes
-    configurations from the brief's space, of which there may be any number, else from its list.
+    configurations from the brief's space, of which there may be any number, else from its list. *placing* decides what
+    the study's findings say of the space.
     """
 
     name: ClassVar[str]
     once: ClassVar[bool]
     proposes: ClassVar[bool]
+    placing: ClassVar[Placing]
 
     @property
     def grid(self) -> Grid | None:
@@ -250,6 +267,7 @@ class Nominal:
     name: ClassVar[str] = "nominal"
     once: ClassVar[bool] = True
     proposes: ClassVar[bool] = False
+    placing: ClassVar[Placing] = Placing.EVEN
 
     @property
     def grid(self) -> Grid | None:

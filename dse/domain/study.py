@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
@@ -96,7 +96,7 @@ class Study:
         """All benches; the condition `TESTBENCH` counts them from 0."""
         return (self.bench, *self.others)
 
-    @property
-    def types(self) -> dict[str, Type]:
-        """What constraints may speak of: the variables, as numbers in SI."""
-        return {variable.name: Type(Kind.REAL, variable.unit) for variable in self.variables if not variable.labels}
+
+def types_of(variables: Iterable[DesignVariable]) -> dict[str, Type]:
+    """What constraints may speak of: the *variables*, as numbers in SI."""
+    return {variable.name: Type(Kind.REAL, variable.unit) for variable in variables if not variable.labels}

@@ -1,4 +1,4 @@
-from .band import Band as Band, Chances as Chances
+from .band import Band as Band, Chances as Chances, VerdictModel as VerdictModel
 from .checking import (
     Checkable as Checkable,
     check_measures as check_measures,
@@ -19,5 +19,11 @@ from .optimising.front import hypervolume as hypervolume, knee as knee
 from .progress import Progress as Progress
 from .remote.futures import FuturesExecutor as FuturesExecutor
 from .supervision.single_run import simulate_alone as simulate_alone
-from .variables import design_variable as design_variable, scaled as scaled, unit_of as unit_of
+from .variables import (
+    allowing as allowing,
+    conditions_of as conditions_of,
+    design_variable as design_variable,
+    scaled as scaled,
+    unit_of as unit_of,
+)
 from .work import Batch as Batch, Sink as Sink, Work as Work

@@ -67,7 +67,7 @@ class Asking:
                 study.objectives,
                 conditions_of(study.variables),
                 study.correlations,
-                allowing(study),
+                allowing(study.constraints, study.variables),
             )
         )
 

@@ -36,11 +36,32 @@ class Chances:
         return np.asarray(1 - np.maximum(np.maximum(self.passing, self.failing), self.without_verdict))
 
 
-class Band:
-    """What the runs of *table* on *configuration* tell of the verdict on *requirement*.
+class VerdictModel:
+    """What runs with *margins*, (n,), at *points* of the unit cube, (n, d), say of the verdict anywhere.
 
-    DseError if there is no such run or requirement. Of more than 2,000 runs, those that tell most are taken: half of
-    them next to a run with another verdict.
+    Margins are NaN where there is no verdict. Of more than 2,000 runs, those that say most are taken: half of them next
+    to a run with another verdict.
+    """
+
+    def __init__(self, points: Array, margins: Array) -> None:
+        with single_threaded():
+            self._belief = Belief.of(points, margins, shapes_of(points, margins))
+
+    def at(self, points: Array) -> Chances:
+        """At *points* of the unit cube, (m, d)."""
+        passing, failing = np.empty(len(points)), np.empty(len(points))
+        with single_threaded():
+            for first in range(0, len(points), _AT_ONCE):
+                part = slice(first, first + _AT_ONCE)
+                there = self._belief.at(points[part])
+                passing[part], failing[part] = there.passing(), there.failing()
+        return Chances(passing, failing, np.maximum(1 - passing - failing, 0.0))
+
+
+class Band:
+    """The `VerdictModel` of *requirement* by the runs of *table* on *configuration*.
+
+    DseError if there is no such run or requirement.
     """
 
     def __init__(self, table: RunTable, requirement: str, configuration: str) -> None:
@@ -58,17 +79,8 @@ class Band:
             table.verdicts(requirement)[rows], [VERDICTS.index(v) for v in (Verdict.PASS, Verdict.FAIL)]
         )
         margins = np.where(is_judged, table.margins(requirement)[rows], np.nan)
-        points = unit_of(table.coordinates()[rows], self._variables)
-        with single_threaded():
-            self._belief = Belief.of(points, margins, shapes_of(points, margins))
+        self._model = VerdictModel(unit_of(table.coordinates()[rows], self._variables), margins)
 
     def at(self, points: Array) -> Chances:
         """At *points*, (m, variables), in SI; what the configuration does not have of them does not matter."""
-        unit = unit_of(np.where(self._has, points, self._nominal), self._variables)
-        passing, failing = np.empty(len(unit)), np.empty(len(unit))
-        with single_threaded():
-            for first in range(0, len(unit), _AT_ONCE):
-                part = slice(first, first + _AT_ONCE)
-                there = self._belief.at(unit[part])
-                passing[part], failing[part] = there.passing(), there.failing()
-        return Chances(passing, failing, np.maximum(1 - passing - failing, 0.0))
+        return self._model.at(unit_of(np.where(self._has, points, self._nominal), self._variables))

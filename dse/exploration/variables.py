@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 from dse.domain.definition import DefinedVariable
 from dse.domain.distribution import Correlations, Distribution, correlation_matrix, cumulative, quantile
+from dse.domain.expression import Expression
 from dse.domain.sampler import Brief, DesignVariable, Point, Role, Scale
-from dse.domain.study import Study
+from dse.domain.study import types_of
 from dse.metrics import compile_rule
 from dse.units import parse_unit
 
@@ -86,19 +87,22 @@ def conditions_of(variables: Sequence[DesignVariable]) -> tuple[Point, ...]:
     return tuple(product(*axes)) if axes else ()
 
 
-def allowing(study: Study) -> Callable[[Array], NDArray[np.bool_]] | None:
-    """Tells of points, (n, variables), which meet all constraints of *study*; None if it has none.
+def allowing(
+    constraints: Sequence[Expression], variables: Sequence[DesignVariable]
+) -> Callable[[Array], NDArray[np.bool_]] | None:
+    """Tells of points, (n, variables), which meet all *constraints*; None if there are none.
 
     As in a design space, a constraint that is undefined, as it divides by zero, is met. DseError if one makes no sense.
     """
-    if not study.constraints:
+    if not constraints:
         return None
     import numpy as np
 
-    rules = [compile_rule(constraint, study.types) for constraint in study.constraints]
+    types = types_of(variables)
+    rules = [compile_rule(constraint, types) for constraint in constraints]
 
     def allowed(points: Array) -> NDArray[np.bool_]:
-        columns = {variable.name: points[:, index] for index, variable in enumerate(study.variables)}
+        columns = {variable.name: points[:, index] for index, variable in enumerate(variables)}
         return np.asarray(np.all([rule.rows(columns) != 0 for rule in rules], axis=0), dtype=np.bool_)
 
     return allowed

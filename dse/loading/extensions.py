@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Generic, Self, TypeVar
 
 from pydantic import ValidationError
 
-from dse.domain.sampler import DesignVariable
+from dse.domain.sampler import DesignVariable, Placing
 from dse.errors import Location, closest, fail
 from dse.formats import Entry
 from dse.loading.sections import Section, read_section
@@ -55,6 +55,12 @@ class SamplerSection(Extension):
     """A sampler as its YAML; see `dse.domain.sampler.Sampler` for the rest of what it has to be."""
 
     proposes: ClassVar[bool] = False
+    placing: ClassVar[Placing] = Placing.CHOSEN
+
+    @classmethod
+    def placed(cls, options: Mapping[str, Any]) -> Placing:  # noqa: ARG003  # for those on which it depends
+        """How the runs of a study are placed whose sampler has the stored *options*."""
+        return cls.placing
 
     def settled(self, around: Surroundings) -> Self:  # noqa: ARG002  # for those that look around
         """The sampler to use, with what had to be read; raises DseError with what is wrong with it *around* here."""

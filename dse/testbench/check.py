@@ -13,7 +13,7 @@ from dse.domain.bench import TestBench
 from dse.domain.component import Component
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.method import Coupling, Method
-from dse.domain.study import TESTBENCH
+from dse.domain.study import TESTBENCH, types_of
 from dse.errors import DseError, Problem, raise_if_any
 from dse.fmu import in_parallel
 from dse.loading import Workspace, kind_of
@@ -166,4 +166,4 @@ def _study(workspace: Workspace, path: str) -> None:
     if len(settings) < _MOST_WIRED:
         require_variables(study, settings)
     for constraint in study.constraints:
-        compile_rule(constraint, study.types)
+        compile_rule(constraint, types_of(study.variables))

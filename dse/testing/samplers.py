@@ -19,7 +19,17 @@ from dse.domain.bench import Verdict
 from dse.domain.component import NO_INTERFACE, Component
 from dse.domain.design import Compound, Configuration, DesignSpace, Part
 from dse.domain.distribution import Distribution
-from dse.domain.sampler import Architecture, Brief, Candidate, DesignVariable, Objective, Outcomes, Sampler, Scale
+from dse.domain.sampler import (
+    Architecture,
+    Brief,
+    Candidate,
+    DesignVariable,
+    Objective,
+    Outcomes,
+    Placing,
+    Sampler,
+    Scale,
+)
 from dse.exploration import unit_of
 from dse.formats import read_yaml
 from dse.loading import SAMPLERS, SamplerSection, Surroundings
@@ -133,6 +143,17 @@ class SamplerSuite:
         linear = asks(settled, brief(), most=1)[0]
         assert _places(made[0], varied) == _places(linear, VARIABLES[0], varied.values)
         assert not varied.values or {point[0] for ask in made for _, point in ask} <= {*varied.values}
+
+    def test_what_it_declares_to_be_drawn_evenly_is(self, settled: Sampler) -> None:
+        """Of each variable, by the test of Kolmogorov and Smirnov: one in 10,000 that are drawn evenly would fail."""
+        placing = type(settled).placed(settled.options()) if isinstance(settled, SamplerSection) else settled.placing
+        if placing is Placing.CHOSEN or settled.grid is not None:
+            pytest.skip("it declares nothing, or has a grid")
+        first = unit_of(np.array([point for _, point in asks(settled, brief(), most=1)[0]]), VARIABLES)
+        steps = np.linspace(0, 1, len(first) + 1)[:, None]
+        ordered = np.sort(first, axis=0)
+        away = np.maximum(np.abs(ordered - steps[:-1]), np.abs(ordered - steps[1:])).max(axis=0)
+        assert (away < 2.23 / np.sqrt(len(first))).all()
 
     def test_a_design_without_choices_is_explored(self, settled: Sampler, example: Mapping[str, Any]) -> None:
         """Its space has one configuration and nothing to choose; with the first example, as others may name a place."""

@@ -174,6 +174,10 @@ def test_a_part_of_the_ranges_lies_around_a_run_and_within_them():
     assert around(table, 0, 1.0).ranges == {"gain": pytest.approx((0.0, 0.7))}
     with pytest.raises(DseError, match="there is no run 9"):
         around(table, 9, 0.5)
+    whole = replace(around(table, 2, 2.0), ids=())
+    assert whole.is_whole(table.header.definition)
+    assert not replace(whole, ids=("c0",)).is_whole(table.header.definition)
+    assert not narrowing.is_whole(table.header.definition)
 
 
 def test_what_is_best_spans_the_next_ranges():

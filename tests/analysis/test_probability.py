@@ -1,12 +1,28 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from known_functions import even, study, variable
 from scipy.stats import binom
 
-from dse.analysis import ALL, Topic, essentials, probability_met, study_data, wilson
+from dse.analysis import (
+    ALL,
+    Basis,
+    Topic,
+    best_boxes,
+    essentials,
+    first_order_shares,
+    probability_met,
+    robust_centre,
+    share_met,
+    study_data,
+    wilson,
+)
+from dse.domain.definition import DefinedSampler
 from dse.errors import DseError
+from dse.storage import RunTable
 
 REPEATS = 1000
 
@@ -75,45 +91,64 @@ def test_without_a_requirement_there_is_no_probability():
         probability_met(study_data(study(even(5, 1), {"y": np.zeros(5)})))
 
 
-def _crowded(seed: int, outermost: float = 0.44) -> np.ndarray:
-    """40 random points and 160 near the edge of a disc of radius 0.4."""
-    random = np.random.default_rng(seed)
-    angle, radius = 2 * np.pi * random.random(160), 0.36 + (outermost - 0.36) * random.random(160)
+def _crowded(first: int) -> RunTable:
+    """Of a disc of area 0.503: *first* random runs, and 100 near its edge, where a search put them."""
+    random = np.random.default_rng(0)
+    angle, radius = 2 * np.pi * random.random(100), 0.36 + 0.08 * random.random(100)
     rim = 0.5 + np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
-    return np.concatenate([random.random((40, 2)), rim])
+    points = np.concatenate([random.random((first, 2)), rim])
+    table = study(points, {"r": np.hypot(*(points - 0.5).T)}, {"r": 0.4}, sampler=DefinedSampler("boundary"))
+    return replace(table, header=replace(table.header, first=first))
 
 
-def test_runs_near_the_boundary_count_by_the_space_around_them():
-    """A disc of area 0.503, with a wide ring around it in which hardly any run is."""
-    points = _crowded(0)
-    table = study(points, {"r": np.hypot(*(points - 0.5).T)}, {"r": 0.4})
-    met = probability_met(study_data(table), "R1")
+def test_runs_near_the_boundary_are_no_sample_of_the_space_but_say_where_it_is():
+    met = share_met(study_data(_crowded(16)))
+    assert met.basis is Basis.MODEL
     assert met.share.low < np.pi * 0.16 < met.share.high
-    assert met.counts_as < 100
+    assert met.share.high - met.share.low < 0.05
+    (text,) = [each.text for each in essentials(_crowded(16)) if each.topic is Topic.MET]
+    assert text == "R1: met in 50 % (50 … 51 %) of the space (by a model of the verdicts through 116 runs)"
 
 
-def test_runs_that_crowd_on_one_side_of_the_boundary_are_no_share_of_the_space():
-    """The cells of those at the rim reach across it: nine of ten runs are inside, and 0.7 of the volume."""
-    points = _crowded(0, outermost=0.4)
-    table = study(points, {"r": np.hypot(*(points - 0.5).T)}, {"r": 0.4})
-    with pytest.raises(DseError, match="R1: 180 runs meet it and 20 do not, but they crowd on one side"):
-        probability_met(study_data(table), "R1")
+def test_what_a_model_does_not_know_is_a_share_of_the_runs_that_were_drawn_evenly():
+    """Of noise; where these are few as well, nothing is said, and no index, box or centre either."""
+    points = even(200, 2)
+    noise = study(points, {"y": np.random.default_rng(1).random(200)}, {"y": 0.5}, sampler=DefinedSampler("nsga2"))
+    some, few = (study_data(replace(noise, header=replace(noise.header, first=count))) for count in (60, 16))
+    met = share_met(some)
+    assert (met.basis, met.judged) == (Basis.EVEN_RUNS, 60)
+    assert met.share.low < 0.5 < met.share.high
+    with pytest.raises(DseError, match="R1: 'nsga2' did not place its runs evenly over the space, and by a model"):
+        share_met(few, "R1")
+    for withheld in (lambda: first_order_shares(few, "y"), lambda: best_boxes(few), lambda: robust_centre(few)):
+        with pytest.raises(DseError, match="16 of the 200 runs of 'nsga2' are drawn evenly"):
+            withheld()
 
 
-@pytest.mark.thorough
-def test_intervals_of_runs_that_crowd_hold_the_truth_too():
-    """More often than 95 of 100: close to the boundary a run tells more than one drawn anywhere. Few are refused."""
-    held, refused = 0, 0
-    for seed in range(100):
-        points = _crowded(seed)
-        try:
-            met = probability_met(study_data(study(points, {"r": np.hypot(*(points - 0.5).T)}, {"r": 0.4})), "R1")
-        except DseError:
-            refused += 1
-            continue
-        held += met.share.low < np.pi * 0.16 < met.share.high
-    assert refused <= 15
-    assert held >= 0.95 * (100 - refused)
+@pytest.mark.parametrize(
+    ("kind", "options", "counts"), [("csv", {}, 0), ("csv", {"even": True}, 9), ("gone", {}, 0), ("sobol", {}, 9)]
+)
+def test_a_sampler_declares_which_runs_are_drawn_evenly(kind, options, counts):
+    table = study(even(9, 1), {"y": np.zeros(9)}, sampler=DefinedSampler(kind, options))
+    assert study_data(table).even.sum() == counts
+
+
+def test_runs_of_an_earlier_sampler_are_drawn_evenly_if_the_present_one_asks_for_them_again():
+    table = study(even(9, 1), {"y": np.zeros(9)})
+    extended = replace(table.header, base=4, earlier=4, era=1)
+    assert study_data(replace(table, header=extended)).even.all()
+    assert study_data(replace(table, header=replace(extended, asked=7))).even.tolist() == [False] * 4 + [True] * 5
+
+
+def test_constraints_between_variables_are_no_crowding():
+    """The half of x1 + x2 < 0.8 where x1 + x2 < 0.4 is a quarter of it, whatever lies beyond; by the model as well."""
+    points = even(1500, 2)
+    points = points[points.sum(axis=1) < 0.8]
+    for kind in ("sobol", "boundary"):
+        table = study(points[:100], {"y": points[:100].sum(axis=1)}, {"y": 0.4}, sampler=DefinedSampler(kind))
+        definition = replace(table.header.definition, constraints=("x1 + x2 < 0.8",))
+        met = share_met(study_data(replace(table, header=replace(table.header, definition=definition))))
+        assert met.share.low < 0.25 < met.share.high
 
 
 def test_runs_that_share_their_values_tell_less_than_as_many_others():

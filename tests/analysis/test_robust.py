@@ -14,21 +14,30 @@ def _grid(levels: int) -> np.ndarray:
 
 
 def test_the_robust_centre_is_in_the_middle_of_what_passes():
-    """A square of 0.3 … 0.9 by 0.1 … 0.7 passes: its middle is 0.35 from the nearest runs that do not, on this grid."""
+    """A square of 0.3 … 0.9 by 0.1 … 0.7 passes: from its middle it is 0.3 to its sides."""
     points = _grid(21)
     distance = np.abs(points - [0.6, 0.4]).max(axis=1)
     data = study_data(study(points, {"y": distance}, {"y": 0.301}))
     found = robust_centre(data, "R1")
-    assert data.places[data.numbers == found.number][0] == pytest.approx([0.6, 0.4])
-    assert found.margin == pytest.approx(0.35)
-    assert found.around == 13 * 13 - 1
+    assert data.places[data.numbers == found.number][0] == pytest.approx([0.6, 0.4], abs=0.06)
+    assert found.margin == pytest.approx(0.3, abs=0.05)
+    assert found.around > 50
+    assert found.share.value > 0.95
     assert distance[found.limit] == pytest.approx(0.35)
 
 
 def test_the_end_of_a_range_limits_what_is_known():
     points = _grid(11)
     found = robust_centre(study_data(study(points, {"y": np.zeros(121)}, {"y": 1.0})), "R1")
-    assert (found.margin, found.limit) == (0.5, -1)
+    assert (found.margin, found.limit) == (pytest.approx(0.5, abs=0.11), -1)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_has_no_robust_centre(seed):
+    points = even(300, 2, seed)
+    data = study_data(study(points, {"y": np.random.default_rng(seed).random(300)}, {"y": 0.6}))
+    with pytest.raises(DseError, match="around the best point"):
+        robust_centre(data)
 
 
 def test_failed_and_not_exercised_runs_are_no_place_to_be_near_of():
@@ -37,7 +46,7 @@ def test_failed_and_not_exercised_runs_are_no_place_to_be_near_of():
     table = study(points, {"y": np.zeros(441)}, {"y": 1.0}, done=done, exercised=exercised)
     data = study_data(table)
     found = robust_centre(data, "R1")
-    assert data.places[data.numbers == found.number][0, 0] in (pytest.approx(0.3), pytest.approx(0.35))
+    assert data.places[data.numbers == found.number][0, 0] == pytest.approx(0.3, abs=0.06)
 
 
 def test_margins_are_measured_between_runs_of_the_same_choices():
@@ -45,7 +54,7 @@ def test_margins_are_measured_between_runs_of_the_same_choices():
     choices = [{"sensor": "lidar"}] * 121 + [{"sensor": "radar"}] * 121
     y = np.array([choice["sensor"] == "radar" for choice in choices]) * 1.0
     found = robust_centre(study_data(study(points, {"y": y}, {"y": 0.5}, choices=choices)), "R1")
-    assert (found.margin, found.limit) == (0.5, -1)
+    assert (found.margin, found.limit) == (pytest.approx(0.5, abs=0.11), -1)
 
 
 def test_a_design_that_fails_under_a_condition_has_no_margin():
@@ -54,8 +63,8 @@ def test_a_design_that_fails_under_a_condition_has_no_margin():
     variables = [variable("x1"), variable("x2", role="condition")]
     data = study_data(study(points, {"y": points.sum(axis=1)}, {"y": 1.2001}, variables=variables))
     found = robust_centre(data, "R1")
-    assert data.places[data.numbers == found.number][0, 0] == pytest.approx(0.1)
-    assert found.margin == pytest.approx(0.1)
+    assert data.places[data.numbers == found.number][0, 0] == pytest.approx(0.1, abs=0.06)
+    assert found.margin == pytest.approx(0.1, abs=0.05)
 
 
 def test_designs_that_all_fail_under_a_condition_have_no_centre():
@@ -66,7 +75,7 @@ def test_designs_that_all_fail_under_a_condition_have_no_centre():
         robust_centre(data, "R1")
 
 
-@pytest.mark.parametrize(("count", "bound", "why"), [(1, 1.0, "no number differs"), (2, 1.0, "1 other runs")])
+@pytest.mark.parametrize(("count", "bound", "why"), [(1, 1.0, "no number differs"), (2, 1.0, "1 held-out run,")])
 def test_few_runs_have_no_robust_centre(count, bound, why):
     points = np.linspace(0.4, 0.6, count).reshape(-1, 1)
     with pytest.raises(DseError, match=why):

@@ -52,7 +52,7 @@ def test_a_study_varies_what_there_is_in_each_configuration(varied):
     assert len(kinds) == 3
     assert sorted(map(tuple, kinds.to_numpy().tolist())) == [(False, False), (False, True), (True, True)]
     # What a configuration does not have does not multiply its runs.
-    assert not frame.duplicated(["configuration", *study.noun.types]).any()
+    assert not frame.duplicated(["configuration", *(each.name for each in study.noun.variables)]).any()
     number = int(frame.index[frame["controller.kp_gap"].notna()][0])
     assert "controller.kp_gap" in results.run(number).point
     assert "controller.kp_gap" not in results.run(int(frame.index[frame["controller.kp_gap"].isna()][0])).point
@@ -63,7 +63,7 @@ def test_a_derived_parameter_is_what_it_would_be_if_it_were_given(varied):
     study, results = varied
     frame = results.to_pandas("si")
     row = frame[frame["controller.kp_gap"].notna()].iloc[0]
-    point = {name: row[name] for name in study.noun.types}
+    point = {name: row[name] for name in (each.name for each in study.noun.variables)}
     given = {**point, "controller.kd_gap": 5 * point["controller.kp_gap"]}
     bench = with_values(replace(study.bench.noun, derived=()), {name: float(value) for name, value in given.items()})
     run = Bench(bench).simulate(row["configuration"])

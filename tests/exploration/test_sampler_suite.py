@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from dse.domain.sampler import Placing
 from dse.errors import DseError
 from dse.exploration.once_sampler import OnceSampler
 from dse.loading.extensions import SAMPLERS
@@ -34,6 +35,22 @@ class Linear(Scaled):
 
     def values(self, brief):
         return self.points(brief)
+
+
+class Crowded(Scaled):
+    """Declares that its points are spread over the whole, and has all of them at one end."""
+
+    placing: ClassVar[Placing] = Placing.EVEN
+
+    def points(self, brief):
+        return np.linspace(0.0, 0.3, 80).reshape(40, 2)
+
+
+def test_a_sampler_that_declares_even_points_and_has_others_fails():
+    suite = SamplerSuite()
+    suite.sampler = Crowded
+    with pytest.raises(AssertionError):
+        suite.test_what_it_declares_to_be_drawn_evenly_is(Crowded())
 
 
 @pytest.mark.parametrize("key", SCALES)

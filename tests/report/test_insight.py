@@ -83,7 +83,7 @@ def test_totals_are_what_factors_do_with_others_included():
 
 
 def test_the_ellipse_lies_around_the_robust_centre_where_all_is_met():
-    insight = insight_of(plane(120))
+    insight = insight_of(plane(300))
     (around,) = insight.around
     assert around.run == insight.centres[0].run
     assert around.map.requirement == -1

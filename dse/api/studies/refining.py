@@ -40,6 +40,9 @@ def refine(folder: Path, name: str, towards: Towards, *, run: int = 0, share: fl
         narrowing = _narrowing(stored.table(), towards, run, share, number)
     if not definition.variables:
         raise fail("the study has no variables to narrow", hint="write a study (*.pet.yaml) of its bench")
+    if towards is not Towards.BAND and narrowing.is_whole(definition):
+        what = f"--{towards} is everywhere in the study's ranges and configurations: the next study would be the same"
+        raise fail(what, hint="more samples in the same study show more")
     study = workspace_of(definition.study).study(definition.study)
     return _written(study, name, narrowing, _sampler(study, towards, narrowing))
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Protocol
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief, Candidate, Grid, Outcomes, Search
+from dse.domain.sampler import Brief, Candidate, Grid, Outcomes, Placing, Search
 from dse.errors import fail
 from dse.exploration.once_sampler import MOST_RUNS
 from dse.exploration.optimising.designs import Cases, Design
@@ -38,6 +38,7 @@ class OptimizingSampler(SamplerSection):
 
     once: ClassVar[bool] = False
     proposes: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.FIRST
     package: ClassVar[str] = ""
     """What has to be installed for it, of the extra ``optimize``; "" if nothing."""
     evaluations: int = Field(ge=1, le=MOST_RUNS)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import Field
 
 from dse.domain.bench import Verdict
-from dse.domain.sampler import Brief, Candidate, Outcomes, Point
+from dse.domain.sampler import Brief, Candidate, Outcomes, Placing, Point
 from dse.errors import fail
 from dse.exploration.variables import at_conditions, free, scaled, unit_of
 from dse.loading import Plain, SamplerSection, Surroundings, read_number
@@ -47,6 +47,7 @@ class Boundary(SamplerSection):
     """
 
     name: ClassVar[str] = "boundary"
+    placing: ClassVar[Placing] = Placing.FIRST
     once: ClassVar[bool] = False
     grid: ClassVar[None] = None
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = (

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
 
-from dse.domain.sampler import Architecture, Architectures, Brief
+from dse.domain.sampler import Architecture, Architectures, Brief, Placing
 from dse.errors import Problem, closest, fail, raise_if_any
 from dse.exploration.once_sampler import MOST_RUNS
 from dse.exploration.proposing import ProposingOnce
@@ -32,6 +32,7 @@ class Combinations(ProposingOnce):
     """
 
     name: ClassVar[str] = "combinations"
+    placing: ClassVar[Placing] = Placing.EVEN
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({}, {"choices": ["s"], "samples": 3})
 
     choices: list[str] = Field(default_factory=list)

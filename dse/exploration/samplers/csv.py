@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief, DesignVariable, Point
+from dse.domain.sampler import Brief, DesignVariable, Placing, Point
 from dse.errors import Location, Problem, closest, fail, raise_if_any
 from dse.exploration.once_sampler import ValueSampler, require_few
 from dse.formats import shown
@@ -26,7 +26,9 @@ class Csv(ValueSampler):
     """The rows of a CSV *file*: a column for each design variable, headed ``name [unit]``, or by the name alone if it
     is in SI anyway.
 
-    Columns that are headed otherwise are refused. The stored definition holds the points, not the file's name.
+    Columns that are headed otherwise are refused. The stored definition holds the points, not the file's name. With
+    *even* the rows are a sample of the whole space, as a Latin hypercube is: findings take shares of them for shares of
+    it.
     """
 
     name: ClassVar[str] = "csv"
@@ -34,11 +36,17 @@ class Csv(ValueSampler):
     example_files: ClassVar[Mapping[str, str]] = {"points.csv": "part.y,part.x\n-0.5,0.25\n1,2\n"}
 
     file: str
+    even: bool = False
     rows: tuple[Point, ...] = Field(default=(), exclude=True)
 
     def options(self) -> Mapping[str, Any]:
         """The points."""
-        return {"rows": [list(row) for row in self.rows]}
+        return {"rows": [list(row) for row in self.rows]} | ({"even": True} if self.even else {})
+
+    @classmethod
+    def placed(cls, options: Mapping[str, Any]) -> Placing:
+        """Evenly if the user says so."""
+        return Placing.EVEN if options.get("even") else Placing.CHOSEN
 
     def settled(self, around: Surroundings) -> Self:
         """With the rows of the file; raises DseError with every cell that is wrong, at its line."""

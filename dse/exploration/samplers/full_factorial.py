@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief, DesignVariable, Grid, Point, Role
+from dse.domain.sampler import Brief, DesignVariable, Grid, Placing, Point, Role
 from dse.errors import Problem, closest, raise_if_any
 from dse.exploration.once_sampler import MOST_RUNS, ValueSampler, require_few
 from dse.exploration.variables import levels
@@ -23,6 +23,7 @@ class FullFactorial(ValueSampler):
     """
 
     name: ClassVar[str] = "full_factorial"
+    placing: ClassVar[Placing] = Placing.EVEN
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)
 
     slices: list[list[str]] = Field(default_factory=list)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief
+from dse.domain.sampler import Brief, Placing
 from dse.exploration.once_sampler import MOST_RUNS, OnceSampler
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ class Halton(OnceSampler):
     """
 
     name: ClassVar[str] = "halton"
+    placing: ClassVar[Placing] = Placing.EVEN
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({"samples": 12}, {"samples": 7, "scramble": False})
 
     samples: int = Field(ge=1, le=MOST_RUNS)

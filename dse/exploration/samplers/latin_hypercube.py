@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief, Point
+from dse.domain.sampler import Brief, Placing, Point
 from dse.errors import fail
 from dse.exploration.once_sampler import MOST_RUNS, OnceSampler
 from dse.exploration.variables import scaled, unit_of
@@ -27,6 +27,7 @@ class LatinHypercube(OnceSampler):
     """
 
     name: ClassVar[str] = "latin_hypercube"
+    placing: ClassVar[Placing] = Placing.EVEN
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({"samples": 12}, {"samples": 12, "optimize": True})
 
     samples: int = Field(ge=1, le=MOST_RUNS)

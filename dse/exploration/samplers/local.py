@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
 
-from dse.domain.sampler import Architecture, Brief, Point
+from dse.domain.sampler import Architecture, Brief, Placing, Point
 from dse.exploration.optimising.designs import Cases, Design
 from dse.exploration.optimising.judging import Worth
 from dse.exploration.optimising.searching import OptimizingSampler, Proposer
@@ -38,6 +38,7 @@ class Local(OptimizingSampler):
 
     name: ClassVar[str] = "local"
     proposes: ClassVar[bool] = False
+    placing: ClassVar[Placing] = Placing.CHOSEN
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = (
         {"evaluations": 60},
         {"evaluations": 40, "samples": 3, "starts": 1, "accuracy": 0.05},

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief
+from dse.domain.sampler import Brief, Placing
 from dse.exploration.once_sampler import MOST_RUNS, OnceSampler
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ class Sobol(OnceSampler):
     """
 
     name: ClassVar[str] = "sobol"
+    placing: ClassVar[Placing] = Placing.EVEN
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({"samples": 16}, {"samples": 12, "scramble": False})
 
     samples: int = Field(ge=1, le=MOST_RUNS)

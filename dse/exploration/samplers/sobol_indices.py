@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field, field_validator
 
-from dse.domain.sampler import Brief
+from dse.domain.sampler import Brief, Placing
 from dse.errors import fail
 from dse.exploration.once_sampler import ValueSampler
 from dse.exploration.variables import scaled
@@ -25,6 +25,7 @@ class SobolIndices(ValueSampler):
     """
 
     name: ClassVar[str] = "sobol_indices"
+    placing: ClassVar[Placing] = Placing.EVEN
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({"base": 8}, {"base": 4, "second_order": True})
 
     base: int = Field(ge=2, le=2**18)

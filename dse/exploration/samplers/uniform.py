@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
 
-from dse.domain.sampler import Architecture, Architectures, Brief
+from dse.domain.sampler import Architecture, Architectures, Brief, Placing
 from dse.exploration.once_sampler import MOST_RUNS
 from dse.exploration.proposing import ProposingOnce
 from dse.exploration.variables import scaled, unit_of
@@ -31,6 +31,7 @@ class Uniform(ProposingOnce):
     """
 
     name: ClassVar[str] = "uniform"
+    placing: ClassVar[Placing] = Placing.EVEN
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({"configurations": 3}, {"configurations": 4, "samples": 3})
 
     configurations: int = Field(ge=1, le=MOST_RUNS)

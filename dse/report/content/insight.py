@@ -67,7 +67,8 @@ class Box:
 class Centre:
     """The run around which most can change at once: every number by *margin* of its range.
 
-    *limit* is the nearest run that does not pass, -1 where a range ends before.
+    Of *around* held-out runs that are there, this *share* passes. *limit* is the nearest run that does not, -1 where a
+    range ends before.
     """
 
     plane: Plane
@@ -75,6 +76,7 @@ class Centre:
     margin: float
     around: int
     limit: int
+    share: Estimate
     ranges: tuple[Range, ...]
 
 

@@ -12,6 +12,7 @@ from dse.analysis import (
     Centre as FoundCentre,
     Finding,
     StudyData,
+    Topic,
     best_boxes,
     robust_centre,
     worst_designs,
@@ -34,9 +35,9 @@ def boxes_of(data: StudyData, findings: Sequence[Finding], naming: Naming) -> tu
         found = best_boxes(data, whole_of(data))
     except DseError:
         return ()
-    texts = [each.text for each in findings if each.plane == data.plane and each.about == whole_of(data)]
-    conditions = [text for text in texts if f" held-out {data.rows}" in text]
-    return tuple(_box(each, data, naming, naming.spoken(text)) for each, text in zip(found, conditions, strict=False))
+    mine = [each for each in findings if each.plane == data.plane and each.about == whole_of(data)]
+    texts = [naming.spoken(each.text) for each in mine if each.topic is Topic.BOX]
+    return tuple(_box(each, data, naming, text) for each, text in zip(found, texts, strict=False))
 
 
 def centres_of(data: StudyData, naming: Naming) -> tuple[Centre, ...]:
@@ -79,7 +80,9 @@ def _centre(centre: FoundCentre, data: StudyData, naming: Naming) -> Centre:
         for factor, place in zip(data.factors, data.places[row].tolist(), strict=True)
         if not factor.is_choice and factor.is_decided and not math.isnan(place)
     ]
-    return Centre(naming.plane(data.plane), centre.number, centre.margin, centre.around, centre.limit, tuple(ranges))
+    share = (centre.share.value, centre.share.low, centre.share.high)
+    plane = naming.plane(data.plane)
+    return Centre(plane, centre.number, centre.margin, centre.around, centre.limit, share, tuple(ranges))
 
 
 def _range(data: StudyData, naming: Naming, name: str, low: float, high: float) -> Range:

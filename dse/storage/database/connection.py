@@ -164,7 +164,8 @@ def read_header(connection: sqlite3.Connection, path: Path) -> tuple[StudyHeader
             raise ValueError("they are not what was written")
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise damaged_study(path, f"its facts cannot be read ({error})") from error
-    return StudyHeader(definition, numbers=asks.numbers, **counts), asks
+    first = sum(block.count for block in asks.of(asks.era, 0))
+    return StudyHeader(definition, numbers=asks.numbers, first=first, **counts), asks
 
 
 def migrate(connection: sqlite3.Connection, header: StudyHeader, asks: Asks) -> None:

@@ -18,7 +18,8 @@ class StudyHeader:
     """*runs* were asked for so far, those of an extended study's earlier eras among them.
 
     *asked* of them are what the present definition asks for, *earlier* were there when the present *era* began;
-    numbers from *base* on belong to it. *numbers* is one more than the largest number of a run.
+    numbers from *base* on belong to it. *numbers* is one more than the largest number of a run. *first* runs of the
+    present era are new ones of its first ask.
     """
 
     definition: StudyDefinition
@@ -28,6 +29,7 @@ class StudyHeader:
     base: int = 0
     earlier: int = 0
     numbers: int = 0
+    first: int = 0
 
     @cached_property
     def fingerprint(self) -> str:

@@ -48,6 +48,7 @@ export interface Centre {
   limit: number;
   margin: number;
   around: number;
+  share: Estimate;
   ranges: Range[];
 }
 

@@ -91,7 +91,7 @@ function robust(study: Study): Choice[] {
     .map((centre) => ({
       name: centre.plane.length ? `Most robust in ${planeName(study, centre.plane)}` : "Most robust",
       run: positionOf(study, centre.run),
-      why: `every number may change by ${percent(centre.margin, 1)} of its range at once; ${centre.limit < 0 ? "there a range ends" : `run ${centre.limit} does not pass`}`,
+      why: `where every number changes by up to ${percent(centre.margin, 1)} of its range at once, ${percent(centre.share[0] ?? 0, 1)} of held-out runs pass`,
       stored: true,
     }))
     .filter(({ run }) => run >= 0);

@@ -46,11 +46,12 @@ function sentenceOf({ text }: Box): string {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
-function centreText({ study, designs }: Store, { run, margin, around, limit, ranges }: Centre): string {
+function centreText({ study, designs }: Store, { run, margin, around, limit, share, ranges }: Centre): string {
   const parts = ranges.map(({ variable, low, high }) => `${study.variables[variable]!.title} ${number(low, 3)} \u2026 ${withUnit(number(high, 3), study.variables[variable]!.unit)}`);
   const { noun } = designs();
-  const end = limit < 0 ? "then a range ends" : `run ${limit} does not pass`;
-  return `Around run ${run} all of these may change at once, by ${percent(margin, 1)} of their ranges: ${parts.join(", ")}. ${group(around)} other ${noun}s inside pass; ${end}.`;
+  const [value, low, high] = share.map((part) => percent(part ?? 0, 1));
+  const end = limit < 0 ? "a range ends there" : `the nearest that does not pass is run ${limit}`;
+  return `Around run ${run} all of these may change at once, by ${percent(margin, 1)} of their ranges: ${parts.join(", ")}. ${value} of ${group(around)} held-out ${noun}s inside pass (${low} \u2026 ${high}); ${end}.`;
 }
 
 function row(store: Store, text: string, plane: number[], ranges: Range[], choices: string, run = -1): HTMLElement {
