@@ -178,8 +178,8 @@ def _centre(data: StudyData, name: str) -> Iterable[Finding]:
     end = f"the nearest that does not is run {found.limit}" if found.limit >= 0 else "a range ends there"
     text = (
         f"{requirement_label(data, name)}: most may change around run {found.number} ({point(data, found.number)}): "
-        f"by {percent(found.margin)} of the range of every number at once, {percent(found.share.value)} of "
-        f"{found.around} held-out {data.rows} there meet it ({between(found.share)}); {end}"
+        f"where every number changes by up to {percent(found.margin)} of its range at once, "
+        f"{percent(found.share.value)} of {found.around} held-out {data.rows} meet it ({between(found.share)}); {end}"
     )
     return [Finding(Topic.CENTRE, name, text, asdict(found))]
 
