@@ -33,17 +33,14 @@ from .first_order import (
     going_together as going_together,
 )
 from .importance import (
-    LEAST_EXPLAINED as LEAST_EXPLAINED,
     Importance as Importance,
     Importances as Importances,
     Together as Together,
     importances as importances,
-    mixed_groups as mixed_groups,
     require_everywhere as require_everywhere,
 )
 from .learnt import essentials as essentials, findings as findings
 from .limits import Limit as Limit
-from .mixing import Pair as Pair
 from .narrowing import (
     Narrowing as Narrowing,
     around as around,
@@ -55,7 +52,6 @@ from .probability import Interval as Interval, Met as Met, probability_met as pr
 from .radial import (
     Formula as Formula,
     centres_of as centres_of,
-    columns_of as columns_of,
     drawn as drawn,
     evaluated as evaluated,
     features as features,

@@ -1,44 +1,51 @@
-"""What each factor has to do with a metric, with all it does together with others, by a model of the runs.
+"""What each factor has to do with a metric, with all it does together with others: total Sobol' indices of a model.
 
-The model is a radial formula or a forest, whichever predicts runs better that it has not seen; its factors are mixed up
-in these (`Mixing`).
+The model is polynomial chaos or a Gaussian process, whichever predicts runs better that it has not seen. Its indices
+are integrals over the space, not over errors; what it leaves unexplained is part of each interval.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from itertools import combinations
 
 import numpy as np
 
+from dse.analysis.bins import binned
 from dse.analysis.data import Floats, StudyData, withheld
-from dse.analysis.extra import extra
-from dse.analysis.first_order import going_together
-from dse.analysis.mixing import Mixing, Pair, Part, Predict
+from dse.analysis.first_order import first_order_shares
+from dse.analysis.once import once
+from dse.analysis.phrases import listed, percent
 from dse.analysis.probability import Interval
-from dse.analysis.radial import MOST_RUNS, centres_of, columns_of, drawn, features, formulas
+from dse.analysis.radial import drawn
+from dse.analysis.separable import FOLDS, Group, Indices, Model, folds, gaussian_process, polynomial_chaos
 from dse.errors import DseError
 
-LEAST_EXPLAINED = 0.5
-"""A model that predicts less of the variance says too little."""
+LEAST_EXPLAINED = 0.9
+"""Of the variance: what a model that explains less leaves open is more than most totals."""
 
 _LEAST = 50
 _LEAST_DEFINED = 0.9
-_MOST = 5000
-_FOLDS = 5
-_TREES = 100
+_MOST = 1000
 _ENOUGH = 0.98
-"""Of the variance predicted by a formula; a forest, which takes far longer, would say the same."""
-_MIXES = 4
-_SEED = 0
+"""Of the variance: another model would say the same, and takes longer."""
+_MOST_TOGETHER = 3
+_NODES = 64
+_FEW_VALUES = 12
+_BINS = 4
+_CHANCE = 1e-4
+_NORMAL = 1.96
+_MOST_TIMES = 100
+_HINT = "next: dse explore STUDY with the sampler 'sobol_indices', which needs no model"
 
 
 @dataclass(frozen=True, slots=True)
 class Importance:
-    """Of a *factor*: its part in the variance of a metric, with all it does together with others."""
+    """Of *factors*, one or several that depend on each other: their total Sobol' index, *share*."""
 
-    factor: str
+    factors: tuple[str, ...]
     share: Interval
 
 
@@ -46,8 +53,8 @@ class Importance:
 class Together:
     """The part of the variance that depends on both *one* and *other*, and perhaps on more."""
 
-    one: str
-    other: str
+    one: tuple[str, ...]
+    other: tuple[str, ...]
     share: Interval
 
 
@@ -55,7 +62,7 @@ class Together:
 class Importances:
     """Of all factors, and of pairs of those that matter most, by a *model* in words.
 
-    *explained* is the share of the variance that it predicts of runs it has not seen.
+    *explained* is the share of the variance that it predicts of runs it has not seen (Q2).
     """
 
     factors: tuple[Importance, ...]
@@ -64,28 +71,52 @@ class Importances:
     explained: float
     runs: int
 
+    @property
+    def source(self) -> str:
+        """The model with what it explains: ``polynomial chaos that explains 96 % of it in held-out runs``."""
+        return f"{self.model} that explains {percent(self.explained)} of it in held-out runs"
 
+
+@once
 def importances(data: StudyData, metric: str) -> Importances:
-    """From the runs in which *metric* is defined, of 5,000 drawn at most; where runs lack factors, by a forest only.
+    """From the runs in which *metric* is defined, of 1,000 drawn at most.
 
-    Factors that go together are mixed up together, and share a total. Intervals are 1.96 standard errors of the mean of
-    five parts of the runs to either side. DseError if fewer than 50 runs or nine of ten define the metric, if it never
-    changes, or if less than half of its variance is predicted.
+    Factors that depend on each other in these runs have one total. An interval is 1.96 standard errors to either side,
+    by the jackknife over five parts of the runs, of an index of which the unexplained share may be all or nothing. No
+    total is less than the factor's first-order index. DseError if fewer than 50 runs or nine of ten define the metric,
+    if it never changes, if all factors depend on each other, or if less than 90 % of its variance is explained.
     """
     there, values = data.response(metric, _LEAST)
     require_everywhere(data, metric)
-    found = list(_models(there, values))
-    best = max(found, key=lambda each: round(each.explained, 9))
-    if best.explained < LEAST_EXPLAINED:
-        told = f"{best.model} predicts {max(best.explained, 0.0):.0%} of its variance"
-        raise withheld(metric, f"{told}: too little to say what matters together with others")
-    return best
+    rows = drawn(np.arange(len(values)), _MOST)
+    there, values = there.part(rows), values[rows]
+    groups = _dependent(there)
+    if len(groups) == 1:
+        names = listed([factor.name for factor in there.factors])
+        raise withheld(metric, f"{names} depend on each other in these runs: they have all of its variance together")
+    model, explained = _best(there, values)
+    if explained < LEAST_EXPLAINED:
+        raise _too_little(there, metric, model, explained, _enough(there, values, explained))
+    indices = Indices(model, [_group(there, group) for group in groups])
+    names_ = [tuple(there.factors[k].name for k in group) for group in groups]
+    first = {each.factor: each.share.value for each in first_order_shares(data, metric)}
+    totals = [
+        _interval(indices.shared(at), 1 - explained, max(first.get(name, 0.0) for name in names))
+        for at, names in enumerate(names_)
+    ]
+    most = sorted(range(len(groups)), key=lambda at: -round(totals[at].value, 9))[:_MOST_TOGETHER]
+    pairs = [
+        Together(names_[one], names_[other], _interval(indices.shared(one, other), 1 - explained))
+        for one, other in combinations(sorted(most), 2)
+    ]
+    pairs.sort(key=lambda pair: -round(pair.share.value, 9))
+    return Importances(tuple(map(Importance, names_, totals)), tuple(pairs), model.name, explained, len(there))
 
 
 def require_everywhere(data: StudyData, metric: str) -> None:
     """DseError unless nearly all runs define *metric*, and these lie at many points.
 
-    Factors that are mixed up would ask for runs that do not define it, or for what lies between few points.
+    Integrals over the space would be over what does not define it, or over what lies between few points.
     """
     defined = int(np.isfinite(data.metrics[metric]).sum())
     if defined < _LEAST_DEFINED * len(data):
@@ -95,71 +126,89 @@ def require_everywhere(data: StudyData, metric: str) -> None:
         raise withheld(metric, f"variables have {data.different} different values in all: {_LEAST} are needed")
 
 
-def mixed_groups(data: StudyData) -> list[list[int]]:
-    """For each factor its position and those of all that go together with it, directly or not."""
-    groups = {factor.name: {k} for k, factor in enumerate(data.factors)}
-    for one, other in going_together(data):
-        joined = groups[one] | groups[other]
-        groups |= {data.factors[k].name: joined for k in joined}
-    return [sorted(groups[factor.name]) for factor in data.factors]
+def _dependent(data: StudyData) -> list[tuple[int, ...]]:
+    """The factors, by position, in groups that are independent of each other in these runs.
+
+    Two depend on each other if chance makes their four bins each so uneven in one of 10,000 studies (chi-squared). That
+    a factor is absent is one of its values; runs that share the values of both, as those at each condition do, are one.
+    """
+    from scipy.special import chdtrc
+
+    bins = []
+    for column, factor in zip(data.places.T, data.factors, strict=True):
+        present, found = binned(column, factor, _BINS)
+        bins.append(np.zeros(len(column), dtype=np.intp))
+        bins[-1][present] = found + 1
+    group = np.arange(len(bins))
+    for one, other in combinations(range(len(bins)), 2):
+        rows = np.arange(len(data))
+        if not (data.factors[one].is_choice and data.factors[other].is_choice):
+            rows = np.unique(np.nan_to_num(data.places[:, [one, other]], nan=-1.0), axis=0, return_index=True)[1]
+        table = np.zeros((bins[one].max() + 1, bins[other].max() + 1))
+        np.add.at(table, (bins[one][rows], bins[other][rows]), 1.0)
+        table = table[table.any(axis=1)][:, table.any(axis=0)]
+        expected = np.outer(table.sum(axis=1), table.sum(axis=0)) / len(rows)
+        freedom = (table.shape[0] - 1) * (table.shape[1] - 1)
+        if freedom and chdtrc(freedom, ((table - expected) ** 2 / expected).sum()) < _CHANCE:
+            group[group == group[other]] = group[one]
+    return [tuple(np.flatnonzero(group == each).tolist()) for each in dict.fromkeys(group.tolist())]
 
 
-def _models(data: StudyData, values: Floats) -> Iterator[Importances]:
-    is_whole = not np.isnan(data.places).any()
-    if is_whole:
-        yield (formula := _by_formula(data, values))
-        if formula.explained >= _ENOUGH:
-            return
-    try:
-        yield _by_forest(data, values)
-    except DseError:
-        if not is_whole:
-            raise
+def _models(data: StudyData, values: Floats) -> Iterator[Model]:
+    part, is_choice = folds(len(data)), [factor.is_choice for factor in data.factors]
+    y = values - np.average(values, weights=data.weights)
+    y /= np.average(y**2, weights=data.weights) ** 0.5 or 1.0
+    if not any(is_choice) and not np.isnan(data.places).any():
+        yield polynomial_chaos(data.places, y, part)
+    for rough in (False, True):
+        yield gaussian_process(data.places, y, part, is_choice, rough)
 
 
-def _by_formula(data: StudyData, values: Floats) -> Importances:
-    rows = drawn(np.arange(len(values)), MOST_RUNS)
-    points, y = features(data.places[rows], data.factors), values[rows]
-    y = (y - y.mean()) / (y.std() or 1.0)
-    columns = columns_of(data.factors, mixed_groups(data))
-    (found,) = formulas(points, y[:, None], centres_of(points), data.weights[rows], columns)
-    return _told(data, "a formula", found.explained, len(rows), found.totals, found.pairs)
+def _best(data: StudyData, values: Floats) -> tuple[Model, float]:
+    """The model that explains most of the variance, and what share of it in runs that it has not seen."""
+    found: list[tuple[Model, float]] = []
+    for model in _models(data, values):
+        explained = 1 - float(np.average(model.errors**2, weights=data.weights))
+        found.append((model, round(explained, 9)))
+        if explained >= _ENOUGH:
+            break
+    return max(found, key=lambda each: each[1])
 
 
-def _by_forest(data: StudyData, values: Floats) -> Importances:
-    forests: Any = extra("sklearn.ensemble", "scikit-learn")
-    folds = extra("sklearn.model_selection", "scikit-learn").KFold(_FOLDS, shuffle=True, random_state=_SEED)
-    rows = drawn(np.arange(len(values)), _MOST)
-    x, y, weights = data.places[rows], values[rows], data.weights[rows]
-    parts = []
-    for train, test in folds.split(x):
-        forest = forests.RandomForestRegressor(_TREES, max_features=0.7, random_state=_SEED).fit(x[train], y[train])
-        parts.append(Part(_predict(forest), x[test], y[test, None], weights[test]))
-    mixing = Mixing(mixed_groups(data), parts, _MIXES)
-    return _told(data, "a forest", float(mixing.explained[0]), len(rows), mixing.totals(0), mixing.pairs(0))
+def _group(data: StudyData, factors: tuple[int, ...]) -> Group:
+    """A number that may have any value is everywhere in its range; else values are those of the runs."""
+    column = data.places[:, factors[0]]
+    variable = data.factors[factors[0]].variable
+    if len(factors) == 1 and variable is not None and not variable.values and len(np.unique(column)) > _FEW_VALUES:
+        nodes, chances = np.polynomial.legendre.leggauss(_NODES)
+        return Group(factors, (nodes[:, None] + 1) / 2, chances / 2)
+    places, which = np.unique(data.places[:, factors], axis=0, return_inverse=True)
+    return Group(factors, places, np.bincount(which.reshape(-1), data.weights) / data.weights.sum())
 
 
-def _predict(forest: Any) -> Predict:
-    """What `forest.predict` gives, tree by tree without checks that take longer than the trees do."""
-    trees = [tree.tree_ for tree in forest.estimators_]
-
-    def predict(points: Floats) -> Floats:
-        given, total = np.asarray(points, dtype=np.float32), np.zeros((len(points), 1))
-        for tree in trees:
-            total += tree.predict(given)
-        return total / len(trees)
-
-    return predict
+def _interval(parts: Floats, unexplained: float, least: float = 0.0) -> Interval:
+    """Of an index that is at *least* so much."""
+    mean = float(parts.mean())
+    half = _NORMAL * float(((parts - mean) ** 2).sum() * (FOLDS - 1) / FOLDS) ** 0.5
+    value = min(max(mean, least, 0.0), 1.0)
+    low, high = mean * (1 - unexplained) - half, mean * (1 - unexplained) + unexplained + half
+    return Interval(value, min(max(low, 0.0), value), max(min(high, 1.0), value))
 
 
-def _told(
-    data: StudyData, model: str, explained: float, runs: int, totals: Sequence[Interval], pairs: Sequence[Pair]
-) -> Importances:
-    names = [factor.name for factor in data.factors]
-    return Importances(
-        tuple(map(Importance, names, totals)),
-        tuple(Together(names[pair.one], names[pair.other], pair.share) for pair in pairs),
-        model,
-        explained,
-        runs,
-    )
+def _enough(data: StudyData, values: Floats, explained: float) -> float:
+    """How many runs would explain 90 %, if what is unexplained falls as from half of the runs to all of them."""
+    rows = drawn(np.arange(len(data)), len(data) // 2)
+    _, half = _best(data.part(rows), values[rows])
+    falls = math.log2(max(1 - half, 1e-9) / (1 - explained))
+    times = math.log2((1 - explained) / (1 - LEAST_EXPLAINED)) / falls if falls > 0 else math.inf
+    return len(data) * 2**times if times < math.log2(_MOST_TIMES) else math.inf
+
+
+def _too_little(data: StudyData, metric: str, model: Model, explained: float, enough: float) -> DseError:
+    told = f"only {percent(max(explained, 0.0))} of its variance is explained by {model.name} in held-out runs"
+    more = "more runs like these would hardly help"
+    if math.isfinite(enough):
+        digits = 10 ** (int(math.log10(enough)) - 1)
+        more = f"about {math.ceil(enough / digits) * digits:,} runs would do"
+    is_plain = all(factor.is_decided and not factor.is_choice for factor in data.factors)
+    return withheld(metric, f"{told}, {percent(LEAST_EXPLAINED)} are needed: {more}", _HINT if is_plain else "")
