@@ -23,8 +23,8 @@ from dse.analysis.radial import drawn
 from dse.analysis.separable import FOLDS, Group, Indices, Model, folds, gaussian_process, polynomial_chaos
 from dse.errors import DseError
 
-LEAST_EXPLAINED = 0.9
-"""Of the variance: what a model that explains less leaves open is more than most totals."""
+_LEAST_EXPLAINED, _AIM = 0.9, 0.92
+"""Of the variance: what a model that explains less leaves open is more than most totals; and what more runs aim at."""
 
 _LEAST = 50
 _LEAST_DEFINED = 0.9
@@ -82,9 +82,9 @@ def importances(data: StudyData, metric: str) -> Importances:
     """From the runs in which *metric* is defined, of 1,000 drawn at most.
 
     Factors that depend on each other in these runs have one total. An interval is 1.96 standard errors to either side,
-    by the jackknife over five parts of the runs, of an index of which the unexplained share may be all or nothing. No
-    total is less than the factor's first-order index. DseError if fewer than 50 runs or nine of ten define the metric,
-    if it never changes, if all factors depend on each other, or if less than 90 % of its variance is explained.
+    by the jackknife over five parts of the runs, and the share of the variance that is unexplained. No total is less
+    than the factor's first-order index. DseError if fewer than 50 runs or nine of ten define the metric, if it never
+    changes, if all factors depend on each other, or if less than 90 % of its variance is explained.
     """
     there, values = data.response(metric, _LEAST)
     require_everywhere(data, metric)
@@ -95,7 +95,7 @@ def importances(data: StudyData, metric: str) -> Importances:
         names = listed([factor.name for factor in there.factors])
         raise withheld(metric, f"{names} depend on each other in these runs: they have all of its variance together")
     model, explained = _best(there, values)
-    if explained < LEAST_EXPLAINED:
+    if explained < _LEAST_EXPLAINED:
         raise _too_little(there, metric, model, explained, _enough(there, values, explained))
     indices = Indices(model, [_group(there, group) for group in groups])
     names_ = [tuple(there.factors[k].name for k in group) for group in groups]
@@ -190,25 +190,28 @@ def _interval(parts: Floats, unexplained: float, least: float = 0.0) -> Interval
     """Of an index that is at *least* so much."""
     mean = float(parts.mean())
     half = _NORMAL * float(((parts - mean) ** 2).sum() * (FOLDS - 1) / FOLDS) ** 0.5
+    half += unexplained
     value = min(max(mean, least, 0.0), 1.0)
-    low, high = mean * (1 - unexplained) - half, mean * (1 - unexplained) + unexplained + half
-    return Interval(value, min(max(low, 0.0), value), max(min(high, 1.0), value))
+    return Interval(value, min(max(mean - half, 0.0), value), max(min(mean + half, 1.0), value))
 
 
 def _enough(data: StudyData, values: Floats, explained: float) -> float:
-    """How many runs would explain 90 %, if what is unexplained falls as from half of the runs to all of them."""
-    rows = drawn(np.arange(len(data)), len(data) // 2)
-    _, half = _best(data.part(rows), values[rows])
+    """How many runs would explain 92 %, if what is unexplained falls as from half of the runs to all of them."""
+    first = drawn(np.arange(len(data)), len(data) // 2)
+    halves = [first, np.setdiff1d(np.arange(len(data)), first)]
+    half = float(np.mean([_best(data.part(rows), values[rows])[1] for rows in halves]))
     falls = math.log2(max(1 - half, 1e-9) / (1 - explained))
-    times = math.log2((1 - explained) / (1 - LEAST_EXPLAINED)) / falls if falls > 0 else math.inf
+    times = math.log2((1 - explained) / (1 - _AIM)) / falls if falls > 0 else math.inf
     return len(data) * 2**times if times < math.log2(_MOST_TIMES) else math.inf
 
 
 def _too_little(data: StudyData, metric: str, model: Model, explained: float, enough: float) -> DseError:
-    told = f"only {percent(max(explained, 0.0))} of its variance is explained by {model.name} in held-out runs"
+    told = (
+        f"only {math.floor(100 * max(explained, 0.0))} % of its variance is explained by {model.name} in held-out runs"
+    )
     more = "more runs like these would hardly help"
     if math.isfinite(enough):
         digits = 10 ** (int(math.log10(enough)) - 1)
         more = f"about {math.ceil(enough / digits) * digits:,} runs would do"
     is_plain = all(factor.is_decided and not factor.is_choice for factor in data.factors)
-    return withheld(metric, f"{told}, {percent(LEAST_EXPLAINED)} are needed: {more}", _HINT if is_plain else "")
+    return withheld(metric, f"{told}, {percent(_LEAST_EXPLAINED)} are needed: {more}", _HINT if is_plain else "")

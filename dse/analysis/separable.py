@@ -65,7 +65,8 @@ def folds(count: int) -> NDArray[np.intp]:
 
 
 def _product(factors: Iterable[Floats]) -> Floats:
-    return reduce(np.multiply, factors)
+    found: Floats = reduce(np.multiply, factors)
+    return found
 
 
 class Indices:
@@ -181,7 +182,7 @@ class _Kernels:
 
     def along(self, factor: int, places: Floats) -> Floats:
         near = _distances(places, self.points[:, factor], self.is_choice[factor]) / self.length
-        return 1 + self.relevance[factor] * _kernel(near, self.rough)[0]
+        return np.asarray(1 + self.relevance[factor] * _kernel(near, self.rough)[0], dtype=np.float64)
 
 
 def gaussian_process(
