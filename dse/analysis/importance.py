@@ -37,7 +37,7 @@ _FEW_VALUES = 12
 _BINS = 4
 _CHANCE = 1e-4
 _NORMAL = 1.96
-_MOST_TIMES = 100
+_MOST_TIMES, _CHANCE_EXPLAINED = 100, 0.05
 _HINT = "next: dse explore STUDY with the sampler 'sobol_indices', which needs no model"
 
 
@@ -197,6 +197,8 @@ def _interval(parts: Floats, unexplained: float, least: float = 0.0) -> Interval
 
 def _enough(data: StudyData, values: Floats, explained: float) -> float:
     """How many runs would explain 92 %, if what is unexplained falls as from half of the runs to all of them."""
+    if explained < _CHANCE_EXPLAINED:
+        return math.inf
     first = drawn(np.arange(len(data)), len(data) // 2)
     halves = [first, np.setdiff1d(np.arange(len(data)), first)]
     half = float(np.mean([_best(data.part(rows), values[rows])[1] for rows in halves]))
