@@ -29,15 +29,14 @@ from .effects import (
 from .first_order import (
     Share as Share,
     courses as courses,
-    first_order_shares as first_order_shares,
     going_together as going_together,
 )
 from .importance import (
     Importance as Importance,
     Importances as Importances,
     Together as Together,
+    first_order_shares as first_order_shares,
     importances as importances,
-    require_everywhere as require_everywhere,
 )
 from .learnt import essentials as essentials, findings as findings
 from .limits import Limit as Limit

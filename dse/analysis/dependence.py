@@ -8,8 +8,8 @@ from dataclasses import asdict
 
 from dse.analysis.data import StudyData
 from dse.analysis.designed import Effects, Indices, morris_effects, sobol_indices
-from dse.analysis.first_order import courses, first_order_shares, going_together
-from dse.analysis.importance import importances
+from dse.analysis.first_order import courses, going_together
+from dse.analysis.importance import first_order_shares, importances
 from dse.analysis.phrases import between, difference, listed, parts, percent
 from dse.analysis.probability import Interval
 from dse.analysis.said import Finding, Topic

@@ -7,15 +7,14 @@ are integrals over the space, not over errors; what it leaves unexplained is par
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 
-from dse.analysis.bins import binned
 from dse.analysis.data import Floats, StudyData, withheld
-from dse.analysis.first_order import first_order_shares
+from dse.analysis.first_order import Share, first_order_shares as given_data_shares
 from dse.analysis.once import once
 from dse.analysis.phrases import listed, percent
 from dse.analysis.probability import Interval
@@ -34,9 +33,10 @@ _ENOUGH = 0.98
 _MOST_TOGETHER = 3
 _NODES = 64
 _FEW_VALUES = 12
-_BINS = 4
-_CHANCE = 1e-4
-_NORMAL = 1.96
+_CHANCE = 0.01
+_STUDENT = 2.78
+"""97.5 % of Student's t with four degrees of freedom."""
+_ABSENT, _ROUNDING = -1.0, 1e-9
 _MOST_TIMES, _CHANCE_EXPLAINED = 100, 0.05
 _HINT = "next: dse explore STUDY with the sampler 'sobol_indices', which needs no model"
 
@@ -81,13 +81,17 @@ class Importances:
 def importances(data: StudyData, metric: str) -> Importances:
     """From the runs in which *metric* is defined, of 1,000 drawn at most.
 
-    Factors that depend on each other in these runs have one total. An interval is 1.96 standard errors to either side,
-    by the jackknife over five parts of the runs, and the share of the variance that is unexplained. No total is less
-    than the factor's first-order index. DseError if fewer than 50 runs or nine of ten define the metric, if it never
-    changes, if all factors depend on each other, or if less than 90 % of its variance is explained.
+    Factors that depend on each other in these runs have one total. An interval is 2.78 standard errors to either side,
+    by the jackknife over five parts of the runs, and the share of the variance that is unexplained. DseError if fewer
+    than 50 runs or nine of ten define the metric, if it never changes, if all factors depend on each other, or if less
+    than 90 % of its variance is explained.
     """
     there, values = data.response(metric, _LEAST)
-    require_everywhere(data, metric)
+    if len(values) < _LEAST_DEFINED * len(data):
+        told = f"it is defined in {len(values)} of {len(data)} runs only"
+        raise withheld(metric, f"{told}: what matters together is told of metrics that are nearly everywhere")
+    if not data.on_grid and data.different < _LEAST:
+        raise withheld(metric, f"variables have {data.different} different values in all: {_LEAST} are needed")
     rows = drawn(np.arange(len(values)), _MOST)
     there, values = there.part(rows), values[rows]
     groups = _dependent(there)
@@ -97,61 +101,70 @@ def importances(data: StudyData, metric: str) -> Importances:
     model, explained = _best(there, values)
     if explained < _LEAST_EXPLAINED:
         raise _too_little(there, metric, model, explained, _enough(there, values, explained))
-    indices = Indices(model, [_group(there, group) for group in groups])
+    unexplained, indices = 1 - explained, _indices(there, model, groups)
     names_ = [tuple(there.factors[k].name for k in group) for group in groups]
-    first = {each.factor: each.share.value for each in first_order_shares(data, metric)}
-    totals = [
-        _interval(indices.shared(at), 1 - explained, max(first.get(name, 0.0) for name in names))
-        for at, names in enumerate(names_)
-    ]
+    totals = [_interval([each.shared(at) for each in indices], unexplained) for at in range(len(groups))]
     most = sorted(range(len(groups)), key=lambda at: -round(totals[at].value, 9))[:_MOST_TOGETHER]
     pairs = [
-        Together(names_[one], names_[other], _interval(indices.shared(one, other), 1 - explained))
+        Together(names_[one], names_[other], _interval([each.shared(one, other) for each in indices], unexplained))
         for one, other in combinations(sorted(most), 2)
     ]
     pairs.sort(key=lambda pair: -round(pair.share.value, 9))
     return Importances(tuple(map(Importance, names_, totals)), tuple(pairs), model.name, explained, len(there))
 
 
-def require_everywhere(data: StudyData, metric: str) -> None:
-    """DseError unless nearly all runs define *metric*, and these lie at many points.
+@once
+def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
+    """What each factor explains by itself, from given data; no more than its total, where that can be stated.
 
-    Integrals over the space would be over what does not define it, or over what lies between few points.
+    Raises DseError, as `given_data_shares` does.
     """
-    defined = int(np.isfinite(data.metrics[metric]).sum())
-    if defined < _LEAST_DEFINED * len(data):
-        told = f"it is defined in {defined} of {len(data)} runs only"
-        raise withheld(metric, f"{told}: what matters together is told of metrics that are nearly everywhere")
-    if not data.on_grid and data.different < _LEAST:
-        raise withheld(metric, f"variables have {data.different} different values in all: {_LEAST} are needed")
+    found = given_data_shares(data, metric)
+    try:
+        totals = {name: each.share for each in importances(data, metric).factors for name in each.factors}
+    except DseError:
+        return found
+    return tuple(replace(each, share=_at_most(each.share, totals.get(each.factor, each.share))) for each in found)
+
+
+def _at_most(share: Interval, total: Interval) -> Interval:
+    return Interval(*map(min, (share.value, share.low, share.high), (total.value, total.value, total.high)))
 
 
 def _dependent(data: StudyData) -> list[tuple[int, ...]]:
     """The factors, by position, in groups that are independent of each other in these runs.
 
-    Two depend on each other if chance makes their four bins each so uneven in one of 10,000 studies (chi-squared). That
-    a factor is absent is one of its values; runs that share the values of both, as those at each condition do, are one.
+    Two depend on each other if a constraint names both, or if some `_scores` correlate as they do by chance in one of
+    100 studies. Runs that share the values of both, as those at each condition do, are one, but not of two choices.
     """
     from scipy.special import chdtrc
 
-    bins = []
-    for column, factor in zip(data.places.T, data.factors, strict=True):
-        present, found = binned(column, factor, _BINS)
-        bins.append(np.zeros(len(column), dtype=np.intp))
-        bins[-1][present] = found + 1
-    group = np.arange(len(bins))
-    for one, other in combinations(range(len(bins)), 2):
-        rows = np.arange(len(data))
+    group, names = np.arange(len(data.factors)), [factor.name for factor in data.factors]
+    named = [{name for name in names if name in constraint} for constraint in data.definition.constraints]
+    pairs = list(combinations(range(len(group)), 2))
+    for one, other in pairs:
+        both = data.places[:, [one, other]]
         if not (data.factors[one].is_choice and data.factors[other].is_choice):
-            rows = np.unique(np.nan_to_num(data.places[:, [one, other]], nan=-1.0), axis=0, return_index=True)[1]
-        table = np.zeros((bins[one].max() + 1, bins[other].max() + 1))
-        np.add.at(table, (bins[one][rows], bins[other][rows]), 1.0)
-        table = table[table.any(axis=1)][:, table.any(axis=0)]
-        expected = np.outer(table.sum(axis=1), table.sum(axis=0)) / len(rows)
-        freedom = (table.shape[0] - 1) * (table.shape[1] - 1)
-        if freedom and chdtrc(freedom, ((table - expected) ** 2 / expected).sum()) < _CHANCE:
+            both = np.unique(np.nan_to_num(both, nan=_ABSENT), axis=0)
+        first, second = (_scores(both[:, i], data.factors[k].is_choice) for i, k in enumerate((one, other)))
+        freedom = first.shape[1] * second.shape[1]
+        chance = chdtrc(freedom, len(both) * float(((first.T @ second) ** 2).sum())) if freedom else 1.0
+        if chance < _CHANCE / len(pairs) or any({names[one], names[other]} <= each for each in named):
             group[group == group[other]] = group[one]
     return [tuple(np.flatnonzero(group == each).tolist()) for each in dict.fromkeys(group.tolist())]
+
+
+def _scores(column: Floats, is_choice: bool) -> Floats:
+    """Orthonormal columns of mean 0: of a number its rank, the square of that and whether it is absent; of a choice its
+    levels. Of two choices, n times the sum of their squared correlations is Pearson's chi-squared."""
+    if is_choice:
+        scores = (column[:, None] == np.unique(column)).astype(np.float64)
+    else:
+        absent = column == _ABSENT
+        rank = np.searchsorted(np.sort(column[~absent]), column) / max(int((~absent).sum()), 1) - 0.5
+        scores = np.stack([np.where(absent, 0, rank), np.where(absent, 0, rank**2), absent], axis=1)
+    found, sizes, _ = np.linalg.svd(scores - scores.mean(axis=0), full_matrices=False)
+    return np.asarray(found[:, sizes > _ROUNDING * len(column)], dtype=np.float64)
 
 
 def _models(data: StudyData, values: Floats) -> Iterator[Model]:
@@ -175,24 +188,34 @@ def _best(data: StudyData, values: Floats) -> tuple[Model, float]:
     return max(found, key=lambda each: each[1])
 
 
-def _group(data: StudyData, factors: tuple[int, ...]) -> Group:
-    """A number that may have any value is everywhere in its range; else values are those of the runs."""
-    column = data.places[:, factors[0]]
-    variable = data.factors[factors[0]].variable
-    if len(factors) == 1 and variable is not None and not variable.values and len(np.unique(column)) > _FEW_VALUES:
-        nodes, chances = np.polynomial.legendre.leggauss(_NODES)
-        return Group(factors, (nodes[:, None] + 1) / 2, chances / 2)
-    places, which = np.unique(data.places[:, factors], axis=0, return_inverse=True)
-    return Group(factors, places, np.bincount(which.reshape(-1), data.weights) / data.weights.sum())
+def _indices(data: StudyData, model: Model, groups: Sequence[tuple[int, ...]]) -> list[Indices]:
+    """Of the models without each part of the runs; groups of which values are those of the runs do not see it either.
+
+    A number that may have any value, and is independent of all others, is everywhere in its range.
+    """
+    nodes, chances = np.polynomial.legendre.leggauss(_NODES)
+    ranges: dict[int, Group] = {}
+    for at, (first, *others) in enumerate(groups):
+        variable = data.factors[first].variable
+        is_number = variable is not None and not variable.values
+        if not others and is_number and len(np.unique(data.places[:, first])) > _FEW_VALUES:
+            ranges[at] = Group((first,), (nodes[:, None] + 1) / 2, chances / 2)
+    if len(ranges) == len(groups):
+        return [Indices(model.terms, model.weights, [ranges[at] for at in range(len(groups))])]
+    part, found = folds(len(data)), []
+    for number in range(FOLDS):
+        seen = part != number
+        chance = data.weights[seen] / data.weights[seen].sum()
+        some = [ranges.get(at) or Group(g, data.places[seen][:, g], chance) for at, g in enumerate(groups)]
+        found.append(Indices(model.terms, model.weights[[number]], some))
+    return found
 
 
-def _interval(parts: Floats, unexplained: float, least: float = 0.0) -> Interval:
-    """Of an index that is at *least* so much."""
-    mean = float(parts.mean())
-    half = _NORMAL * float(((parts - mean) ** 2).sum() * (FOLDS - 1) / FOLDS) ** 0.5
-    half += unexplained
-    value = min(max(mean, least, 0.0), 1.0)
-    return Interval(value, min(max(mean - half, 0.0), value), max(min(mean + half, 1.0), value))
+def _interval(parts: Sequence[Floats], unexplained: float) -> Interval:
+    values = np.concatenate(parts)
+    mean = float(values.mean())
+    half = _STUDENT * float(((values - mean) ** 2).sum() * (FOLDS - 1) / FOLDS) ** 0.5 + unexplained
+    return Interval(*np.clip([mean, mean - half, mean + half], 0.0, 1.0).tolist())
 
 
 def _enough(data: StudyData, values: Floats, explained: float) -> float:

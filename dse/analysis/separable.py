@@ -70,13 +70,16 @@ def _product(factors: Iterable[Floats]) -> Floats:
 
 
 class Indices:
-    """Sobol' indices of a *model* whose *groups* of factors are independent, each array (folds,)."""
+    """Sobol' indices of sums of *terms* with *weights*, (models, terms), whose *groups* of factors are independent.
 
-    def __init__(self, model: Model, groups: Sequence[Group]) -> None:
-        self._weights = model.weights
+    Each array is (models,).
+    """
+
+    def __init__(self, terms: Terms, weights: Floats, groups: Sequence[Group]) -> None:
+        self._weights = weights
         self._squares, self._means = [], []
         for group in groups:
-            along = _product(model.terms.along(k, group.places[:, i]) for i, k in enumerate(group.factors))
+            along = _product(terms.along(k, group.places[:, i]) for i, k in enumerate(group.factors))
             self._squares.append((along.T * group.chances) @ along)
             self._means.append(group.chances @ along)
         mean = _product(self._means)
