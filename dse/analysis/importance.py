@@ -31,6 +31,7 @@ _MOST = 1000
 _ENOUGH = 0.98
 """Of the variance: another model would say the same, and takes longer."""
 _MOST_TOGETHER = 3
+_PARTS = range(FOLDS)
 _NODES = 64
 _FEW_VALUES = 12
 _CHANCE = 0.01
@@ -77,7 +78,6 @@ class Importances:
         return f"{self.model} that explains {percent(self.explained)} of it in held-out runs"
 
 
-@once
 def importances(data: StudyData, metric: str) -> Importances:
     """From the runs in which *metric* is defined, of 1,000 drawn at most.
 
@@ -86,6 +86,35 @@ def importances(data: StudyData, metric: str) -> Importances:
     than 50 runs or nine of ten define the metric, if it never changes, if all factors depend on each other, or if less
     than 90 % of its variance is explained.
     """
+    found = _importances_or_reason(data, metric)
+    if isinstance(found, DseError):
+        raise found
+    return found
+
+
+@once
+def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
+    """What each factor explains by itself, from given data; no more than its total, where that can be stated.
+
+    Raises DseError, as `given_data_shares` does.
+    """
+    found = given_data_shares(data, metric)
+    try:
+        totals = {name: each.share for each in importances(data, metric).factors for name in each.factors}
+    except DseError:
+        return found
+    return tuple(replace(each, share=_at_most(each.share, totals.get(each.factor, each.share))) for each in found)
+
+
+@once
+def _importances_or_reason(data: StudyData, metric: str) -> Importances | DseError:
+    try:
+        return _importances(data, metric)
+    except DseError as reason:
+        return reason
+
+
+def _importances(data: StudyData, metric: str) -> Importances:
     there, values = data.response(metric, _LEAST)
     if len(values) < _LEAST_DEFINED * len(data):
         told = f"it is defined in {len(values)} of {len(data)} runs only"
@@ -111,20 +140,6 @@ def importances(data: StudyData, metric: str) -> Importances:
     ]
     pairs.sort(key=lambda pair: -round(pair.share.value, 9))
     return Importances(tuple(map(Importance, names_, totals)), tuple(pairs), model.name, explained, len(there))
-
-
-@once
-def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
-    """What each factor explains by itself, from given data; no more than its total, where that can be stated.
-
-    Raises DseError, as `given_data_shares` does.
-    """
-    found = given_data_shares(data, metric)
-    try:
-        totals = {name: each.share for each in importances(data, metric).factors for name in each.factors}
-    except DseError:
-        return found
-    return tuple(replace(each, share=_at_most(each.share, totals.get(each.factor, each.share))) for each in found)
 
 
 def _at_most(share: Interval, total: Interval) -> Interval:
@@ -189,26 +204,29 @@ def _best(data: StudyData, values: Floats) -> tuple[Model, float]:
 
 
 def _indices(data: StudyData, model: Model, groups: Sequence[tuple[int, ...]]) -> list[Indices]:
-    """Of the models without each part of the runs; groups of which values are those of the runs do not see it either.
+    """Of the models without each part of the runs."""
+    measured = [_measure(data, group) for group in groups]
+    parts = [
+        [Group(g, places, chances[n]) for g, (places, chances) in zip(groups, measured, strict=True)] for n in _PARTS
+    ]
+    if all((chances == chances[0]).all() for _, chances in measured):
+        return [Indices(model.terms, model.weights, parts[0])]
+    return [Indices(model.terms, model.weights[[n]], parts[n]) for n in _PARTS]
+
+
+def _measure(data: StudyData, group: tuple[int, ...]) -> tuple[Floats, Floats]:
+    """Places, (m, factors), and their chances without each part of the runs, (folds, m).
 
     A number that may have any value, and is independent of all others, is everywhere in its range.
     """
-    nodes, chances = np.polynomial.legendre.leggauss(_NODES)
-    ranges: dict[int, Group] = {}
-    for at, (first, *others) in enumerate(groups):
-        variable = data.factors[first].variable
-        is_number = variable is not None and not variable.values
-        if not others and is_number and len(np.unique(data.places[:, first])) > _FEW_VALUES:
-            ranges[at] = Group((first,), (nodes[:, None] + 1) / 2, chances / 2)
-    if len(ranges) == len(groups):
-        return [Indices(model.terms, model.weights, [ranges[at] for at in range(len(groups))])]
-    part, found = folds(len(data)), []
-    for number in range(FOLDS):
-        seen = part != number
-        chance = data.weights[seen] / data.weights[seen].sum()
-        some = [ranges.get(at) or Group(g, data.places[seen][:, g], chance) for at, g in enumerate(groups)]
-        found.append(Indices(model.terms, model.weights[[number]], some))
-    return found
+    variable = data.factors[group[0]].variable
+    places, which = np.unique(data.places[:, group], axis=0, return_inverse=True)
+    if len(group) == 1 and variable is not None and not variable.values and len(places) > _FEW_VALUES:
+        nodes, chances = np.polynomial.legendre.leggauss(_NODES)
+        return (nodes[:, None] + 1) / 2, np.tile(chances / 2, (FOLDS, 1))
+    part = folds(len(data))
+    counts = [np.bincount(which.reshape(-1), data.weights * (part != n), len(places)) for n in _PARTS]
+    return places, np.stack([each / each.sum() for each in counts])
 
 
 def _interval(parts: Sequence[Floats], unexplained: float) -> Interval:
