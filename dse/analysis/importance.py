@@ -78,6 +78,7 @@ class Importances:
         return f"{self.model} that explains {percent(self.explained)} of it in held-out runs"
 
 
+@once
 def importances(data: StudyData, metric: str) -> Importances:
     """From the runs in which *metric* is defined, of 1,000 drawn at most.
 
@@ -86,10 +87,33 @@ def importances(data: StudyData, metric: str) -> Importances:
     than 50 runs or nine of ten define the metric, if it never changes, if all factors depend on each other, or if less
     than 90 % of its variance is explained.
     """
-    found = _importances_or_reason(data, metric)
-    if isinstance(found, DseError):
-        raise found
-    return found
+    there, values = data.response(metric, _LEAST)
+    if len(values) < _LEAST_DEFINED * len(data):
+        told = f"it is defined in {len(values)} of {len(data)} runs only"
+        raise withheld(metric, f"{told}: what matters together is told of metrics that are nearly everywhere")
+    if not data.on_grid and data.different < _LEAST:
+        raise withheld(metric, f"variables have {data.different} different values in all: {_LEAST} are needed")
+    runs, rows = len(values), drawn(np.arange(len(values)), _MOST)
+    there, values = there.part(rows), values[rows]
+    groups = _dependent(there)
+    if len(groups) == 1:
+        names = listed([factor.name for factor in there.factors])
+        raise withheld(metric, f"{names} depend on each other in these runs: they have all of its variance together")
+    model, explained = _best(there, values)
+    if explained < _LEAST_EXPLAINED:
+        reason = _too_little(model, explained, _enough(there, values, explained), runs)
+        is_plain = all(factor.is_decided and not factor.is_choice for factor in there.factors)
+        raise withheld(metric, reason, _HINT if is_plain else "")
+    unexplained, indices = 1 - explained, _indices(there, model, groups)
+    names_ = [tuple(there.factors[k].name for k in group) for group in groups]
+    totals = [_interval([each.shared(at) for each in indices], unexplained) for at in range(len(groups))]
+    most = sorted(range(len(groups)), key=lambda at: -round(totals[at].value, 9))[:_MOST_TOGETHER]
+    pairs = [
+        Together(names_[one], names_[other], _interval([each.shared(one, other) for each in indices], unexplained))
+        for one, other in combinations(sorted(most), 2)
+    ]
+    pairs.sort(key=lambda pair: -round(pair.share.value, 9))
+    return Importances(tuple(map(Importance, names_, totals)), tuple(pairs), model.name, explained, len(there))
 
 
 @once
@@ -104,42 +128,6 @@ def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
     except DseError:
         return found
     return tuple(replace(each, share=_at_most(each.share, totals.get(each.factor, each.share))) for each in found)
-
-
-@once
-def _importances_or_reason(data: StudyData, metric: str) -> Importances | DseError:
-    try:
-        return _importances(data, metric)
-    except DseError as reason:
-        return reason
-
-
-def _importances(data: StudyData, metric: str) -> Importances:
-    there, values = data.response(metric, _LEAST)
-    if len(values) < _LEAST_DEFINED * len(data):
-        told = f"it is defined in {len(values)} of {len(data)} runs only"
-        raise withheld(metric, f"{told}: what matters together is told of metrics that are nearly everywhere")
-    if not data.on_grid and data.different < _LEAST:
-        raise withheld(metric, f"variables have {data.different} different values in all: {_LEAST} are needed")
-    rows = drawn(np.arange(len(values)), _MOST)
-    there, values = there.part(rows), values[rows]
-    groups = _dependent(there)
-    if len(groups) == 1:
-        names = listed([factor.name for factor in there.factors])
-        raise withheld(metric, f"{names} depend on each other in these runs: they have all of its variance together")
-    model, explained = _best(there, values)
-    if explained < _LEAST_EXPLAINED:
-        raise _too_little(there, metric, model, explained, _enough(there, values, explained))
-    unexplained, indices = 1 - explained, _indices(there, model, groups)
-    names_ = [tuple(there.factors[k].name for k in group) for group in groups]
-    totals = [_interval([each.shared(at) for each in indices], unexplained) for at in range(len(groups))]
-    most = sorted(range(len(groups)), key=lambda at: -round(totals[at].value, 9))[:_MOST_TOGETHER]
-    pairs = [
-        Together(names_[one], names_[other], _interval([each.shared(one, other) for each in indices], unexplained))
-        for one, other in combinations(sorted(most), 2)
-    ]
-    pairs.sort(key=lambda pair: -round(pair.share.value, 9))
-    return Importances(tuple(map(Importance, names_, totals)), tuple(pairs), model.name, explained, len(there))
 
 
 def _at_most(share: Interval, total: Interval) -> Interval:
@@ -248,13 +236,12 @@ def _enough(data: StudyData, values: Floats, explained: float) -> float:
     return len(data) * 2**times if times < math.log2(_MOST_TIMES) else math.inf
 
 
-def _too_little(data: StudyData, metric: str, model: Model, explained: float, enough: float) -> DseError:
-    told = (
-        f"only {math.floor(100 * max(explained, 0.0))} % of its variance is explained by {model.name} in held-out runs"
-    )
+def _too_little(model: Model, explained: float, enough: float, runs: int) -> str:
     more = "more runs like these would hardly help"
-    if math.isfinite(enough):
+    if enough <= runs:
+        more = f"{_MOST:,} of the {runs:,} runs were used"
+    elif math.isfinite(enough):
         digits = 10 ** (int(math.log10(enough)) - 1)
         more = f"about {math.ceil(enough / digits) * digits:,} runs would do"
-    is_plain = all(factor.is_decided and not factor.is_choice for factor in data.factors)
-    return withheld(metric, f"{told}, {percent(_LEAST_EXPLAINED)} are needed: {more}", _HINT if is_plain else "")
+    told = f"only {math.floor(100 * max(explained, 0.0))} % of its variance is explained by {model.name}"
+    return f"{told} in held-out runs, {percent(_LEAST_EXPLAINED)} are needed: {more}"

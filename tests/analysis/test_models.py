@@ -112,6 +112,7 @@ def test_intervals_hold_the_known_totals_and_pairs_or_are_withheld(name, draw):
 
 
 @pytest.mark.thorough
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of SALib
 def test_totals_are_at_least_as_near_as_those_of_others_on_the_same_runs():
     """scikit-learn's forest with its permutation importance, over twice the variance, and SALib's HDMR."""
     from SALib.analyze import hdmr
