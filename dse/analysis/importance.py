@@ -186,7 +186,8 @@ def _best(data: StudyData, values: Floats) -> tuple[Model, float]:
     for model in _models(data, values):
         explained = 1 - float(np.average(model.errors**2, weights=data.weights))
         found.append((model, round(explained, 9)))
-        if explained >= _ENOUGH:
+        is_chance = len(found) > 1 and max(each for _, each in found) < _CHANCE_EXPLAINED
+        if explained >= _ENOUGH or is_chance:
             break
     return max(found, key=lambda each: each[1])
 
