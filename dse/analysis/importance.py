@@ -238,7 +238,7 @@ def _enough(data: StudyData, values: Floats, explained: float) -> float:
 
 
 def _too_little(model: Model, explained: float, enough: float, runs: int) -> str:
-    more = "more runs like these would hardly help"
+    more = "half as many runs explain hardly less"
     if enough <= runs:
         more = f"{_MOST:,} of the {runs:,} runs were used"
     elif math.isfinite(enough):
