@@ -30,21 +30,17 @@ from .effects import (
 from .first_order import (
     Share as Share,
     courses as courses,
-    first_order_shares as first_order_shares,
     going_together as going_together,
 )
 from .importance import (
-    LEAST_EXPLAINED as LEAST_EXPLAINED,
     Importance as Importance,
     Importances as Importances,
     Together as Together,
+    first_order_shares as first_order_shares,
     importances as importances,
-    mixed_groups as mixed_groups,
-    require_everywhere as require_everywhere,
 )
 from .learnt import essentials as essentials, findings as findings
 from .limits import Limit as Limit
-from .mixing import Pair as Pair
 from .narrowing import (
     Narrowing as Narrowing,
     around as around,
@@ -62,7 +58,6 @@ from .probability import (
 from .radial import (
     Formula as Formula,
     centres_of as centres_of,
-    columns_of as columns_of,
     drawn as drawn,
     evaluated as evaluated,
     features as features,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 
 from dse.analysis.data import StudyData
 from dse.analysis.designed import Effects, Indices, morris_effects, sobol_indices
-from dse.analysis.first_order import LEAST, courses, first_order_shares, going_together
-from dse.analysis.importance import importances
+from dse.analysis.first_order import LEAST, courses, going_together
+from dse.analysis.importance import first_order_shares, importances
 from dse.analysis.phrases import between, difference, listed, parts, percent
 from dse.analysis.probability import Interval
 from dse.analysis.said import Finding, Topic
@@ -60,11 +60,11 @@ def interactions(data: StudyData, metric: str) -> Iterator[Finding]:
     named = [each for each in ranked if each.share.low > _HARDLY][:_MOST_NAMED]
     if not named:
         return
-    told = parts([(_called(data, each.factor), _capped(each.share), "") for each in named])
-    if found.pairs and (most := found.pairs[0]).share.low > _HARDLY:
-        told += f"; {percent(most.share.value)} ({between(most.share)}) depends on both {most.one} and {most.other}"
-    predicted = f"by {found.model} that predicts {percent(found.explained)} of it in held-out runs"
-    text = f"{metric_label(data, metric)}: {told}; {predicted}"
+    told = parts([(_several(data, each.factors), each.share, "") for each in named])
+    for pair in [each for each in found.pairs if each.share.low > _HARDLY][:1]:
+        both = listed([_several(data, pair.one), _several(data, pair.other)])
+        told += f"; {percent(pair.share.value)} ({between(pair.share)}) depends on both {both}"
+    text = f"{metric_label(data, metric)}: {told}; by {found.source}"
     yield Finding(Topic.TOGETHER, metric, text, asdict(found))
 
 
@@ -86,6 +86,11 @@ def designed_findings(data: StudyData, metric: str) -> Iterator[Finding]:
         told = ", ".join(f"{_change(each, unit)} over the range of {each.factor}" for each in ranked_)
         text = f"{label} changes by {told}; {found.blocks} trajectories{lacking}"
     yield Finding(Topic.TOGETHER, metric, text, asdict(found))
+
+
+def _several(data: StudyData, factors: Sequence[str]) -> str:
+    """One factor, or those that depend on each other and have one index."""
+    return " with ".join(_called(data, each) for each in factors)
 
 
 def _called(data: StudyData, factor: str) -> str:

@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.analysis.data import Factor, Floats, StudyData, withheld
-from dse.analysis.extra import extra
 from dse.analysis.once import once
 from dse.analysis.probability import Interval
 from dse.domain.sampler import Brief, Outcomes
+from dse.errors import fail
 
 _MOST_LACKING = 0.01
 _LEAST_BLOCKS = 16
@@ -66,7 +67,7 @@ def sobol_indices(data: StudyData, metric: str) -> Designed:
     second = bool(options["second_order"])
     blocks = rows.reshape(-1, (2 * len(factors) + 2) if second else (len(factors) + 2))
     values, lacking = _complete(data, metric, blocks)
-    analysis = extra("SALib.analyze.sobol", "SALib")
+    analysis = _salib("sobol")
     found = analysis.analyze(_problem(factors), values.ravel(), calc_second_order=second, seed=_SEED)
     indices = zip(factors, *(found[key] for key in ("S1", "S1_conf", "ST", "ST_conf")), strict=True)
     told = tuple(Indices(f.name, _around(s, s_half), _around(t, t_half)) for f, s, s_half, t, t_half in indices)
@@ -80,7 +81,7 @@ def morris_effects(data: StudyData, metric: str) -> Designed:
     values, lacking = _complete(data, metric, blocks, least=2)
     there = np.isfinite(data.metrics[metric][blocks]).all(axis=1)
     columns = [data.factor(factor.name) for factor in factors]
-    analysis = extra("SALib.analyze.morris", "SALib")
+    analysis = _salib("morris")
     places = data.places[blocks[there].ravel()][:, columns]
     found = analysis.analyze(_problem(factors), places, values.ravel(), num_levels=options["levels"], seed=_SEED)
     effects = zip(factors, *(found[key] for key in ("mu_star", "mu_star_conf", "sigma")), strict=True)
@@ -136,6 +137,14 @@ def _complete(data: StudyData, metric: str, blocks: NDArray[np.intp], least: int
     if there.sum() < least:
         raise withheld(metric, f"{int(there.sum())} blocks are too few: {least} are needed")
     return values[there], lacking
+
+
+def _salib(method: str) -> Any:
+    try:
+        return import_module(f"SALib.analyze.{method}")
+    except ImportError as error:
+        hint = 'pip install "dse-workbench[analysis]"'
+        raise fail("SALib is needed for this, and is not installed", None, hint) from error
 
 
 def _problem(factors: list[Factor]) -> dict[str, Any]:

@@ -15,7 +15,10 @@ from scipy.stats import qmc
 
 from dse.analysis import (
     Box,
+    Importances,
+    Interval,
     StudyData,
+    Together,
     best_boxes,
     courses,
     first_order_shares,
@@ -124,50 +127,52 @@ def _searched(known: Known, kind: str, seed: int) -> RunTable:
 
 
 @cache
-def truth(name: str) -> dict[str, Floats | float]:
-    """The share met, and first-order and total indices of each factor, by many points."""
-    known = KNOWN[name]
-    a = known.there(even(2 * _MANY if known.allowed else _MANY, known.width, 1))
-    y = known.value(a)
-    found: dict[str, Floats | float] = {"share": float(known.met(a).mean())}
-    first = []
-    for column in a.T:
-        bins = (column * 64).astype(int)
-        count = np.maximum(np.bincount(bins), 1)
-        means = np.bincount(bins, y) / count
-        inside = np.bincount(bins, (y - means[bins]) ** 2).sum() / (len(y) - 64)
-        first.append(max(1 - inside / y.var(), 0.0))
-    found["first"] = np.array(first)
-    if not known.allowed:
-        b = even(_MANY, known.width, 2)
-        totals = []
-        for k in range(known.width):
-            mixed = a.copy()
-            mixed[:, k] = b[:, k]
-            totals.append(((y - known.value(mixed)) ** 2).mean() / 2 / y.var())
-        found["total"] = np.array(totals)
+def firsts(name: str) -> dict[str, float]:
+    """First-order indices, by the means of 64 bins of each factor."""
+    points = KNOWN[name].there(even(2 * _MANY, KNOWN[name].width, 1))
+    y = KNOWN[name].value(points)
+    found = {}
+    for k, bins in enumerate((points * 64).astype(int).T):
+        means = np.bincount(bins, y) / np.maximum(np.bincount(bins), 1)
+        found[f"x{k + 1}"] = max(1 - float(((y - means[bins]) ** 2).sum()) / (len(y) - 64) / float(y.var()), 0.0)
     return found
+
+
+@cache
+def total(name: str, factors: tuple[str, ...]) -> float:
+    """The total index of *factors* together, which are independent of the others (Jansen 1999)."""
+    points, others = (even(_MANY, KNOWN[name].width, seed) for seed in (1, 2))
+    columns = [int(factor[1:]) - 1 for factor in factors]
+    mixed = points.copy()
+    mixed[:, columns] = others[:, columns]
+    y = KNOWN[name].value(points)
+    return float(((y - KNOWN[name].value(mixed)) ** 2).mean() / 2 / y.var())
 
 
 def judged(name: str, data: StudyData) -> Iterator[tuple[str, bool | None]]:
     """Of each kind of sentence, for each of its numbers whether the truth is in its interval; None where withheld."""
-    known, true = KNOWN[name], truth(name)
+    known, first = KNOWN[name], firsts(name)
     fresh = known.there(even(_MANY, known.width, 3))
-    yield from _each("share met", lambda: [_holds(share_met(data).share, true["share"])])
-    first = dict(zip((f"x{k + 1}" for k in range(known.width)), true["first"], strict=True))
+    yield from _each("share met", lambda: [_holds(share_met(data).share, float(known.met(fresh).mean()))])
+
+    def found() -> Importances:
+        return importances(data, "y")
+
     # A hundredth is what is printed.
     yield from _each(
         "first order", lambda: [_holds(each.share, first[each.factor], 0.01) for each in first_order_shares(data, "y")]
     )
-    if "total" in true:
-        totals = dict(zip(first, true["total"], strict=True))
-        yield from _each(
-            "total", lambda: [_holds(each.share, totals[each.factor], 0.01) for each in importances(data, "y").factors]
-        )
+    yield from _each("total", lambda: [_holds(e.share, total(name, e.factors), 0.01) for e in found().factors])
+    yield from _each("pair", lambda: [_holds(e.share, _both(name, e), 0.01) for e in found().pairs])
     yield from _each("box", lambda: [_holds(box.density, _density(box, known, fresh)) for box in best_boxes(data)])
     yield from _each("robust centre", lambda: [_centre(data, known, fresh)])
     if known.trend:
         yield from _each("trend", lambda: [word == known.trend for n, word in courses(data, "y").items() if n == "x1"])
+
+
+def _both(name: str, pair: Together) -> float:
+    """What of the variance depends on both."""
+    return total(name, pair.one) + total(name, pair.other) - total(name, pair.one + pair.other)
 
 
 def _each(kind: str, found: Callable[[], list[bool]]) -> Iterator[tuple[str, bool | None]]:
@@ -177,7 +182,7 @@ def _each(kind: str, found: Callable[[], list[bool]]) -> Iterator[tuple[str, boo
         yield kind, None
 
 
-def _holds(interval: object, value: float, printed: float = 0.0) -> bool:
+def _holds(interval: Interval, value: float, printed: float = 0.0) -> bool:
     return bool(interval.low - printed <= value <= interval.high + printed)
 
 

@@ -4,26 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import TypeVar
 
 import numpy as np
 
 from dse.analysis import (
-    LEAST_EXPLAINED,
     Factor,
     Formula,
     Indices,
     Interval,
     StudyData,
     centres_of,
-    columns_of,
     drawn,
     features,
     first_order_shares,
     formulas,
+    importances,
     main_effects,
-    mixed_groups,
-    require_everywhere,
     sobol_indices,
 )
 from dse.errors import DseError, fail
@@ -86,9 +84,6 @@ class _Fits:
         for those in groups.values():
             self._fit(those)
 
-    def _columns(self) -> list[list[int]]:
-        return columns_of(self.data.factors, mixed_groups(self.data))
-
     def _refuse(self, name: str) -> None:
         self.data.response(name, _LEAST)
         data = self.data
@@ -110,7 +105,7 @@ class _Fits:
         spread = values.std(axis=0)
         spread[spread == 0] = 1.0
         scaled = (values - values.mean(axis=0)) / spread
-        made = formulas(points, scaled, centres, self.data.weights[rows], self._columns())
+        made = formulas(points, scaled, centres)
         self.centres.append(centres)
         for name, formula, middle, scale in zip(names, made, values.mean(axis=0), spread, strict=True):
             weights = formula.weights * scale
@@ -133,7 +128,7 @@ def _response(data: StudyData, name: str, fits: _Fits, naming: Naming) -> Respon
     else:
         withheld.append(f"a formula: {fits.reasons[name]}")
     is_several = len(data.factors) > 1
-    together = _or_reason(lambda: _together(data, name, fits), _TOGETHER, name, withheld) if is_several else None
+    together = _or_reason(lambda: _together(data, name), _TOGETHER, name, withheld) if is_several else None
     return Response(
         naming.metrics[name],
         tuple(_bar(data, share.factor, share.share) for share in shares or ()),
@@ -151,28 +146,20 @@ def _response(data: StudyData, name: str, fits: _Fits, naming: Naming) -> Respon
     )
 
 
-def _together(data: StudyData, name: str, fits: _Fits) -> Together:
-    """By the design, if the study is made for it, else by the formula. DseError says why it cannot be told."""
-    data.response(name, _LEAST)
-    require_everywhere(data, name)
+def _together(data: StudyData, name: str) -> Together:
+    """By the design, if the study is made for it, else by a model. DseError says why it cannot be stated."""
     if data.definition.sampler.kind == _DESIGN:
         designed = sobol_indices(data, name)
-        totals = [(each.factor, each.total) for each in designed.factors if isinstance(each, Indices)]
-        blocks = f"Sobol' indices of {designed.blocks} blocks"
-        return Together(blocks, tuple(_bar(data, *each) for each in totals), ())
-    if name not in fits.found:
-        raise fail("it takes a formula")
-    _, formula, _ = fits.found[name]
-    if formula.explained < LEAST_EXPLAINED:
-        share = f"{100 * max(formula.explained, 0.0):.0f} %"
-        raise fail(
-            f"a formula predicts {share} of its variance in runs left out, too little ('dse findings' may try a forest)"
-        )
-    return Together(
-        f"a formula that predicts {100 * formula.explained:.0f} % of it in runs left out",
-        tuple(_bar(data, factor.name, total) for factor, total in zip(data.factors, formula.totals, strict=True)),
-        tuple(Pair(pair.one, pair.other, _shown(pair.share)) for pair in formula.pairs),
-    )
+        indices = [(each.factor, each.total) for each in designed.factors if isinstance(each, Indices)]
+        return Together(f"Sobol' indices of {designed.blocks} blocks", tuple(_bar(data, *each) for each in indices), ())
+    found = importances(data, name)
+    totals = [_bar(data, factor, each.share) for each in found.factors for factor in each.factors]
+    pairs = [
+        Pair(data.factor(one), data.factor(other), _shown(pair.share))
+        for pair in found.pairs
+        for one, other in product(pair.one, pair.other)
+    ]
+    return Together(found.source, tuple(sorted(totals, key=lambda bar: bar.factor)), tuple(pairs))
 
 
 def _profile(fits: _Fits, name: str, unit: Unit) -> Profile:

@@ -35,7 +35,7 @@ function aboutTogether({ factors }: Part, { source, pairs }: NonNullable<Respons
     .filter(({ share }) => (share[1] ?? 0) > HARDLY)
     .map(({ one, other, share }) => `${interval(share)} depends on both ${factors[one]!.label} and ${factors[other]!.label}`);
   const depends = named.length ? `Of the variance ${named.join("; ")}. ` : "";
-  return `${depends}In all: by ${source}; what that misses, it cannot tell. Factors that go together, as parts of one choice do, have one share in all.`;
+  return `${depends}In all: by ${source}; what that misses is part of the intervals. Factors that go together, as parts of one choice do, have one share in all.`;
 }
 
 function track([value, low, high]: Estimate, kind: string): HTMLElement {
