@@ -62,8 +62,8 @@ def shapes_of(points: Array, margins: Array) -> Shapes:
     there, size = points[judged][thinned(judged.sum())], margins[judged][thinned(judged.sum())]
     region_shape, best, most = most_telling(points, judged), (Shape(np.ones(points.shape[1]), 1e-6), np.inf), -np.inf
     first = np.abs(margins[judged][:_TYPICAL_OF])
-    for scale in _COMPRESSED if judged.any() else ():
-        scale *= float(np.median(first) or first.max() or 1.0)
+    typical = float(np.median(first) or first.max() or 1.0) if len(first) else 1.0
+    for scale in (typical * factor for factor in (_COMPRESSED if len(first) else ())):
         values = _compressed(size, scale)
         shape = likeliest(there, values)
         density = LevelSet.through(there, values, shape).held_out() - np.log(np.hypot(size / scale, 1.0)).sum()

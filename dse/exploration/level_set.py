@@ -143,7 +143,7 @@ def likeliest(points: Array, values: Array) -> Shape:
     three starts, then once more with paths that have kinks. They are rounded to two digits: on every machine the same.
     """
     from scipy.linalg import cho_solve
-    from scipy.optimize import minimize
+    from scipy.optimize import Bounds, minimize
     from scipy.spatial.distance import cdist
 
     few, theirs = points[thinned(len(points))], values[thinned(len(points))]
@@ -168,10 +168,11 @@ def likeliest(points: Array, values: Array) -> Shape:
         return float(value), np.append(along, nugget * np.trace(half))
 
     def climbed(start: Array, smoothness: float) -> tuple[float, float, Array]:
-        ends = [np.log(_LENGTHS)] * points.shape[1] + [np.log(_NUGGETS)]
-        found = minimize(cost, start, args=(smoothness,), jac=True, method="L-BFGS-B", bounds=ends)
+        found = minimize(lambda logs, *_: cost(logs, smoothness), start, jac=True, method="L-BFGS-B", bounds=ends)
         return round(float(found.fun), _COST_DIGITS), smoothness, found.x
 
+    lows, highs = ([*[length] * points.shape[1], nugget] for length, nugget in zip(_LENGTHS, _NUGGETS, strict=True))
+    ends = Bounds(np.log(lows), np.log(highs))
     starts = [np.log([*[length] * points.shape[1], _NUGGET]) for length in _STARTS]
     smooth = min((climbed(start, 2.5) for start in starts), key=lambda found: found[0])
     _, smoothness, logs = min(smooth, climbed(smooth[2], 1.5), key=lambda found: found[0])
