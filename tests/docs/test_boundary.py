@@ -40,5 +40,5 @@ def test_the_page_leads_from_a_study_to_its_band(tmp_path: Path, built_before: C
     assert runs
     assert 32 <= int(runs[1]) <= 80
     assert (here / "out/speed/figures/boundary_R1_0.png").exists()
-    assert "sampler: {boundary:" in (here / "testbenches" / "closer.pet.yaml").read_text(encoding="utf-8")
+    assert "boundary: {samples:" in (here / "testbenches" / "closer.pet.yaml").read_text(encoding="utf-8")
     assert said["python"].count("[") == 4

@@ -72,7 +72,7 @@ def test_160_runs_are_more_exact_than_a_grid_of_625(margins: Margins) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.filterwarnings("ignore:lbfgs failed to converge")  # scikit-learn's, of one start of three
+@pytest.mark.filterwarnings("ignore::sklearn.exceptions.ConvergenceWarning")
 @pytest.mark.parametrize(
     ("margins", "dimensions", "samples", "most"),
     [(branin, 2, 48, 0.0005), (ball, 4, 96, 0.001), (creased, 2, 64, 0.003), (diamond, 2, 64, 0.004)],
