@@ -61,7 +61,8 @@ class LevelSet:
         found.mean = float(one @ found.whitened / (one @ one))
         apart = found.whitened - found.mean * one
         # Values that are all the same leave some doubt.
-        found.deviation = max(_root_mean_square(apart), _LEAST_DEVIATION * (float(np.abs(values).max()) or 1.0))
+        least = _LEAST_DEVIATION * float(np.abs(values).max() or 1.0)
+        found.deviation = max(float(np.sqrt(np.mean(apart**2))), least)
         found.whitened = apart / found.deviation
         return found
 
@@ -178,10 +179,6 @@ def likeliest(points: Array, values: Array) -> Shape:
     _, smoothness, logs = min(smooth, climbed(smooth[2], 1.5), key=lambda found: found[0])
     *lengths, nugget = (float(f"{value:.1e}") for value in np.exp(logs))
     return Shape(np.array(lengths), nugget, smoothness)
-
-
-def _root_mean_square(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def matern(first: Array, second: Array, shape: Shape) -> Array:

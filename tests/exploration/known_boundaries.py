@@ -38,11 +38,6 @@ def hole(points: Array) -> Mapping[str, Array]:
     return {"R": np.where(x + 0.3 * y > 0.8, np.nan, y - 0.3 - 0.2 * np.sin(5 * x))}
 
 
-def four(points: Array) -> Mapping[str, Array]:
-    a, b, c, d = points.T
-    return {"A": a * b + 0.5 * c - 0.4 - 0.2 * d, "B": 1.1 - a**2 - 0.3 * b - 0.5 * c * d - 0.2 * d}
-
-
 def branin(points: Array) -> Mapping[str, Array]:
     x, y = 15 * points[:, 0] - 5, 15 * points[:, 1]
     valley = (y - 5.1 * x**2 / (4 * np.pi**2) + 5 * x / np.pi - 6) ** 2

@@ -20,7 +20,6 @@ from known_boundaries import (
     circle,
     creased,
     diamond,
-    four,
     hole,
     rows,
     searched,
@@ -92,16 +91,6 @@ def test_a_search_misjudges_no_more_than_a_process_by_scikit_learn_on_its_runs(
         ).fit(found, margins(found)["R"])
         theirs.append(np.mean((plain.predict(fine) < 0) != (margins(fine)["R"] < 0)))
     assert np.median(ours) <= min(most, np.median(theirs) + 3 / 16384)
-
-
-@pytest.mark.thorough
-def test_256_runs_misjudge_less_than_a_thousandth_of_four_ranges() -> None:
-    fine = qmc.Sobol(4, scramble=False).random(8192)
-    shares = []
-    for seed in (1, 2, 3):
-        found = rows(searched(four, 256, brief(four, dimensions=4, seed=seed)))
-        shares.append(np.mean(predicted(found, four(found), fine) != classes(four(fine))))
-    assert np.median(shares) < 0.001
 
 
 @pytest.mark.parametrize("margins", [two, hole])
