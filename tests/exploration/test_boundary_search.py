@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from judged_points import believed_wrong, classes, predicted
+from judged_points import believed, believed_wrong, classes, predicted
 from known_boundaries import (
     FINE,
     VARIABLES,
@@ -130,6 +130,14 @@ def test_the_process_goes_through_what_is_known_and_is_unsure_elsewhere() -> Non
     assert known.deviation.max() < 0.011 * level_set.deviation < 0.1 * apart.deviation.min()
     apart.include(0)
     assert apart.deviation.max() < 0.011 * level_set.deviation
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e6])
+def test_margins_in_another_unit_tell_the_same(unit: float) -> None:
+    points = qmc.Halton(2, scramble=False).random(24)
+    margins = branin(points)["R"]
+    one, other = (believed(points, {"R": margins * factor}, points[:8] + 0.01)[0].passing() for factor in (1, unit))
+    assert other == pytest.approx(one, abs=1e-4)
 
 
 def test_a_bench_without_requirements_has_no_boundary() -> None:
