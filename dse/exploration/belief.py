@@ -56,7 +56,7 @@ class Belief:
 def shapes_of(points: Array, margins: Array) -> Shapes:
     """The shapes that fit *margins*, (n,), at *points*, (n, d), NaN where there is none.
 
-    Margins are compressed as long as each is foretold better by all others.
+    Margins are compressed more and more as long as that raises the log density of each, held out, by all others.
     """
     judged = np.isfinite(margins)
     there, size = points[judged][thinned(judged.sum())], margins[judged][thinned(judged.sum())]
