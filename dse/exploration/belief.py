@@ -8,19 +8,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dse.exploration.level_set import Array, LevelSet, Posterior, Rows, Shape, likeliest
-from dse.exploration.region import Bools, most_telling, region, telling
+from dse.exploration.level_set import Array, LevelSet, Posterior, Rows, Shape, likeliest, thinned
+from dse.exploration.region import most_telling, region, telling
 
-_SCALE_OF = 16
+# How margins are compressed, in units of the median size of the first: plain, then more and more.
+_COMPRESSED = (np.inf, 4.0, 1.0, 0.25)
+_TYPICAL_OF = 16
+_DIGITS = 4
 _MOST = 2000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shapes:
-    """Of the region where a requirement has a margin, and of the margin."""
+    """Of the region where a requirement has a margin, and of the margin, compressed beyond *scale*."""
 
     judged: Shape
     margin: Shape
+    scale: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,10 +42,10 @@ class Belief:
         """
         judged = np.isfinite(margins)
         where = None if judged.all() else region(points, judged, shapes.judged)
-        rows, values = _known(margins)
-        few = telling(points[rows], values >= 0, _MOST)
         # With no margin anywhere, no run tells one.
-        learnt = 1.0 if judged.any() else 0.0
+        rows, learnt = (judged, 1.0) if judged.any() else (~judged, 0.0)
+        values = _compressed(np.nan_to_num(margins[rows]), shapes.scale)
+        few = telling(points[rows], values >= 0, _MOST)
         return cls(where, LevelSet.through(points[rows][few], values[few], shapes.margin, learnt))
 
     def at(self, points: Array) -> BeliefAt:
@@ -50,9 +54,23 @@ class Belief:
 
 
 def shapes_of(points: Array, margins: Array) -> Shapes:
-    """The shapes that fit *margins*, (n,), at *points*, (n, d), NaN where there is none."""
-    rows, values = _known(margins)
-    return Shapes(most_telling(points, np.isfinite(margins)), likeliest(points[rows], values))
+    """The shapes that fit *margins*, (n,), at *points*, (n, d), NaN where there is none.
+
+    Margins are compressed more and more as long as that raises the log density of each, held out, by all others.
+    """
+    judged = np.isfinite(margins)
+    there, size = points[judged][thinned(judged.sum())], margins[judged][thinned(judged.sum())]
+    region_shape, best, most = most_telling(points, judged), (Shape(np.ones(points.shape[1]), 1e-6), np.inf), -np.inf
+    first = np.abs(margins[judged][:_TYPICAL_OF])
+    typical = float(np.median(first) or first.max() or 1.0) if len(first) else 1.0
+    for scale in (typical * factor for factor in (_COMPRESSED if len(first) else ())):
+        values = _compressed(size, scale)
+        shape = likeliest(there, values)
+        density = LevelSet.through(there, values, shape).held_out() - np.log(np.hypot(size / scale, 1.0)).sum()
+        if round(density, _DIGITS) <= most:
+            break
+        best, most = (shape, scale), round(density, _DIGITS)
+    return Shapes(region_shape, *best)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,14 +132,6 @@ def single_threaded() -> Iterator[None]:
         yield
 
 
-def _known(margins: Array) -> tuple[Bools, Array]:
-    """Rows with a margin, and these, of either sign linear up to the median of the first, logarithmic beyond.
-
-    What is far off counts little. Of all runs the median would shrink as they crowd at the boundary. With no margin
-    anywhere, all are 0.
-    """
-    rows = np.isfinite(margins)
-    if not rows.any():
-        return ~rows, np.zeros(len(margins))
-    size = np.abs(margins[rows][:_SCALE_OF])
-    return rows, np.asarray(np.arcsinh(margins[rows] / (np.median(size) or size.max() or 1.0)), dtype=np.float64)
+def _compressed(margins: Array, scale: float) -> Array:
+    """Of either sign linear up to *scale*, logarithmic beyond."""
+    return margins if np.isinf(scale) else np.asarray(scale * np.arcsinh(margins / scale), dtype=np.float64)

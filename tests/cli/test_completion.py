@@ -45,7 +45,7 @@ def workspace(dse_in, tmp_path_factory):
     [
         ("dse expl", ["explore"]),
         ("dse explore ", example_studies()),
-        ("dse explore acc_gains_", ["acc_gains_4d", "acc_gains_coded"]),
+        ("dse explore acc_gains_", ["acc_gains_4d", "acc_gains_boundary", "acc_gains_coded"]),
         ("dse explore acc_gains --sh", ["--shard"]),
         ("dse run ", example_benches()),
         ("dse simulate e", ["electric_acc_motorway"]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from judged_points import classes, predicted
@@ -37,9 +38,22 @@ def hole(points: Array) -> Mapping[str, Array]:
     return {"R": np.where(x + 0.3 * y > 0.8, np.nan, y - 0.3 - 0.2 * np.sin(5 * x))}
 
 
-def four(points: Array) -> Mapping[str, Array]:
-    a, b, c, d = points.T
-    return {"A": a * b + 0.5 * c - 0.4 - 0.2 * d, "B": 1.1 - a**2 - 0.3 * b - 0.5 * c * d - 0.2 * d}
+def branin(points: Array) -> Mapping[str, Array]:
+    x, y = 15 * points[:, 0] - 5, 15 * points[:, 1]
+    valley = (y - 5.1 * x**2 / (4 * np.pi**2) + 5 * x / np.pi - 6) ** 2
+    return {"R": 40 - valley - 10 * (1 - 1 / (8 * np.pi)) * np.cos(x)}
+
+
+def ball(points: Array) -> Mapping[str, Array]:
+    return {"R": 0.4**2 - ((points - 0.5) ** 2).sum(axis=1)}
+
+
+def creased(points: Array) -> Mapping[str, Array]:
+    return {"R": points[:, 1] - 0.3 - 0.6 * np.abs(points[:, 0] - 0.45)}
+
+
+def diamond(points: Array) -> Mapping[str, Array]:
+    return {"R": 0.35 - np.abs(points - 0.5).sum(axis=1)}
 
 
 def scattered(share: float, margins: Margins) -> Margins:
@@ -66,8 +80,9 @@ def verdict(margin: float) -> Verdict:
     return Verdict.NOT_EXERCISED if np.isnan(margin) else Verdict.PASS if margin >= 0 else Verdict.FAIL
 
 
-def brief(margins: Margins, earlier: list[Candidate] | None = None) -> Brief:
-    return Brief(VARIABLES, ("a",), 1, outcomes(earlier or [], margins))
+def brief(margins: Margins, earlier: list[Candidate] | None = None, dimensions: int = 2, seed: int = 1) -> Brief:
+    variables = (*VARIABLES, *(replace(VARIABLES[0], name=f"part.{name}") for name in "abcd"))[:dimensions]
+    return Brief(variables, ("a",), seed, outcomes(earlier or [], margins, variables))
 
 
 def searched(
