@@ -108,6 +108,13 @@ class StudyData:
         """What its rows are: ``runs``, or ``designs``."""
         return "designs" if self.conditions else "runs"
 
+    @property
+    def judged_metrics(self) -> tuple[str, ...]:
+        """Those that requirements and objectives are about; all if there are none."""
+        definition = self.definition
+        about = [entry.metric for entry in definition.requirements] + [entry.name for entry in definition.objectives]
+        return tuple(dict.fromkeys(name for name in about if name in self.metrics)) or (*self.metrics,)
+
     def met(self, requirement: str = ALL) -> Rows:
         """Which runs meet *requirement*: neither those that did not exercise it nor those that failed to run."""
         return np.asarray(self.codes(requirement) == MET)

@@ -18,11 +18,11 @@ from dse.analysis.data import Floats, Rows, StudyData
 from dse.analysis.once import once
 from dse.analysis.probability import Interval
 
-LEAST = 20
-"""Fewer runs than that are not asked for shares."""
+LEAST = 40
+"""Fewer runs than that are not asked for shares: of 24 the intervals held the truth in 86 of 100, of 40 in 94."""
 
 _BINS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
-_LEAST_A_BIN = 6
+_LEAST_A_BIN, _LEAST_BINNED = 6, 20
 _NORMAL = 1.96
 _ASSOCIATED = 0.3
 _LEAST_FOR_COURSE = 100
@@ -47,7 +47,7 @@ def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
 
     Shares add up to 1 at most where factors are independent; what they leave is due to several factors together, or to
     bins that are too wide for few runs. Intervals are 1.96 standard deviations to either side, by the jackknife.
-    A factor of which fewer than 20 runs have a value is left out. Raises DseError, as `StudyData.response` does, and
+    A factor of which fewer than 40 runs have a value is left out. Raises DseError, as `StudyData.response` does, and
     `StudyData.evenly`.
     """
     there, values = data.evenly(metric, LEAST).response(metric, LEAST)
@@ -122,7 +122,7 @@ def going_together(data: StudyData) -> tuple[tuple[str, str], ...]:
         found.append(everywhere)
         for j in range(k):
             both = (found[j] >= 0) & (found[k] >= 0)
-            if both.sum() >= LEAST and _cramers_v(found[k][both], found[j][both]) > _ASSOCIATED:
+            if both.sum() >= _LEAST_BINNED and _cramers_v(found[k][both], found[j][both]) > _ASSOCIATED:
                 pairs.append((data.factors[j].name, factor.name))
     return tuple(pairs)
 
@@ -133,7 +133,7 @@ def _binnings(data: StudyData, k: int) -> tuple[tuple[Rows, NDArray[np.intp]], .
     found = [binned(data.places[:, k], data.factors[k], _BINS[0])]
     for most in _BINS[1:]:
         rows, bins = binned(data.places[:, k], data.factors[k], most)
-        if len(bins) < max(_LEAST_A_BIN * (int(bins.max(initial=0)) + 1), LEAST):
+        if len(bins) < max(_LEAST_A_BIN * (int(bins.max(initial=0)) + 1), _LEAST_BINNED):
             break
         if not np.array_equal(bins, found[-1][1]):
             found.append((rows, bins))

@@ -21,13 +21,14 @@ from dse.analysis.probability import Interval
 from dse.analysis.radial import drawn
 from dse.analysis.separable import FOLDS, Group, Indices, Model, folds, gaussian_process, polynomial_chaos
 from dse.errors import DseError
+from dse.exploration import single_threaded
 
 _LEAST_EXPLAINED, _AIM = 0.9, 0.92
 """Of the variance: what a model that explains less leaves open is more than most totals; and what more runs aim at."""
 
 _LEAST = 50
 _LEAST_DEFINED = 0.9
-_MOST = 1000
+_MOST = 500
 _ENOUGH = 0.99
 """Of the variance: another model would say the same, and takes longer."""
 _MOST_TOGETHER = 3
@@ -80,7 +81,7 @@ class Importances:
 
 @once
 def importances(data: StudyData, metric: str) -> Importances:
-    """From the evenly drawn runs in which *metric* is defined, of 1,000 at most.
+    """From the evenly drawn runs in which *metric* is defined, of 500 at most.
 
     Factors that depend on each other in these runs have one total. An interval is 2.78 standard errors to either side,
     by the jackknife over five parts of the runs, and the share of the variance that is unexplained. DseError if fewer
@@ -100,9 +101,11 @@ def importances(data: StudyData, metric: str) -> Importances:
     if len(groups) == 1:
         names = listed([factor.name for factor in there.factors])
         raise withheld(metric, f"{names} depend on each other in these runs: they have all of its variance together")
-    model, explained = _best(there, values)
+    with single_threaded():
+        model, explained = _best(there, values)
+        enough = _enough(there, values, explained) if explained < _LEAST_EXPLAINED else 0.0
     if explained < _LEAST_EXPLAINED:
-        reason = _too_little(model, explained, _enough(there, values, explained), runs)
+        reason = _too_little(model, explained, enough, runs)
         is_plain = all(factor.is_decided and not factor.is_choice for factor in there.factors)
         raise withheld(metric, reason, _HINT if is_plain else "")
     unexplained, indices = 1 - explained, _indices(there, model, groups)
@@ -119,11 +122,13 @@ def importances(data: StudyData, metric: str) -> Importances:
 
 @once
 def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
-    """What each factor explains by itself, from given data; no more than its total, where that can be stated.
+    """What each factor explains by itself, from given data; of judged metrics no more than its total, if there is one.
 
     Raises DseError, as `given_data_shares` does.
     """
     found = given_data_shares(data, metric)
+    if metric not in data.judged_metrics:
+        return found
     try:
         totals = {name: each.share for each in importances(data, metric).factors for name in each.factors}
     except DseError:

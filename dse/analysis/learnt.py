@@ -66,7 +66,7 @@ def _of_requirements(account: Account, data: StudyData) -> None:
 
 def _of_everything(account: Account, data: StudyData) -> None:
     _of_requirements(account, data)
-    behind = dict.fromkeys(entry.metric for entry in data.definition.requirements)
+    behind = {entry.metric for entry in data.definition.requirements}
     for name in _requirements(data)[:-1]:
         if (data.met(name) == data.met()).all():
             continue
@@ -76,7 +76,7 @@ def _of_everything(account: Account, data: StudyData) -> None:
             _dependence(account, data, metric)
     if len(data.factors) > 1:
         told = {each.about for each in account.findings if each.topic is Topic.TOGETHER}
-        for metric in (name for name in behind or data.metrics if name not in told):
+        for metric in (name for name in data.judged_metrics if name not in told):
             label = metric_label(data, metric)
             account.tell("what matters together", metric, label, partial(interactions, data, metric))
 

@@ -25,7 +25,7 @@ _LEAST_SHARE = 0.9
 _LIKELY = 0.8
 """Where it is less probable than that, a point between the runs counts as one that does not pass."""
 _BETWEEN = 2**11
-_MOST = 400
+_MOST = 200
 _MOST_KINDS = 8
 
 
@@ -94,11 +94,10 @@ def robust_centre(data: StudyData, requirement: str = ALL) -> Centre:
 def _widest(data: StudyData, requirement: str, decided: Rows) -> tuple[int, float]:
     """The row with the largest margin, and the margin, in the columns of the places that are *decided*."""
     from scipy.spatial import cKDTree
-    from scipy.stats import qmc
 
     rows = drawn(np.arange(len(data)), _MOST)
     met = data.met(requirement)
-    between = qmc.Sobol(len(decided), seed=np.random.default_rng(0)).random(_BETWEEN)
+    between = np.random.default_rng(0).random((_BETWEEN, len(decided)))
     fails = chances_at(data.part(rows), requirement, data.places[rows], between)[0] < _LIKELY
     points = data.places[:, decided]
     others = np.concatenate([points[~met], between[fails][:, decided]])

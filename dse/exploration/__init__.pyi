@@ -1,4 +1,5 @@
 from .band import Band as Band, Chances as Chances, VerdictModel as VerdictModel
+from .belief import single_threaded as single_threaded
 from .checking import (
     Checkable as Checkable,
     check_measures as check_measures,

@@ -78,7 +78,7 @@ def test_runs_that_crowd_count_by_the_space_around_them():
 @pytest.mark.parametrize("count", [0, 1, 2, 5])
 def test_few_runs_have_no_shares(count):
     points = even(count, 2)
-    with pytest.raises(DseError, match=f"y: it is defined in {count} of {count} runs, and 20 are needed"):
+    with pytest.raises(DseError, match=f"y: it is defined in {count} of {count} runs, and 40 are needed"):
         first_order_shares(study_data(study(points, {"y": points[:, 0]})), "y")
 
 

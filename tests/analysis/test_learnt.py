@@ -72,7 +72,7 @@ def test_few_runs_say_little_and_why(count):
     assert not _texts(found, Topic.BOX) + _texts(found, Topic.SHARES) + _texts(found, Topic.TOGETHER)
     if count:
         assert any(text.startswith("a box of R1: ") for text in told)
-        assert any("20 are needed" in text for text in told)
+        assert any("40 are needed" in text for text in told)
     else:
         assert _texts(found, Topic.RUNS) == ["there are no runs in the ranges of the study"]
 

@@ -152,6 +152,8 @@ def _together(data: StudyData, name: str) -> Together:
         designed = sobol_indices(data, name)
         indices = [(each.factor, each.total) for each in designed.factors if isinstance(each, Indices)]
         return Together(f"Sobol' indices of {designed.blocks} blocks", tuple(_bar(data, *each) for each in indices), ())
+    if name not in data.judged_metrics:
+        raise fail("no requirement or objective is about it")
     found = importances(data, name)
     totals = [_bar(data, factor, each.share) for each in found.factors for factor in each.factors]
     pairs = [
