@@ -75,10 +75,10 @@ class StudyData:
     were drawn evenly over the space (`Placing`); only of these a share is one of the space. *weights*, (n,), are what
     runs count: 1, or on a grid how much of the space there is to a run, 1 on average. So many runs are *different*: of
     those that share their values with others, as blocks of a design do, each adds little; not so *on_grid*. *plane* are
-    the
-    variables that are varied where all others are held; () if none is. *apart* is how many runs of the study are not
-    among them. Where they are designs at the worst of so many *conditions* (`dse.analysis.conditions`), *incomplete*
-    were left out; a run is one at 0 conditions. *known* is what was computed of it already (`dse.analysis.once`).
+    the variables that are varied where all others are held; () if none is. *apart* is how many runs of the study are
+    not among them. Where they are designs at the worst of so many *conditions* (`dse.analysis.conditions`),
+    *incomplete* were left out; a run is one at 0 conditions. *known* is what was computed of it already
+    (`dse.analysis.once`).
     """
 
     definition: StudyDefinition
@@ -160,7 +160,7 @@ class StudyData:
             which = f"{count or 'none'} of the {len(self)} {self.rows} of '{self.definition.sampler.kind}'"
             what = f"{which} {'is' if count < 2 else 'are'} drawn evenly over the space, and {least} are needed"
             raise withheld(about, what, "next: a study with 'sobol'")
-        found: StudyData = self.known.setdefault("even", None) or self.part(self.even)
+        found: StudyData = self.known.get("even") or self.part(self.even)
         self.known["even"] = found
         return found
 

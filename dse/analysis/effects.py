@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from dse.analysis.data import Floats
 
 _MOST_BINS = 8
-_LEAST = 4
+_LEAST, _LEAST_EVEN = 4, 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class MainEffect:
 
 def main_effects(data: StudyData, metric: str) -> tuple[MainEffect, ...]:
     """Of every factor, over the runs in which the metric is defined and the factor present. Raises DseError."""
-    there, values = data.evenly(metric, _LEAST).response(metric, _LEAST)
+    there, values = data.evenly(metric, _LEAST_EVEN).response(metric, _LEAST)
     effects = []
     for k, factor in enumerate(there.factors):
         rows, bins = binned(there.places[:, k], factor, _MOST_BINS)

@@ -19,12 +19,9 @@ from dse.domain.sampler import Role
 from dse.exploration import VerdictModel, allowing, conditions_of, design_variable, scaled, unit_of
 from dse.expression import parse_expression
 
-_POINTS = 2**12
-_MOST_DRAWN = 2**16
+_POINTS, _MOST_DRAWN = 2**12, 2**16
 _MOST_CONFIGURATIONS = 16
-_SURE = 0.95
-_WIDEST = 0.2
-_SEED = 0
+_SURE, _WIDEST = 0.95, 0.2
 
 
 def modelled_share(data: StudyData, requirement: str) -> tuple[Interval, int]:
@@ -69,7 +66,7 @@ def points_of(definition: StudyDefinition) -> NDArray[np.float64]:
     correlations = {(each.one, each.other): each.value for each in definition.correlations}
     conditions = np.array(conditions_of(variables) or [()], dtype=np.float64)
     allowed = allowing([parse_expression(text) for text in definition.constraints], variables)
-    sequence = qmc.Sobol(max(len(free), 1), seed=np.random.default_rng(_SEED))
+    sequence = qmc.Sobol(max(len(free), 1), seed=np.random.default_rng(0))
     found: list[Floats] = []
     while sum(map(len, found)) < _POINTS and sequence.num_generated < _MOST_DRAWN:
         points = np.empty((_POINTS, len(conditions), len(variables)))
@@ -84,16 +81,20 @@ def points_of(definition: StudyDefinition) -> NDArray[np.float64]:
 
 
 def _chances(data: StudyData, configuration: str, requirement: str, points: Floats) -> tuple[Floats, Floats]:
-    """How probable it is, (n,), that *requirement* is met at each condition of *points*; and that it is not although it
-    is exercised."""
+    """How probable it is, (n,), that *requirement* is met over the conditions of *points*, one being enough to exercise
+    it; and that it is not met at one of them."""
     mine = data.part(data.configurations == configuration)
     variables = tuple(map(design_variable, data.definition.variables))
     places = {factor.name: column for factor, column in zip(mine.factors, mine.places.T, strict=True)}
     there = [k for k, each in enumerate(variables) if not np.isnan(places.get(each.name, np.array([np.nan]))).any()]
     runs = np.array([places[variables[k].name] for k in there]).reshape(len(there), len(mine)).T
-    chances = chances_at(mine, requirement, runs, unit_of(points.reshape(-1, len(variables)), variables)[:, there])
-    passing, failing = (each.reshape(points.shape[:2]) for each in chances)
-    return passing.prod(axis=1), 1 - (1 - failing).prod(axis=1)
+    at = unit_of(points.reshape(-1, len(variables)), variables)[:, there]
+    met, kept = np.ones(len(points)), np.ones(len(points))
+    for name in data.verdicts if requirement == ALL else [requirement]:
+        passing, failing = (each.reshape(points.shape[:2]) for each in chances_at(mine, name, runs, at))
+        unfailed = (1 - failing).prod(axis=1)
+        met, kept = met * (unfailed - np.maximum(1 - passing - failing, 0).prod(axis=1)), kept * unfailed
+    return met, 1 - kept
 
 
 def chances_at(data: StudyData, requirement: str, runs: Floats, points: Floats) -> tuple[Floats, Floats]:

@@ -24,9 +24,7 @@ _LEAST_AROUND = 5
 _LEAST_SHARE = 0.9
 _LIKELY = 0.8
 """Where it is less probable than that, a point between the runs counts as one that does not pass."""
-_BETWEEN = 2**11
-_MOST = 200
-_MOST_KINDS = 8
+_BETWEEN, _MOST, _MOST_KINDS = 2**11, 200, 8
 
 
 @dataclass(frozen=True, slots=True)

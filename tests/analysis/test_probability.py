@@ -140,6 +140,19 @@ def test_runs_of_an_earlier_sampler_are_drawn_evenly_if_the_present_one_asks_for
     assert study_data(replace(table, header=replace(extended, asked=7))).even.tolist() == [False] * 4 + [True] * 5
 
 
+def test_a_model_judges_designs_at_the_worst_of_their_conditions():
+    """x1 + load / 2 is to be at most 0.7, and counts for loaded ones only: met where x1 is at most 0.2; with another
+    requirement, that x1 is at least 0.1 if empty, in half of that."""
+    x1, load = even(60, 1)[:, 0], np.arange(60) % 2.0
+    variables = [variable("x1"), variable("load", values=(0.0, 1.0), role="condition")]
+    metrics = {"y": np.where(load > 0, x1 + 0.5, np.nan), "z": np.where(load > 0, np.nan, 0.1 - x1)}
+    for bounds, share in (({"y": 0.7}, 0.2), ({"y": 0.7, "z": 0.0}, 0.1)):
+        sampler = DefinedSampler("boundary")
+        table = study(np.column_stack([x1, load]), metrics, bounds, variables=variables, sampler=sampler)
+        met = share_met(study_data(table), ALL)
+        assert (met.conditions, met.share.value) == (2, pytest.approx(share, abs=0.02))
+
+
 def test_constraints_between_variables_are_no_crowding():
     """The half of x1 + x2 < 0.8 where x1 + x2 < 0.4 is a quarter of it, whatever lies beyond; by the model as well."""
     points = even(1500, 2)
