@@ -216,6 +216,11 @@ def test_with_a_condition_on_an_axis_the_designs_are_counted_beside(open_report:
     # What is selected first is of a design that passes everywhere, though every point on the axes is at one sky.
     assert "pass" in page.inner_text(".run-name .badge")
     assert page.locator("#design-verdict").count() == 0
+    # Of the second configuration if no design of the first passes.
+    x = np.linspace(0, 1, 4)
+    variables = tuple(Variable(name, name, "", 0, 1, None, 0, x) for name in "xz")
+    page = open_report(_content(variables, 1 - x, 0.5, SamplerKind.SCATTERED, ["a", "a", "b", "b"]))
+    assert page.inner_text("#selected-run") == "Run 2"
 
 
 @pytest.mark.thorough

@@ -12,6 +12,7 @@ import { createStore, studyThresholds, type State, type Store } from "./store";
 import { readStudy, type Study, type Variable } from "./study";
 import { createTabs } from "./tabs";
 import { followTheme, startTheme } from "./theme";
+import { PASS } from "./verdicts";
 import { VIEWS } from "./views/views";
 
 const DRAWN = 1000;
@@ -22,7 +23,11 @@ async function start(): Promise<void> {
   try {
     const study = await readStudy();
     const store = createStore(study, initial(study, theme));
-    const selected = startingRun(store, shownRuns(store));
+    const here = startingRun(store, shownRuns(store));
+    const anywhere = startingRun(store, study.number.keys());
+    // A configuration without a design that passes is no place to begin at if another has one.
+    const { overall } = store.designs().judgement;
+    const selected = overall[here] !== PASS && overall[anywhere] === PASS ? anywhere : here;
     store.set({ selected, configuration: selected < 0 ? 0 : study.configuration[selected]! });
     const start = store.state;
     store.set(readFragment(study, location.hash.slice(1), start));
