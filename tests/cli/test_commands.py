@@ -182,11 +182,11 @@ def test_figures_are_drawn_in_every_format(dse, explored, tmp_path):
         assert done.returncode == 0, done.stderr
         files = list((tmp_path / kind).iterdir())
         names = sorted(file.stem.split("_")[0] for file in files)
-        # The paper's two, all runs as lines, two for each requirement; what runs tell of the boundary and of effects.
-        assert [name for name in names if name not in ("boundary", "effects")] == [
+        # The paper's two, all runs as lines, two for each requirement; of effects 20 runs say too little.
+        assert [name for name in names if name != "boundary"] == [
             "constraints", "margins", "margins", "parallel", "progress", "progress", "waveforms"
         ]  # fmt: skip
-        assert {"boundary", "effects"} <= {*names}
+        assert "boundary" in names
         assert all(path.read_bytes().startswith(start) for path in files)
 
 
