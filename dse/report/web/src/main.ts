@@ -24,10 +24,10 @@ async function start(): Promise<void> {
     const study = await readStudy();
     const store = createStore(study, initial(study, theme));
     const here = startingRun(store, shownRuns(store));
-    const anywhere = startingRun(store, study.number.keys());
-    // A configuration without a design that passes is no place to begin at if another has one.
     const { overall } = store.designs().judgement;
-    const selected = overall[here] !== PASS && overall[anywhere] === PASS ? anywhere : here;
+    // A configuration without a design that passes is no place to begin at if another has one.
+    const anywhere = overall[here] === PASS ? here : startingRun(store, study.number.keys());
+    const selected = overall[anywhere] === PASS ? anywhere : here;
     store.set({ selected, configuration: selected < 0 ? 0 : study.configuration[selected]! });
     const start = store.state;
     store.set(readFragment(study, location.hash.slice(1), start));
