@@ -11,14 +11,13 @@ import numpy as np
 from dse.analysis.boxes import Box
 from dse.analysis.deciding import Standing
 from dse.analysis.limits import Limit
+from dse.analysis.phrases import outwards
 from dse.domain.definition import DefinedVariable, StudyDefinition
 from dse.domain.sampler import DesignVariable, Role
 from dse.errors import fail
 from dse.exploration import Band, design_variable, scaled, unit_of
 from dse.storage import RunTable
-from dse.units import Unit
 
-_DIGITS = 4
 _WIDER = 0.05
 """Of a variable's range, added at either end of what is found."""
 
@@ -129,13 +128,7 @@ def _rounded(variable: DesignVariable, low: float, high: float) -> tuple[float, 
     """Outwards to a few digits of the variable's unit, within its range."""
     if variable.values:
         return low, high
-    ends = _outwards(variable.unit, low, math.floor), _outwards(variable.unit, high, math.ceil)
-    return max(ends[0], variable.low), min(ends[1], variable.high)
-
-
-def _outwards(unit: Unit, si: float, towards: object) -> float:
-    value = unit.from_si(si)
-    if not value:
-        return si
-    step = 10.0 ** (math.floor(math.log10(abs(value))) - _DIGITS + 1)
-    return unit.to_si(float(f"{towards(value / step) * step:.{_DIGITS}g}"))  # type: ignore[operator]
+    unit = variable.unit
+    first = unit.to_si(outwards(unit.from_si(low), math.floor))
+    last = unit.to_si(outwards(unit.from_si(high), math.ceil))
+    return max(first, variable.low), min(last, variable.high)

@@ -23,12 +23,12 @@ def difference(si: float, unit: str) -> str:
     return f"{shown(si / float(parse_unit(unit).factor), 3)} {unit}".rstrip()
 
 
-def outwards(value: float, towards: Callable[[float], int]) -> str:
-    """A number to four digits, rounded with *towards*, up or down; as it is if four digits tell it."""
+def outwards(value: float, towards: Callable[[float], int]) -> float:
+    """*value* rounded to four digits with *towards*, up or down; as it is if it has no more."""
     if not value or float(f"{value:.4g}") == value:
-        return shown(value)
+        return value
     step = 10.0 ** (math.floor(math.log10(abs(value))) - 3)
-    return shown(towards(value / step) * step)
+    return float(f"{towards(value / step) * step:.4g}")
 
 
 def percent(share: float) -> str:

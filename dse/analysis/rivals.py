@@ -51,7 +51,7 @@ def _must(ranking: Ranking, definition: StudyDefinition, winner: Standing, other
     if not apart:
         return f"{_label(objective.name, definition)} {change} at all: they are equal"
     share = f" ({shown(100 * apart / abs(other.values[0]), 2)} %)" if other.values[0] else ""
-    by = f"{outwards(apart / float(parse_unit(unit).factor), math.ceil)} {unit}".rstrip()
+    by = f"{shown(outwards(apart / float(parse_unit(unit).factor), math.ceil))} {unit}".rstrip()
     return f"{_label(objective.name, definition)} {change} by more than {by}{share}"
 
 
@@ -62,7 +62,7 @@ def _needs(missed: Missed, definition: StudyDefinition) -> str:
     is_above = requirement.at_most is not None and missed.worst > requirement.at_most
     bound = (requirement.at_most if is_above else requirement.at_least) or 0.0
     word, towards = ("at most", math.ceil) if is_above else ("at least", math.floor)
-    enough = outwards(parse_unit(requirement.unit).from_si(missed.worst), towards)
+    enough = shown(outwards(parse_unit(requirement.unit).from_si(missed.worst), towards))
     instead = f"{enough} {requirement.unit}".rstrip()
     return f"{missed.requirement} were {word} {instead} instead of {_quantity(bound, requirement.unit)}"
 

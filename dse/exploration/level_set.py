@@ -21,7 +21,7 @@ _STARTS = (0.3, 1.5, 6.0)
 # Above the greatest, kinks would be taken for noise; below the least, rounding errors count.
 _NUGGETS = (1e-10, 1e-4)
 _NUGGET = 1e-6
-_MOST_FITTED = 150
+MOST_FITTED = 150
 _LEAST_DEVIATION = 1e-3
 _LEAST_VARIANCE = 1e-12
 _COST_DIGITS = 4
@@ -134,7 +134,7 @@ class Posterior:
 
 def thinned(count: int) -> slice:
     """Which of *count* rows shapes are fitted to: at most 150, evenly."""
-    return slice(None, None, -(-count // _MOST_FITTED) or 1)
+    return slice(None, None, -(-count // MOST_FITTED) or 1)
 
 
 def likeliest(points: Array, values: Array) -> Shape:

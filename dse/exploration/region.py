@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.exploration.level_set import Array, LevelSet, Rows, Shape, matern, solved
+from dse.exploration.level_set import MOST_FITTED, Array, LevelSet, Rows, Shape, matern, solved
 
 Bools = NDArray[np.bool_]
 
@@ -23,7 +23,6 @@ _STEPS = (2.0, 2.0**0.5)
 _DIGITS = 6
 _SWEEPS = 10
 _DAMPED = 0.8
-_MOST_FITTED = 150
 _MOST = 600
 # One bit at a point that is even takes this part of the variance: that of half a normal distribution is 1 - 2 / pi.
 _BIT = 2 / np.pi
@@ -46,7 +45,7 @@ def most_telling(points: Array, inside: Bools) -> Shape:
     """The shape with which each of *points*, (n, d), is foretold best by the others whether it is *inside*, (n,)."""
     if inside.all() or not inside.any():
         return Shape(np.ones(points.shape[1]), _NUGGET)
-    rows = telling(points, inside, _MOST_FITTED)
+    rows = telling(points, inside, MOST_FITTED)
     return _cheapest(lambda shape: -_sites(points[rows], inside[rows], shape)[2], points.shape[1])
 
 

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import json
-import re
-import shlex
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from command_line import run_dse
+from page import follow, text_of
 
-TEXT = (Path(__file__).parents[2] / "docs" / "bring-your-fmu.md").read_text(encoding="utf-8")
-BLOCK = re.compile(r"^```(sh|yaml)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+TEXT = text_of("bring-your-fmu")
 
 PORTS = 'input Real speed(unit = "m/s"); input Real set_speed(unit = "m/s"); output Real force(unit = "N");'
 MODELS = {
@@ -66,22 +64,8 @@ def folder(tmp_path: Path, built_before: Callable[[Path], Path]) -> Path:
 
 @pytest.mark.thorough
 def test_the_page_leads_from_files_to_a_report(folder: Path) -> None:
-    here, done = folder, []
-    for kind, text in BLOCK.findall(TEXT):
-        if kind == "yaml":
-            target = here / text.splitlines()[0].removeprefix("# ")
-            target.parent.mkdir(exist_ok=True)
-            target.write_text(text, encoding="utf-8")
-            continue
-        for line in text.splitlines():
-            command, *arguments = shlex.split(line, comments=True)
-            if command == "cd":
-                here = here / arguments[0]
-                continue
-            assert command == "dse"
-            result = run_dse(here, *arguments, cache=folder / "cache")
-            assert result.returncode == 0, (line, result.stderr)
-            done.append(arguments[0])
+    here, printed = follow(TEXT, folder, folder / "cache")
+    done = [line.split()[1] for line in printed if line.startswith("dse ")]
     assert done == ["probe", "import", "check", "enumerate", "simulate", "run", "simulate", "explore", "report"]
     assert (here / "out" / "gains" / "report.html").stat().st_size > 100_000
     # What was passed over is told with every result, and stays with the study, wherever it is looked at.

@@ -12,10 +12,12 @@ import pytest
 
 from dse.domain.run import RunRequest
 from dse.errors import DseError, fail
+from dse.exploration.packing import packed
 from dse.exploration.remote import dispatcher as module
+from dse.exploration.remote.carrying import carry_out, dismiss
 from dse.exploration.remote.dispatcher import Dispatcher
 from dse.exploration.remote.machine import Machine, this_machine
-from dse.exploration.remote.parcels import Answer, Carried, Missing, Parcel, Piece, Trouble, opened
+from dse.exploration.remote.parcels import Answer, Carried, Missing, Parcel, Piece, Trouble, opened, sealed
 from dse.exploration.work import Batch
 from dse.testing.executors import Gathered, SmallBench, batches, files, make_here, work_in
 
@@ -87,10 +89,10 @@ def carried(parcel: Parcel, folder: Path, machine: Machine, seconds: float = 0.1
 
 @pytest.fixture(autouse=True)
 def _canary_here(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    def carry_out(content: bytes) -> Answer:
+    def carry_out_here(content: bytes) -> Answer:
         return carried(opened(content, "here"), tmp_path / "here", this_machine())
 
-    monkeypatch.setattr(module, "carry_out", carry_out)
+    monkeypatch.setattr(module, "carry_out", carry_out_here)
 
 
 @pytest.fixture
@@ -240,6 +242,18 @@ def test_a_machine_that_cannot_work_is_named(line: Line, tmp_path: Path) -> None
         work_off(line, tmp_path, batches(keep=False)[:9])
 
 
+def test_a_worker_that_answers_without_some_runs_is_asked_again(line: Line, tmp_path: Path) -> None:
+    def mischief(parcel: Parcel) -> Answer | None:
+        answer = carried(parcel, line.folder, FAR)
+        return replace(answer, pieces=tuple(Piece(()) for _ in answer.pieces)) if len(line.log) == 5 else None
+
+    line.mischief = mischief
+    todo = batches(keep=True)[:9]
+    sink, _ = work_off(line, tmp_path, todo)
+    assert sink.results() == expected(tmp_path, todo).results()
+    assert files(tmp_path / "found") == files(tmp_path / "expected")
+
+
 def test_a_worker_that_lacks_a_package_is_told_at_once(line: Line, tmp_path: Path) -> None:
     line.mischief = deadly(0, error=ModuleNotFoundError("No module named 'dse'"))
     with pytest.raises(DseError, match="cannot take up the work: ModuleNotFoundError: No module named 'dse'"):
@@ -309,3 +323,43 @@ def test_a_file_that_only_this_machine_has_is_named(line: Line, tmp_path: Path) 
         Dispatcher(line, work, Gathered()) as pool,
     ):
         pool.work_off(batches(keep=False))
+
+
+@pytest.fixture(scope="module")
+def small_parcel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Parcel]:
+    work = work_in(tmp_path_factory.mktemp("work"))
+    todo = batches(keep=True)[:2]
+    names = {batch.configuration for batch in todo}
+    configurations = {name: packed(work.configurations[name]).content for name in names}
+    needs: dict[str, dict[str, str]] = {name: {} for name in names}
+    yield Parcel(
+        "a study",
+        tuple(todo),
+        work.make_runner,
+        work.measures,
+        needs,
+        replace(todo[0], identity=1 << 50, file=""),
+        configurations,
+        {},
+    )
+    dismiss("a study")
+
+
+def runs(answer: Answer) -> list[tuple[list[int], bytes, tuple[int, ...], tuple[bytes, ...]]]:
+    assert isinstance(answer, Carried)
+    return [
+        (
+            [number for block in piece.blocks for number in block.numbers.tolist()],
+            b"".join(block.metrics.tobytes() for block in piece.blocks),
+            piece.kept,
+            piece.files,
+        )
+        for piece in answer.pieces
+    ]
+
+
+def test_a_parcel_that_was_carried_out_already_gives_the_same_again(small_parcel: Parcel) -> None:
+    """A scheduler that lost the results asks the same machine once more."""
+    first, again = runs(carry_out(sealed(small_parcel))), runs(carry_out(sealed(small_parcel)))
+    assert [numbers for numbers, *_ in first] == [list(batch.numbers) for batch in small_parcel.batches]
+    assert again == first

@@ -21,7 +21,7 @@ from dse.exploration.remote.parcels import Answer, Carried, Missing, Parcel, Pie
 from dse.exploration.supervision.supervisor import Supervisor
 from dse.exploration.work import Batch, Runnable, Work
 from dse.scratch import ScratchFolder
-from dse.storage import Attempt, RowBlock
+from dse.storage import Attempt, RowBlock, clear_spool
 
 IDLE_SECONDS = 60.0
 """How long a process waits for another parcel."""
@@ -99,26 +99,22 @@ class _Crew:
         self._folder = ScratchFolder()
         self._configurations: dict[str, Runnable] = {}
         self._sink = _Gathered(Path(self._folder.name))
-        work = Work(
-            self._configurations, parcel.make_runner, self._sink.folder, parcel.measures, self._sink.folder / "spool"
-        )
+        self._spool = self._sink.folder / "spool"
+        work = Work(self._configurations, parcel.make_runner, self._sink.folder, parcel.measures, self._spool)
         self._supervisor = Supervisor(work, self._sink, workers=1)
         self._is_compared = False
 
     def carry(self, parcel: Parcel) -> Answer:
         """What comes of *parcel*. DseError if the process cannot work at all."""
         batches = parcel.batches if self._is_compared else (parcel.canary, *parcel.batches)
-        missing = self._prepare({batch.configuration for batch in batches}, parcel)
-        if missing is not None:
+        if missing := self._prepare({batch.configuration for batch in batches}, parcel):
             return missing
         retried, canary = self._supervisor.retried, None
         if not self._is_compared:
-            (block,) = self._pieces((parcel.canary,))[0].blocks
-            self._is_compared, canary = True, block
+            self._is_compared, (canary,) = True, self._pieces((parcel.canary,))[0].blocks
         begun = time.perf_counter()
         pieces = self._pieces(parcel.batches)
-        seconds = time.perf_counter() - begun
-        retried = self._supervisor.retried - retried
+        seconds, retried = time.perf_counter() - begun, self._supervisor.retried - retried
         return Carried(pieces, this_machine(), seconds, retried, tuple(self._sink.attempts), canary)
 
     def close(self, error: BaseException | None = None) -> None:
@@ -131,6 +127,8 @@ class _Crew:
     def _pieces(self, batches: tuple[Batch, ...]) -> tuple[Piece, ...]:
         self._sink.begin(batches)
         self._supervisor.work_off(batches)
+        # A supervisor does not make what the spool holds, and the same parcel may come again: its answer can be lost.
+        clear_spool(self._spool, {batch.name for batch in batches})
         return self._sink.pieces()
 
     def _prepare(self, names: set[str], parcel: Parcel) -> Missing | None:

@@ -191,7 +191,7 @@ class Dispatcher:
 
     def _answered(self, load: Load, answer: Answer) -> None:
         match answer:
-            case Carried():
+            case Carried() if sum(len(block) for piece in answer.pieces for block in piece.blocks) == len(load.numbers):
                 self._store(load, answer)
             case Missing():
                 had = load.configurations, load.entries
@@ -202,9 +202,12 @@ class Dispatcher:
                     load.troubles += 1
                     self._count_fruitless("a worker does not find what it was sent", load.troubles > MOST_DEATHS)
                 self._again.appendleft(load)
-            case Trouble():
+            case _:
                 load.troubles += 1
-                self._count_fruitless(f"{answer.host} cannot make runs: {answer.words}", load.troubles > MOST_DEATHS)
+                what = "a worker answers without some of its runs"
+                if isinstance(answer, Trouble):
+                    what = f"{answer.host} cannot make runs: {answer.words}"
+                self._count_fruitless(what, load.troubles > MOST_DEATHS)
                 self._again.append(load)
 
     def _store(self, load: Load, carried: Carried) -> None:
