@@ -81,6 +81,7 @@ from .studies.single import (
     write_package as write_package,
 )
 from .studies.stopping import stop as stop
+from .studies.trust import trust as trust
 from .studies.trying import Tried as Tried, try_point as try_point
 from .studies.watching import (
     Status as Status,

@@ -64,6 +64,7 @@ SHELVES = (
     Shelf("compilers", "compilers that made what is here", stay=True),
     Shelf("documents", "YAML files of workspaces, read", _matches_head),
     Shelf("units", "units, looked up", _matches_head),
+    Shelf("trusted", "workspaces that were trusted", _matches_head, stay=True),
 )
 
 

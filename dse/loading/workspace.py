@@ -150,11 +150,11 @@ class Workspace:
             self._benches[path] = bench
         return self._benches[path]
 
-    def study(self, name: str) -> Study:
+    def study(self, name: str, where: Location | None = None) -> Study:
         """The study called *name*, or in the file *name*. Raises DseError."""
         from dse.loading.bench.study import read_study
 
-        path = self._file(name, "testbenches", _STUDY, None)
+        path = self._file(name, "testbenches", _STUDY, where)
         study = read_study(path, self.bench, self.root)
         _require_name(study.name, path, _STUDY, study.where)
         return study

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,27 +24,52 @@ _DIGITS = 7
 _one_at_a_time = Lock()
 
 
-def asked_point(body: bytes) -> tuple[str, dict[str, float]]:
-    """Configuration and point of a request to simulate. DseError for anything else."""
+class Asked(NamedTuple):
+    """A request to simulate the *point* of a *configuration*; the user *accepts* that this has changed."""
+
+    configuration: str
+    point: dict[str, float]
+    accepts: frozenset[str]
+
+
+def asked_point(body: bytes) -> Asked:
+    """The request in *body*. DseError for anything else."""
     try:
         told = json.loads(body)
         configuration, point = told["configuration"], told["point"]
+        accepts = frozenset(map(str, told.get("accepts", ())))
         numbers = {str(name)[:_MOST_NAME]: float(value) for name, value in point.items()}
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise fail("this is no point of a study") from error
     if not isinstance(configuration, str) or not all(map(math.isfinite, numbers.values())):
         raise fail("this is no point of a study")
-    return configuration, numbers
+    return Asked(configuration, numbers, accepts)
 
 
-def simulated(folder: Path, configuration: str, point: Mapping[str, float]) -> dict[str, object]:
-    """What came of *point*, simulated now: metrics, verdicts and waveforms. Raises DseError; also while it is busy."""
-    with the_only_one():
-        definition = results(folder).definition
-        tried = try_point(definition, configuration, point, near=folder)
+def simulated(folder: Path, asked: Asked, workspace: Path | None = None) -> dict[str, object]:
+    """What came of the point, simulated now: metrics, verdicts and waveforms; or, with nothing simulated, what has
+    changed in the workspace that the user has not accepted. Raises DseError; also while it is busy."""
+
+    def require_accepted(changed: tuple[str, ...]) -> None:
+        if not asked.accepts.issuperset(changed):
+            raise _ChangedError(changed)
+
+    try:
+        with the_only_one():
+            tried = try_point(
+                results(folder).definition,
+                asked.configuration,
+                asked.point,
+                near=folder,
+                workspace=workspace,
+                on_changed=require_accepted,
+            )
+    except _ChangedError as error:
+        return {"changed": [*error.changed], "simulated": False}
     run = tried.run
     rows = metric_rows(run.noun, run.definition, run.check) if run.is_done else ()
     return {
+        "simulated": True,
         "done": run.is_done,
         "problem": run.problem,
         "changed": [*tried.changed],
@@ -72,6 +98,14 @@ def the_only_one() -> Iterator[None]:
         yield
     finally:
         _one_at_a_time.release()
+
+
+class _ChangedError(Exception):
+    """The workspace has *changed* since the study was made."""
+
+    def __init__(self, changed: tuple[str, ...]) -> None:
+        super().__init__(", ".join(changed))
+        self.changed = changed
 
 
 class BusyError(Exception):

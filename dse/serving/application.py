@@ -50,7 +50,7 @@ def application(
         hint = "python -m pip install 'dse-workbench[serve]'"
         raise fail("serving needs the packages starlette and uvicorn", hint=hint) from None
     desk = Desk()
-    replays = Replays()
+    replays = Replays(shelf.workspace)
 
     def name_of(request: Request) -> str:
         return request.query_params.get("study", "")
@@ -70,9 +70,9 @@ def application(
         return HTMLResponse(compare_page(_compared(shelf, [*names])))
 
     async def simulate(request: Request) -> Response:
-        configuration, point = asked_point(await request.body())
+        asked = asked_point(await request.body())
         folder = shelf.folder(name_of(request))
-        return JSONResponse(await _aside(lambda: simulated(folder, configuration, point)))
+        return JSONResponse(await _aside(lambda: simulated(folder, asked, shelf.workspace)))
 
     def replay(request: Request) -> Response:
         name, run = request.path_params["name"], run_number(request.path_params["run"])

@@ -27,8 +27,12 @@ def run_number(text: str) -> int:
 
 @dataclass(slots=True)
 class Replays:
-    """The pages of runs as they are now. All may be called from any thread."""
+    """The pages of runs as they are now, simulated with *workspace*, or one that is trusted.
 
+    All may be called from any thread.
+    """
+
+    workspace: Path | None = None
     _pages: OrderedDict[tuple[Path, int], tuple[str, str]] = field(default_factory=OrderedDict)
     _told: dict[tuple[Path, int], str] = field(default_factory=dict)
     _lock: Lock = field(default_factory=Lock)
@@ -48,7 +52,7 @@ class Replays:
             study = results(folder)
             mark = study.scene_mark(run)
             try:
-                text = study.scene_page(run, tell=lambda told: self._tell(folder, run, told))
+                text = study.scene_page(run, workspace=self.workspace, tell=lambda told: self._tell(folder, run, told))
             finally:
                 with self._lock:
                     self._told.pop((folder, run), None)

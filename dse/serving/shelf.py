@@ -24,13 +24,13 @@ _FRESH = 2.0
 class Shelf:
     """The studies in *root*, which may be one itself; links are not followed, so that each lies below *root*.
 
-    DseError if *root* is no folder.
+    They are simulated with *workspace*, or one that is trusted. DseError if *root* is no folder.
     """
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, root: Path, workspace: Path | None = None) -> None:
         if not root.is_dir():
             raise fail("there is no such folder", Location(str(root)), "name a study folder, or one that holds some")
-        self.root = root.resolve()
+        self.root, self.workspace = root.resolve(), workspace
         self._found: Mapping[str, Path] = {}
         self._looked = -_FRESH
         self._lock = Lock()

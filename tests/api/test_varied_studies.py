@@ -108,7 +108,7 @@ def test_a_point_of_every_configuration_can_be_tried_again(varied):
     for number in frame.groupby("configuration").head(1).index.tolist():
         run = results.run(number)
         shown = {name: units[name].from_si(float(value)) for name, value in run.point.items()}
-        tried = try_point(results.definition, run.configuration, shown, near=results.folder)
+        tried = try_point(results.definition, run.configuration, shown, workspace=results.folder)
         assert tried.changed == ()
         assert tried.run.metrics.keys() == run.metrics.keys()
         # What is shown may be a rounding away from what was simulated.

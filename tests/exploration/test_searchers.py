@@ -253,7 +253,8 @@ class TestNsga2(SearcherSuite):
 @pytest.mark.nightly
 class TestLocal(SearcherSuite):
     sampler = Local
-    bands: ClassVar[Mapping[str, float]] = {"ackley5": 2.5}  # two starts share the runs that scipy's one start has
+    # Two starts share the runs that scipy's one start has; on islands ten starts decide more than the simplex does.
+    bands: ClassVar[Mapping[str, float]] = {"ackley5": 2.5, "gomez": 1.5}
     unfit: ClassVar[Mapping[str, str]] = {"gomez": "what is allowed are islands, and a simplex stays on its own"}
     library = staticmethod(scipy_simplex)
 

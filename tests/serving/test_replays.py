@@ -19,7 +19,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The runs that were simulated for a page."""
     found: list[int] = []
 
-    def page(_: Results, run: int, *, tell) -> str:
+    def page(_: Results, run: int, *, workspace, tell) -> str:
         tell("building FMUs")
         found.append(run)
         return f"<p>the page of {run}</p>"
@@ -91,7 +91,7 @@ def test_what_goes_wrong_is_told_and_can_be_tried_again(client, monkeypatch) -> 
 def test_one_run_is_simulated_at_a_time_and_who_waits_is_told_how_far_it_is(workshop, served, monkeypatch) -> None:
     begun, released = threading.Event(), threading.Event()
 
-    def slow(_: Results, run: int, *, tell) -> str:
+    def slow(_: Results, run: int, *, workspace, tell) -> str:
         tell("building FMUs")
         begun.set()
         released.wait(60)

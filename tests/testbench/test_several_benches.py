@@ -145,7 +145,7 @@ def test_a_point_on_either_bench_and_of_any_item_can_be_tried(root: Path, explor
     for number in range(len(results)):
         run = results.run(number)
         shown = {name: float(value) for name, value in run.point.items()}
-        tried = try_point(results.definition, run.configuration, shown, near=root)
+        tried = try_point(results.definition, run.configuration, shown, workspace=root)
         assert (tried.run.metrics, tried.run.verdicts, tried.changed) == (run.metrics, run.verdicts, ())
 
 

@@ -20,7 +20,7 @@ from dse.api.studies.planning import (
     recall,
     start_over,
 )
-from dse.domain.study import CheckStep, ExecutorChoice, Shard
+from dse.domain.study import TESTBENCH, CheckStep, ExecutorChoice, Shard
 from dse.errors import DseError, fail
 from dse.exploration import (
     Checkable,
@@ -36,7 +36,7 @@ from dse.exploration import (
     load_executor,
     simulate_alone,
 )
-from dse.storage import StudyFolder, StudyHeader
+from dse.storage import StudyFolder, StudyHeader, changed_inputs
 from dse.testbench import (
     PreparedStudy,
     WorldPlace,
@@ -49,6 +49,7 @@ from dse.testbench import (
 )
 
 if TYPE_CHECKING:
+    from dse.domain.definition import StudyDefinition
     from dse.domain.run import Run
     from dse.domain.study import Study
 
@@ -66,6 +67,9 @@ __all__ = [
 
 Tell = Callable[[str], None]
 """Is told what is going on while things are built."""
+
+OnChanged = Callable[[tuple[str, ...]], object]
+"""Is called with what has changed since a study was made, before anything is simulated; it may raise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,14 +240,41 @@ def alone(
     sandbox: bool = False,
     tell: Tell | None = None,
     world: WorldPlace | None = None,
+    before: Callable[[PreparedStudy], object] | None = None,
 ) -> tuple[Run, PreparedStudy]:
     """The single run of *study*, made in a process of its own, with waveforms; and what it was made from.
 
-    It is made *on* the bench of this number, with the *world* where that is.
+    It is made *on* the bench of this number, with the *world* where that is. *before* is called with what is to be
+    simulated, before anything is.
     """
     planned = ready(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell, world=world)
+    if before:
+        before(planned)
     ((name, prepared),) = planned.benches.items()
     if tell:
         tell("simulating")
     measures = StudyHeader(planned.definition).measures
     return simulate_alone(on_bench(prepared, on), make_runner, name, measures, sandboxed=sandbox), planned
+
+
+def again(
+    study: Study,
+    stored: StudyDefinition,
+    run: Run,
+    fmi: int,
+    *,
+    tell: Tell | None = None,
+    on_changed: OnChanged | None = None,
+) -> tuple[Run, PreparedStudy, tuple[str, ...]]:
+    """As `alone`, for a *run* of the study that is *stored*; and what has changed since, which *on_changed* is told
+    before anything is simulated, if it is something."""
+    changed: tuple[str, ...] = ()
+
+    def compare(planned: PreparedStudy) -> None:
+        nonlocal changed
+        changed = tuple(changed_inputs(stored, planned.definition, run))
+        if changed and on_changed:
+            on_changed(changed)
+
+    made, planned = alone(study, fmi, on=int(run.request.point.get(TESTBENCH, 0)), tell=tell, before=compare)
+    return made, planned, changed

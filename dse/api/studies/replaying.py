@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 from dse.api.naming import workspace_of
 from dse.api.studies.driven import is_drives
 from dse.api.studies.run import Run
+from dse.api.studies.trying import benches_near
 from dse.errors import DseError, Location, fail
 
 if TYPE_CHECKING:
-    from dse.api.studies.exploring import Tell
+    from dse.api.studies.exploring import OnChanged, Tell
     from dse.domain.bench import TestBench
     from dse.domain.definition import StudyDefinition
 
@@ -48,33 +49,47 @@ class Replay:
         return None
 
 
-def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell: Tell | None = None) -> Replay:
-    """Simulate *stored* again and compare; its study is found in the workspace here, or in the file *source*."""
-    from dse.api.studies.exploring import alone
+def replay(
+    stored: Run,
+    *,
+    source: str | Path | None = None,
+    fmi: int = 2,
+    tell: Tell | None = None,
+    on_changed: OnChanged | None = None,
+) -> Replay:
+    """Simulate *stored* again and compare; its study is found in the workspace here, or in the file *source*.
+
+    *on_changed* is called before it is simulated if something has changed since the study was made, with what.
+    """
+    from dse.api.studies.exploring import again
     from dse.domain.study import TESTBENCH, Selection
-    from dse.storage import changed_inputs, changed_results
+    from dse.storage import changed_results
     from dse.testbench import bench_study, with_values
 
     point = {name: value for name, value in stored.point.items() if name != TESTBENCH}
     first, *others = (with_values(bench, point) for bench in benches_of(stored.definition, source))
     study = replace(bench_study(first, Selection((stored.configuration,))), others=tuple(others))
-    made, planned = alone(study, fmi, on=int(stored.point.get(TESTBENCH, 0)), tell=tell)
+    made, planned, changed = again(study, stored.definition, stored.noun, fmi, tell=tell, on_changed=on_changed)
     # Alone it has number 0 and its point is the bench's own.
-    again = replace(made, request=stored.noun.request)
+    made = replace(made, request=stored.noun.request)
     return Replay(
-        Run(again, replace(planned.definition, variables=stored.definition.variables)),
+        Run(made, replace(planned.definition, variables=stored.definition.variables)),
         stored,
-        tuple(changed_results(stored.noun, again)),
-        tuple(changed_inputs(stored.definition, planned.definition, stored.noun)),
+        tuple(changed_results(stored.noun, made)),
+        changed,
     )
 
 
 def benches_of(definition: StudyDefinition, source: str | Path | None) -> tuple[TestBench, ...]:
-    """The benches of the study, found by its name in the workspace around the current folder, or in *source*."""
+    """The benches of the study, found by its name in the workspace around the current folder, or in *source*.
+
+    Raises DseError, also if that workspace lies in a study folder and is not trusted.
+    """
     if is_drives(definition):
         what = f"'{definition.title}' is a study of drives: who drove is in its recordings"
         raise fail(what, Location(definition.study), "make them again and compare: dse drives DIR --check")
-    is_bench = not definition.variables
-    name = str(source) if source else definition.bench.name if is_bench else definition.study
+    if not source:
+        return benches_near(definition, Path())
+    name = str(source)
     workspace = workspace_of(name)
-    return (workspace.bench(name),) if is_bench else workspace.study(name).benches
+    return workspace.study(name).benches if definition.variables else (workspace.bench(name),)

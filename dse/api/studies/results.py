@@ -135,8 +135,8 @@ class Results:
         """Write a page in which the *run* of this number is driven again in three dimensions; returns where it is.
 
         It is *target*, or ``replays/run_RUN.html`` in the folder. The run is simulated once more: its study is found in
-        the workspace around the folder or around here, or in the file *source*. Raises DseError if that gives something
-        else, or if nothing in it says where a car is.
+        the file *source*, else in the workspace around the folder or around here, if that is trusted. Raises DseError
+        if it is not, if the run gives something else, or if nothing in it says where a car is.
         """
         from dse.api.studies.scenes import replay_file, scene_of
         from dse.report import write_scene
@@ -190,15 +190,25 @@ class Results:
         text = self.scene_page(run, source=source, tell=tell)
         return film(text, shot, Path(target), tell or (lambda _: None))
 
-    def scene_page(self, run: int, *, source: str | Path | None = None, tell: Tell | None = None) -> str:
-        """The page of a *run* as text: as `replay_page` has it in the folder, else made anew and not kept."""
+    def scene_page(
+        self,
+        run: int,
+        *,
+        source: str | Path | None = None,
+        workspace: Path | None = None,
+        tell: Tell | None = None,
+    ) -> str:
+        """The page of a *run* as text: as `replay_page` has it in the folder, else made anew and not kept.
+
+        Its study is taken from *source* or *workspace*, else found as `write_scene` does.
+        """
         from dse.api.studies.scenes import mark_of, replay_file, scene_of
         from dse.report import scene_mark, scene_page
 
         stored, page = self.run(run), replay_file(self.folder, run)
         if scene_mark(page) == mark_of(stored):
             return page.read_text(encoding="utf-8")
-        return scene_page(scene_of(stored, source=source, near=self.folder, tell=tell))
+        return scene_page(scene_of(stored, source=source, near=self.folder, workspace=workspace, tell=tell))
 
     def scene_mark(self, run: int) -> str:
         """A digest of what a *run*'s page in three dimensions is made of: as long as it is the same, so is the page."""

@@ -33,32 +33,39 @@ _REACH = 700.0
 
 
 def scene_of(
-    stored: Run, *, source: str | Path | None = None, near: str | Path = "", fmi: int = 2, tell: Tell | None = None
+    stored: Run,
+    *,
+    source: str | Path | None = None,
+    near: str | Path = "",
+    workspace: Path | None = None,
+    fmi: int = 2,
+    tell: Tell | None = None,
 ) -> Scene:
     """*stored* simulated again, as `replay` does, for the eye.
 
-    Its study is taken from the file *source*, else from the workspace around *near*, else from that around here.
+    Its study is taken from the file *source*, else from *workspace*, else as `in_workspace` does for the folder *near*.
     Raises DseError if nothing in it says where a car is, or if it does not come to the same metrics again.
     """
     with ScratchFolder() as scratch:
-        return _scene_on(_bench_of(stored, source, Path(near), Path(scratch)), stored, fmi, tell)
+        return _scene_on(_bench_of(stored, source, Path(near), workspace, Path(scratch)), stored, fmi, tell)
 
 
-def _bench_of(stored: Run, source: str | Path | None, near: Path, scratch: Path) -> TestBench:
+def _bench_of(stored: Run, source: str | Path | None, near: Path, workspace: Path | None, scratch: Path) -> TestBench:
     """The bench as it was simulated for *stored*; what was driven by somebody lies as a table in *scratch*."""
     from dse.api.studies.driven import NOBODY, bench_driven, drive_name, is_drives, recording
     from dse.api.studies.replaying import benches_of
-    from dse.api.studies.trying import benches_near, near_or_here
+    from dse.api.studies.trust import in_workspace
+    from dse.api.studies.trying import benches_near
     from dse.domain.study import TESTBENCH
     from dse.testbench import with_values
 
     if is_drives(stored.definition):
         name, of = drive_name(stored.definition, stored.point), stored.definition.bench.name
-        bench = near_or_here(near, lambda workspace: workspace.bench(of))
+        bench = in_workspace(near, lambda found: found.bench(of, Location(of)), workspace)
         return bench if name == NOBODY else bench_driven(recording(near, name), bench, scratch)
     on = int(stored.point.get(TESTBENCH, 0))
     point = {name: value for name, value in stored.point.items() if name != TESTBENCH}
-    found = benches_of(stored.definition, source) if source else benches_near(stored.definition, near)
+    found = benches_of(stored.definition, source) if source else benches_near(stored.definition, near, workspace)
     return with_values(found[on], point)
 
 

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
-from dse.api.studies.exploring import alone
+from dse.api.studies.exploring import OnChanged, again
 from dse.api.studies.run import Run
+from dse.api.studies.trust import in_workspace
 from dse.domain.run import Outcome, Run as RunNoun, RunRequest
 from dse.domain.study import TESTBENCH, Selection
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.loading import Workspace
-from dse.storage import changed_inputs
 from dse.testbench import bench_study, one_configuration, with_settings, with_values
 from dse.units import parse_unit
 
@@ -23,8 +22,6 @@ if TYPE_CHECKING:
     from dse.domain.bench import TestBench
     from dse.domain.component import Value
     from dse.domain.definition import DefinedVariable, StudyDefinition
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,43 +33,45 @@ class Tried:
 
 
 def try_point(
-    definition: StudyDefinition, configuration: str, point: Mapping[str, float], *, near: str | Path = ""
+    definition: StudyDefinition,
+    configuration: str,
+    point: Mapping[str, float],
+    *,
+    near: str | Path = "",
+    workspace: str | Path | None = None,
+    on_changed: OnChanged | None = None,
 ) -> Tried:
     """Simulate *configuration* of the study at *point*, once, in a process of its own, and keep its waveforms.
 
     *point* has a value for each design variable that the configuration has, in the unit of the study. The study's files
-    are taken from the workspace around *near*, else around the current folder. Raises DseError for what is no point of
-    the study, and if its files are not there or cannot be built; a run that fails is a result.
+    are taken from *workspace*, else as `in_workspace` does for the folder *near*. *on_changed* is called before it is
+    simulated if something has changed since the study was made, with what. Raises DseError for what is no point of
+    the study, and if its files are not there, not trusted, or cannot be built; a run that fails is a result.
     """
     values = _values(definition, configuration, point)
     free = {name: value for name, value in values.items() if name != TESTBENCH}
     first, *others = (
         _within_ranges(with_values(bench, free), definition, configuration, point)
-        for bench in benches_near(definition, Path(near))
+        for bench in benches_near(definition, Path(near), workspace)
     )
     study = replace(bench_study(first, Selection((configuration,))), others=tuple(others))
-    made, planned = alone(study, 2, on=int(values.get(TESTBENCH, 0)))
     here = RunNoun(RunRequest(0, configuration, values), Outcome.DONE, {}, ())
-    run = Run(made, planned.definition)
-    return Tried(run, tuple(changed_inputs(definition, planned.definition, here)))
+    made, planned, changed = again(study, definition, here, 2, on_changed=on_changed)
+    return Tried(Run(made, planned.definition), changed)
 
 
-def benches_near(definition: StudyDefinition, near: Path) -> tuple[TestBench, ...]:
-    """The benches of the study as its workspace has them now. DseError for the last place that was looked at."""
-    is_bench = not definition.variables
-    name = definition.bench.name if is_bench else definition.study
-
-    def found(workspace: Workspace) -> tuple[TestBench, ...]:
-        return (workspace.bench(name),) if is_bench else workspace.study(name).benches
-
-    return near_or_here(near, found)
+def benches_near(definition: StudyDefinition, near: Path, workspace: str | Path | None = None) -> tuple[TestBench, ...]:
+    """The benches of the study as its workspace has them now: *workspace*, or that of `in_workspace` for *near*."""
+    return in_workspace(near, lambda found: benches_in(found, definition), Path(workspace) if workspace else None)
 
 
-def near_or_here(near: Path, look: Callable[[Workspace], T]) -> T:
-    """What *look* finds in the workspace around *near*, else around the current folder; DseError if in neither."""
-    with suppress(DseError):
-        return look(Workspace.around(near))
-    return look(Workspace.around(Path()))
+def benches_in(workspace: Workspace, definition: StudyDefinition) -> tuple[TestBench, ...]:
+    """The benches of the study *definition* in *workspace*, by their names. Raises DseError."""
+    # Who made the study folder chose these names: they must not be paths.
+    where = Location(definition.study)
+    if not definition.variables:
+        return (workspace.bench(definition.bench.name, where),)
+    return workspace.study(definition.study, where).benches
 
 
 def _within_ranges(

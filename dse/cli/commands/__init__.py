@@ -40,6 +40,7 @@ COMMANDS = (
     "compare_components",
     "report",
     "serve",
+    "trust",
     "drive",
     "udp",
     "figure",

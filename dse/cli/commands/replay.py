@@ -35,7 +35,7 @@ def replay(
 
     stored = Results(folder).run(number)
     with console(stderr=True).status("") as status:
-        found = replayed(stored, source=source, fmi=version, tell=status.update)
+        found = replayed(stored, source=source, fmi=version, tell=status.update, on_changed=_tell_changed)
     present_run(found.run, output, plot, units_word(si))
     problem = found.problem(str(folder))
     if problem:
@@ -44,3 +44,7 @@ def replay(
     what = "metrics, verdicts and waveforms" if kept else "metrics and verdicts; no waveforms were kept"
     say(f"run {number}: the same as in {folder}, bit for bit ({what})", stderr=True)
     raise typer.Exit(DONE if found.run.is_done else RUNS_FAILED)
+
+
+def _tell_changed(changed: tuple[str, ...]) -> None:
+    say(f"changed since the study was made: {', '.join(changed)}", stderr=True)

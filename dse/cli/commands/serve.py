@@ -15,12 +15,22 @@ Place = Annotated[Path, typer.Argument(metavar="DIR", help="A study folder, a fo
 
 
 @app.command()
-def serve(folder: Place = Path(), listen: Listen = "", port: ServerPort = 8470) -> None:
+def serve(
+    folder: Place = Path(),
+    listen: Listen = "",
+    port: ServerPort = 8470,
+    workspace: Annotated[
+        Path | None, typer.Option("--workspace", metavar="DIR", help="Simulate with the files of this workspace.")
+    ] = None,
+) -> None:
     """Show studies in the browser, also while they are explored.
 
     The same report as 'dse report', with new runs as they come, progress, a button that stops the exploration, points
     simulated at a click, and studies side by side. Only this machine reaches it, unless --listen says otherwise;
     then the address that is printed has a token in it, without which nothing is shown. Ctrl-C ends it.
+
+    Points are simulated with the workspace the study lies in if it is the one of the current folder or one that
+    'dse trust' was told of: its code is compiled and run.
     """
     from dse.serving import Announced, Shelf, serve as serve_studies
 
@@ -30,4 +40,4 @@ def serve(folder: Place = Path(), listen: Listen = "", port: ServerPort = 8470) 
             say("whoever has this address may look, stop and simulate; nothing on the way is encrypted", stderr=True)
         say("Ctrl-C ends it", stderr=True)
 
-    serve_studies(Shelf(folder), listen=listen, port=port, tell=tell)
+    serve_studies(Shelf(folder, workspace), listen=listen, port=port, tell=tell)

@@ -18,6 +18,8 @@ interface Waveform {
 }
 
 interface Tried {
+  /** Not if something has changed that the user has not accepted. */
+  simulated: boolean;
   done: boolean;
   problem: string;
   changed: string[];
@@ -80,8 +82,10 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
 
   // What was simulated last, drawn again where colours change.
   let show = (): void => {};
-  const simulate = async (event: Event): Promise<void> => {
-    event.preventDefault();
+  // What has changed in the workspace, as the user knows.
+  let accepts: string[] = [];
+  const simulate = async (event?: Event): Promise<void> => {
+    event?.preventDefault();
     const point: Record<string, number> = {};
     study.variables.forEach(({ name }, index) => {
       if (!inputs[index]!.disabled) point[name] = Number(inputs[index]!.value);
@@ -91,9 +95,14 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
     show = () => {};
     const begun = performance.now();
     try {
-      const tried = (await post(`/simulate?${query}`, { configuration: configuration.value, point })) as Tried;
+      const tried = (await post(`/simulate?${query}`, { configuration: configuration.value, point, accepts })) as Tried;
       const seconds = (performance.now() - begun) / 1000;
+      const anyway = (): void => {
+        accepts = tried.changed;
+        void simulate();
+      };
       show = () => {
+        if (!tried.simulated) return result.replaceChildren(...asking(tried.changed, anyway));
         const plots: (() => void)[] = [];
         result.replaceChildren(...shown(tried, seconds, plots));
         for (const draw of plots) draw();
@@ -134,6 +143,12 @@ function put(input: HTMLInputElement | HTMLSelectElement, value: number): void {
 function rounded(value: number, { low, high }: { low: number; high: number }): number {
   const decimals = Math.max(0, 3 - Math.floor(Math.log10(high - low)));
   return Number(Math.min(Math.max(value, low), high).toFixed(Math.min(20, decimals)));
+}
+
+/** Nothing has run yet: what is there now is not what the study was made with. */
+function asking(changed: string[], anyway: () => void): HTMLElement[] {
+  const what = `Not simulated: the workspace has changed since the study was made (${changed.join(", ")}).`;
+  return [el("p", { class: "problem", role: "alert" }, what), el("button", { type: "button", id: "try-anyway", click: anyway }, "Simulate anyway")];
 }
 
 function shown(tried: Tried, seconds: number, plots: (() => void)[]): HTMLElement[] {
