@@ -307,8 +307,16 @@ class StudyFolder(StudyReader):
 
     def recover(self) -> None:
         """Store the runs that are in the spool and not here; waveforms stay there until their chunk is complete."""
+        needed = self.take_spooled(self.spool_folder)
+        self.commit()
+        for file in self.spool_folder.glob(f"*{SPOOLED}"):
+            if file not in needed:
+                file.unlink(missing_ok=True)
+
+    def take_spooled(self, spool: Path) -> set[Path]:
+        """Store the runs that are in the folder *spool* and not here; the files whose waveforms are still needed."""
         finished, kept = self.finished(), self.kept()
-        spooled = read_spool(self.spool_folder, self.header.measures, self.header.fingerprint)
+        spooled = read_spool(spool, self.header.measures, self.header.fingerprint)
         known = {(a.run, a.maker, a.seconds) for a in self.attempts()} if spooled else set()
         needed: set[Path] = set()
         for each in spooled:
@@ -329,10 +337,7 @@ class StudyFolder(StudyReader):
             if is_same and any(not kept.get(number) for number in each.kept):
                 needed.add(each.path)
             finished.update(numbers)
-        self.commit()
-        for file in self.spool_folder.glob(f"*{SPOOLED}"):
-            if file not in needed:
-                file.unlink(missing_ok=True)
+        return needed
 
     def forget(self, numbers: AbstractSet[int]) -> None:
         """Take away the rows of the runs *numbers* and what is known of their waveforms; their attempts stay."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import os
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,9 @@ WRITER = "writer.json"
 
 _NO_LOCKS = frozenset({errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOLCK})
 """What a file system without locks says."""
+
+_WAIT = 0.2
+"""Seconds to wait for the lock: who looks whether it is free holds it for a moment."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +47,9 @@ class WriterLock:
         from filelock import FileLock, Timeout
 
         self._path = path
-        self._lock = FileLock(path / LOCK, timeout=0, thread_local=False, fallback_to_soft=False)
+        self._lock = FileLock(
+            path / LOCK, timeout=_WAIT, poll_interval=_WAIT / 4, thread_local=False, fallback_to_soft=False
+        )
         try:
             path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -55,8 +61,8 @@ class WriterLock:
         except OSError as error:
             if error.errno not in _NO_LOCKS:
                 raise refused(path, error) from error
-            if writer_of(path):
-                raise _refused(path, writer_of(path)) from None
+            if writer := _noted(path):
+                raise _refused(path, writer) from None
         self._is_held = True
         try:
             _note(path)
@@ -84,7 +90,12 @@ class WriterLock:
 
 
 def writer_of(path: Path) -> Writer | None:
-    """Who writes into the study folder *path* now; None if nobody does, or a process of this machine that is dead."""
+    """Who writes into the study folder *path* now; None if nobody does, as the lock shows where there are locks."""
+    return None if _is_free(path / LOCK) else _noted(path)
+
+
+def _noted(path: Path) -> Writer | None:
+    """Who has noted to write into *path*; None for a process of this machine that is dead."""
     try:
         note = json.loads((path / WRITER).read_bytes())
         writer = Writer(str(note["host"]), int(note["process"]), int(note["started"]))
@@ -96,6 +107,26 @@ def writer_of(path: Path) -> Writer | None:
             return writer if 0 != start_of(writer.process) == writer.started else None
         return None
     return writer
+
+
+def _is_free(lock: Path) -> bool:
+    """Whether nobody holds *lock*, as far as that can be seen."""
+    if os.name == "nt":
+        return False
+    import fcntl
+
+    try:
+        opened = os.open(lock, os.O_RDONLY | os.O_CLOEXEC)
+    except OSError:
+        return not lock.exists()
+    try:
+        fcntl.flock(opened, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError:  # held, or there are no locks
+        return False
+    else:
+        return True
+    finally:
+        os.close(opened)
 
 
 def _note(path: Path) -> None:

@@ -58,7 +58,7 @@ def merge_studies(target: Path, sources: Sequence[Path]) -> Merged:
             _require_same(first, other)
         merging = stack.enter_context(_Merging.resume(target, first.header.definition))
         different = {number for reader in readers for number in merging.take_in(reader)}
-        of = {reader.path: len(reader.finished()) for reader in readers}
+        of = {reader.path: len(reader.finished() | reader.spooled()) for reader in readers}
         finished = len(merging.finished())
         return Merged(merging.header.runs, finished, of, _absent(sources), tuple(sorted(different)))
 
@@ -114,6 +114,8 @@ class _Merging(StudyFolder):
             connection.executemany("INSERT OR IGNORE INTO kept VALUES (?, ?, ?)", rows)
             write_files(connection, files)
             connection.execute("COMMIT")
+        self.take_spooled(other.spool_folder)  # whoever made these was killed before they were stored
+        self.commit()
         return tuple(number for number, is_other in zip(both, differ.tolist(), strict=True) if is_other)
 
     def _linked(self, other: StudyReader, names: set[str]) -> dict[str, FileFacts]:

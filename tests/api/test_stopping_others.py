@@ -93,7 +93,7 @@ def test_where_nobody_writes_nobody_is_stopped(study: Path) -> None:
 
 
 def test_a_process_that_only_a_note_names_is_left_alone(study: Path) -> None:
-    with started(SLEEPS) as bystander:
+    with WriterLock(study), started(SLEEPS) as bystander:
         note(study, bystander.pid)
         with pytest.raises(DseError, match=rf"process {bystander.pid} .* cannot be stopped .* does not hold"):
             stop(study)

@@ -103,8 +103,18 @@ def test_another_process_of_the_same_number_is_not_the_writer(tmp_path: Path) ->
     note = {"host": host, "process": int(process), "started": 1.0}
     (tmp_path / "writer.json").write_text(json.dumps(note), encoding="utf-8")
     assert writer_of(tmp_path) is None
-    (tmp_path / "writer.json").write_text(json.dumps({**note, "host": "elsewhere"}), encoding="utf-8")
-    assert writer_of(tmp_path) == Writer("elsewhere", int(process), 1.0)
+
+
+def test_a_writer_that_was_killed_on_another_host_holds_nothing(tmp_path: Path) -> None:
+    """As after a container was started again, under another name."""
+    note = json.dumps({"host": "elsewhere", "process": 7, "started": 1.0})
+    with WriterLock(tmp_path):
+        (tmp_path / "writer.json").write_text(note, encoding="utf-8")
+        assert writer_of(tmp_path) == Writer("elsewhere", 7, 1)
+    (tmp_path / "writer.json").write_text(note, encoding="utf-8")
+    for _ in range(2):
+        assert writer_of(tmp_path) is None
+        (tmp_path / "writer.lock").touch()
 
 
 def test_without_locks_the_note_decides(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,6 +18,7 @@ from dse.storage.attempts import Attempt
 from dse.storage.database.definition import fingerprint
 from dse.storage.export.tables import EXPORTS
 from dse.storage.folder import StudyFolder
+from dse.storage.merging import merge_studies
 from dse.storage.rows import Measures
 from dse.storage.spool import SpoolWriter, assemble, read_spool
 from dse.storage.waveforms import waveform_file, write_waveforms
@@ -54,6 +55,19 @@ def resumed(stored: Path, definition: StudyDefinition) -> tuple[set[int], list[A
     """Finished runs, attempts and spool files after going on."""
     with StudyFolder.resume(stored, definition) as folder:
         return folder.finished(), folder.attempts(), [*folder.spool_folder.iterdir()]
+
+
+def test_what_a_killed_shard_had_finished_is_merged(
+    stored: Path, definition: StudyDefinition, spool: Spool, tmp_path: Path
+) -> None:
+    spool(made(3), made(5, keep=True))
+    for _ in range(2):  # it can be done again
+        merged = merge_studies(tmp_path / "whole", [stored])
+        assert merged.finished == merged.of[stored] == 6
+    with StudyFolder.open(tmp_path / "whole") as folder:
+        assert folder.finished() == {0, 1, 2, 3, 4, 5}
+        assert folder.run(3).metrics == {"overshoot": 0.5, "rise_time": 1.0}
+        assert len(folder.attempts()) == len({*folder.attempts()})
 
 
 def test_spooled_runs_become_rows_and_their_file_goes(stored: Path, definition: StudyDefinition, spool: Spool) -> None:
