@@ -41,6 +41,7 @@ def try_all(own: Path, home: Path) -> None:
         "look": lambda: list(home.iterdir()),
         "program that writes": lambda: subprocess.run(["/bin/sh", "-c", f"echo > {home}/new"], check=True),
         "socket": lambda: socket.socket(socket.AF_UNIX),
+        "watch": lambda: _watch(home),
         "supervisor": lambda: Path(f"/proc/{os.getppid()}/environ").read_bytes(),
     }
     done = []
@@ -49,6 +50,15 @@ def try_all(own: Path, home: Path) -> None:
             attempt()
             done.append(name)
     (own / "said").write_text(json.dumps(done))
+
+
+def _watch(folder: Path) -> None:
+    """Ask to be told of what happens in *folder*."""
+    import ctypes
+
+    system = ctypes.CDLL(None)
+    if system.inotify_add_watch(system.inotify_init1(os.O_CLOEXEC), os.fsencode(folder), 0x100) < 0:
+        raise OSError(ctypes.get_errno(), "inotify_add_watch")
 
 
 OWN = ["own", "move", "temporary", "program"]
