@@ -27,6 +27,7 @@ from dse.exploration.supervision.open_files import OUT_OF_FILES, SpareFiles
 from dse.exploration.supervision.worker_threads import are_spent, simulate
 from dse.exploration.work import Batch
 from dse.processes import forget_start
+from dse.sandbox import protect_parent
 from dse.storage import RowBlock, SpoolWriter, assemble, block_of, read_spool, this_process
 
 _SEND_EVERY = 0.1
@@ -42,6 +43,7 @@ _HARMED = OUT_OF_FILES | {errno.EFBIG, errno.EBADF}
 def serve(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> None:
     """Serve batches until None comes or the supervisor is gone. What simulations print goes to *log*."""
     _leave_signals_to_the_supervisor()
+    protect_parent()
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     _print_to(log)
     if setup.sandbox is not None:
