@@ -108,6 +108,8 @@ def _carry_out(
         _retire(channel, Report(batch.identity, block, retired=True, fault=fault))
     kept: tuple[int, ...] = ()
     if batch.keep and not batch.part:
+        if not spool.is_whole:  # and the supervisor may not have written the rest yet
+            _retire(channel, Report(batch.identity, block, retired=True))
         heart.beat(Phase.WRITING, batch.identity)
         for runner in runners:
             runner.put_back()
@@ -131,7 +133,7 @@ def _carry_out(
 class _Spool:
     """Appends the runs of *batch* to the spool, for which a run may have left neither room nor files.
 
-    What cannot be written here is sent to the supervisor, which no FMU has harmed.
+    What cannot be written here is sent to the supervisor, which no FMU has harmed: *is_whole* tells that nothing was.
     """
 
     def __init__(
@@ -144,6 +146,7 @@ class _Spool:
     ) -> None:
         self._batch, self._setup, self._runners, self._spare = batch, setup, runners, spare
         self._channel = channel
+        self.is_whole = True
         self._writer = self._new()
 
     def add(self, run: Run, seconds: float) -> None:
@@ -167,6 +170,7 @@ class _Spool:
         try:
             self._writer.add(run, seconds)
         except OSError:
+            self.is_whole = False
             send(self._channel, Report(self._batch.identity, spooled=self._writer.alone(run, seconds)))
         self._spare.take()
 
