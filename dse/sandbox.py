@@ -14,6 +14,7 @@ import sys
 import tempfile
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from errno import ENOSYS, EPERM
 from multiprocessing import resource_tracker
@@ -69,6 +70,10 @@ _ABSENT = ((435, 435), (437, 437))
 """clone3 and openat2: what they are asked for cannot be seen, and programs do without where the kernel has none."""
 
 _SOCKETPAIR, _CLONE, _OPENAT, _IOCTL, _PRLIMIT = (53, 199), (56, 220), (257, 56), (16, 29), (302, 261)
+_SETRLIMIT, _SECCOMP = (160, 164), (317, 277)
+_SIGNALLING = (((62, 129), 1), ((200, 130), 1), ((234, 131), 2), ((129, 138), 1), ((297, 240), 2))
+"""kill, tkill, tgkill, rt_sigqueueinfo and rt_tgsigqueueinfo, with the place of the signal among their arguments."""
+_SET_FILTER, _ALL_THREADS, _NOT_SLOWER = 1, 1, 4
 _OPEN = 2
 _NEW_NAMESPACES = 0x7E020000
 _O_TRUNC, _O_ACCMODE = 0o1000, 3
@@ -137,6 +142,27 @@ class Sandbox:
 
 
 _moved_in: list[Sandbox] = []
+
+
+def protect_parent() -> None:
+    """Have this process ended by the kernel if it signals the one that started it or its group, or sets its limits.
+
+    Setting a limit of its own that cannot be raised, only lowered, has no effect. Both hold for what it starts, too,
+    and for good. Without Linux's seccomp nothing is changed.
+    """
+    if sys.platform != "linux" or platform.machine() not in _MACHINES:
+        return
+    import resource
+
+    every = {value for name, value in vars(resource).items() if name.startswith("RLIMIT_")}
+    kinds = [kind for kind in sorted(every) if len({*resource.getrlimit(kind)}) == 1]
+    program = _parent_filter(platform.machine(), kinds)
+    held = ctypes.create_string_buffer(program)
+    described = struct.pack("HxxxxxxP", len(program) // 8, ctypes.addressof(held))
+    number = _SECCOMP[_MACHINES[platform.machine()][1]]
+    with suppress(OSError):
+        _call("prctl", _SET_NO_NEW_PRIVS, 1, 0, 0, 0)
+        _call("syscall", number, _SET_FILTER, _ALL_THREADS | _NOT_SLOWER, described)
 
 
 def is_inside() -> bool:
@@ -215,7 +241,7 @@ def _call(name: str, *arguments: int | bytes | None) -> int:
 _LOAD, _AND, _RETURN = 0x20, 0x54, 0x06
 _EQUALS, _AT_LEAST, _ANY_BIT = 0x15, 0x35, 0x45
 _ALLOW, _ERROR, _KILL = 0x7FFF0000, 0x00050000, 0x80000000
-_NUMBER, _MACHINE = 0, 4
+_NUMBER, _MACHINE, _ARGUMENTS = 0, 4, 16
 
 
 def _filter(machine: str) -> bytes:
@@ -250,12 +276,31 @@ def _filter(machine: str) -> bytes:
     return b"".join(program + allow)
 
 
+def _parent_filter(machine: str, kinds: Iterable[int]) -> bytes:
+    """The filter of `protect_parent`: limits of *kinds* are only said to be set."""
+    audit, column = _MACHINES[machine]
+    allow, kill, done = ([_step(_RETURN, answer)] for answer in (_ALLOW, _KILL, _ERROR))
+    program = [_step(_LOAD, _MACHINE), *_unless(_EQUALS, audit, allow), _step(_LOAD, _NUMBER)]
+    named = (os.getppid(), 0, -1, -os.getpgrp())
+    targets = [_argument(0), *(step for one in named for step in _if(_EQUALS, one & 0xFFFFFFFF, kill)), *allow]
+    for pair, signal in _SIGNALLING:
+        # Signal 0 only asks whether there is such a process.
+        program += _if(_EQUALS, pair[column], [_argument(signal), *_if(_EQUALS, 0, allow), *targets])
+    ours = [*(step for kind in kinds for step in _if(_EQUALS, kind, done)), *allow]
+    program += _if(_EQUALS, _SETRLIMIT[column], [_argument(0), *ours])
+    reading = _if(_EQUALS, 0, [_step(_LOAD, _ARGUMENTS + 8 * 2 + 4), *_if(_EQUALS, 0, allow)])
+    own = [*_unless(_EQUALS, 0, _unless(_EQUALS, os.getpid(), allow)), _argument(3), *_unless(_EQUALS, 0, allow)]
+    of_whom = [_argument(0), *_if(_EQUALS, os.getppid(), kill), *own]
+    program += _if(_EQUALS, _PRLIMIT[column], [_argument(2), *reading, *of_whom, _argument(1), *ours])
+    return b"".join(program + allow)
+
+
 def _step(code: int, value: int, yes: int = 0, no: int = 0) -> bytes:
     return struct.pack("HBBI", code, yes, no, value)
 
 
 def _argument(index: int) -> bytes:
-    return _step(_LOAD, 16 + 8 * index)  # the lower half; both machines are little-endian
+    return _step(_LOAD, _ARGUMENTS + 8 * index)  # the lower half; both machines are little-endian
 
 
 def _if(test: int, value: int, then: list[bytes]) -> list[bytes]:

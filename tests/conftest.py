@@ -167,3 +167,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def real_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     """For tests of what compiling the same sources twice gives: nothing is taken from what was kept."""
     compile_cache.leave(monkeypatch)
+
+
+@pytest.fixture
+def few_files() -> Iterator[None]:
+    """Processes that are started from here can open only a few hundred files, and be let open more."""
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (400, hard))
+    yield
+    resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))

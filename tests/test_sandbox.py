@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import multiprocessing
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -99,3 +100,41 @@ def test_the_numbers_of_system_calls_are_those_of_the_kernel(machine: str, colum
     assert len(known) > 80 if machine == "x86_64" else len(known) > 70
     absent = {entry[0] for entry in entries if entry[column] == "-"}
     assert not absent & defined.keys()
+
+
+_ALLOWED = """
+import os, resource, signal, subprocess, sys
+soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+resource.setrlimit(resource.RLIMIT_NOFILE, (hard - 2, hard))
+resource.setrlimit(resource.RLIMIT_FSIZE, (resource.getrlimit(resource.RLIMIT_FSIZE)[1],) * 2)
+from dse.sandbox import protect_parent
+protect_parent()
+resource.setrlimit(resource.RLIMIT_NOFILE, (hard - 1, hard))
+resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+child = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
+child.terminate()
+os.kill(os.getppid(), 0)
+os.kill(os.getpid(), signal.SIGCONT)
+resource.prlimit(os.getppid(), resource.RLIMIT_NOFILE)
+limits = [resource.getrlimit(kind)[0] for kind in (resource.RLIMIT_NOFILE, resource.RLIMIT_FSIZE)]
+print(child.wait(), limits[0] - hard, limits[1] == 0, flush=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="seccomp")
+@pytest.mark.parametrize(
+    "harm",
+    [
+        "os.kill(os.getppid(), signal.SIGCONT)",
+        "os.kill(0, signal.SIGCONT)",
+        "os.killpg(os.getpgrp(), signal.SIGCONT)",
+        "",
+        "resource.prlimit(os.getppid(), resource.RLIMIT_NOFILE, (soft, hard))",
+    ],
+)
+def test_a_process_that_reaches_for_its_parent_is_ended_and_may_do_all_else(harm: str) -> None:
+    script = f"{_ALLOWED}\n{harm}\nprint('went on')"
+    process = subprocess.run([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True, check=False)
+    goes_on = not harm
+    assert process.stdout.splitlines() == [f"{-signal.SIGTERM} -1 False", *["went on"] * goes_on]
+    assert process.returncode == (0 if goes_on else -signal.SIGSYS)

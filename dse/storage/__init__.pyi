@@ -50,6 +50,7 @@ from .spool import (
     clear_spool as clear_spool,
     read_spool as read_spool,
     spooled_names as spooled_names,
+    write_spooled as write_spooled,
 )
 from .waveform_check import FileFacts as FileFacts, checked as checked
 from .waveforms import (

@@ -18,7 +18,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from glob import escape
 from io import FileIO
-from itertools import count
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -74,6 +73,10 @@ class SpoolWriter:
             raise
         self._size += len(record)
 
+    def alone(self, run: Run, wall: float) -> bytes:
+        """What a file with nothing but *run* holds, for `write_spooled`."""
+        return self._header(run) + _framed(self._content(run, wall))
+
     def close(self) -> None:
         """Close the file, which stays."""
         if self._file is not None:
@@ -89,14 +92,11 @@ class SpoolWriter:
         self.close()
 
     def _begun(self, run: Run) -> bytes:
-        if not self._folder.is_dir():
-            self._folder.mkdir(exist_ok=True)
-        for number in count():
-            with suppress(FileExistsError):
-                file = self._folder / f"{self._head['name']}.{os.getpid()}-{number}{SUFFIX}"
-                self._file = file.open("xb", buffering=0)  # open as long as runs come
-                break
+        self._file = _new_file(self._folder, self._head["name"])  # open as long as runs come
         self._size = 0
+        return self._header(run)
+
+    def _header(self, run: Run) -> bytes:
         self._variables = tuple(run.request.point)
         self._shape = _shape(len(self._variables), self._measures)
         measures = {"metrics": self._measures.metrics, "requirements": self._measures.requirements}
@@ -155,6 +155,13 @@ class Spooled:
         return Waveforms(time, dict(zip(place.columns, values, strict=True)))
 
 
+def write_spooled(folder: Path, name: str, content: bytes) -> None:
+    """Write what a writer of the batch *name* could not. OSError if it cannot be written here either."""
+    with _new_file(folder, name) as file:
+        while content:  # the disk is nearly full: the next try says so
+            content = content[file.write(content) :]
+
+
 def read_spool(folder: Path, measures: Measures, study: str = "", name: str | None = None) -> list[Spooled]:
     """What the spool in *folder* holds of *study*, only of the batch *name* if it is given; sorted by name.
 
@@ -190,6 +197,16 @@ def assemble(file: Path, spooled: Iterable[Spooled], numbers: Iterable[int]) -> 
     if kept:
         write_waveforms(file, ((number, holders[number].waveforms(number)) for number in kept))
     return kept
+
+
+def _new_file(folder: Path, name: str) -> FileIO:
+    if not folder.is_dir():
+        folder.mkdir(exist_ok=True)
+    number = 0
+    while True:
+        with suppress(FileExistsError):
+            return (folder / f"{name}.{os.getpid()}-{number}{SUFFIX}").open("xb", buffering=0)
+        number += 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import math
-import mmap
 import os
 import signal
 import stat
@@ -20,7 +19,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import psutil
 from definitions import at_most_one, metrics, stored_definition
 
 from dse.domain.bench import VERDICTS, Judgement, Simulation, TestBench, Verdict
@@ -99,8 +97,8 @@ class FakeRunner:
             with (bench.file or Path()).open("a", encoding="utf-8") as file:
                 file.write(f"{os.getpid()} {threading.get_ident()}\n")
         first = bench.file is None or bench.mischief == "tells its process" or not bench.file.exists()
-        if bench.mischief == "lowers a limit for good" and request.number not in bench.when:
-            mmap.mmap(-1, 1 << 30).close()
+        if bench.mischief.startswith("lowers a limit") and request.number not in bench.when:
+            os.close(os.dup(0))
         if bench.mischief == "catches signals" and signal.getsignal(signal.SIGUSR1) != signal.SIG_DFL:
             return Run(request, Outcome.FAILED, problem="world: somebody has taken a signal")
         if bench.mischief == "fails after a greedy one":
@@ -154,9 +152,7 @@ class FakeRunner:
             case "leaves no file to open" | "fails after a greedy one":
                 use_up_files()
             case "leaves few files to write":
-                import resource
-
-                resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
+                lower_limit(3, for_good=True)
             case "hangs":
                 time.sleep(3600)
             case "raises":
@@ -167,11 +163,7 @@ class FakeRunner:
                 hoard.append(bytearray(os.urandom(1)) * 2**30)
                 time.sleep(3600)
             case "lowers a limit" | "lowers a limit for good":
-                import resource
-
-                _, hard = resource.getrlimit(resource.RLIMIT_AS)
-                low = psutil.Process().memory_info().vms
-                resource.setrlimit(resource.RLIMIT_AS, (low, low if self.bench.mischief.endswith("good") else hard))
+                lower_limit(3, for_good=self.bench.mischief.endswith("good"))
             case "catches signals":
                 signal.signal(signal.SIGUSR1, lambda *_: None)
             case "aborts later":
@@ -186,11 +178,7 @@ class FakeRunner:
                 for asked in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
                     os.kill(os.getpid(), asked)
             case "eats memory":
-                import resource
-
-                _, hard = resource.getrlimit(resource.RLIMIT_AS)
-                resource.setrlimit(resource.RLIMIT_AS, (4 << 30, hard))
-                bytearray(16 << 30)
+                bytearray(1 << 60)
 
 
 class FakeCheck(FakeRunner):
@@ -210,6 +198,14 @@ class FakeCheck(FakeRunner):
 
 def make_check(bench: FakeBench, progress: memoryview) -> FakeCheck:
     return FakeCheck(bench, progress)
+
+
+def lower_limit(files: int, *, for_good: bool) -> None:
+    """Let this process have so many open files; a limit that others can only lower the kernel would leave as it is."""
+    import resource
+
+    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (files, files if for_good else hard))
 
 
 def use_up_files() -> None:

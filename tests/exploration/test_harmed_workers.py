@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -55,17 +54,6 @@ def test_nobody_waits_for_the_rest_of_a_message(tmp_path: Path) -> None:
     assert failures == {7: "stopped by a signal for 2 s in fake: fmi2DoStep of run 7"}
 
 
-@pytest.fixture
-def few_files() -> Iterator[None]:
-    """Processes that are started from here can open only a few hundred files."""
-    import resource
-
-    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    resource.setrlimit(resource.RLIMIT_NOFILE, (400, hard))
-    yield
-    resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
-
-
 @pytest.mark.parametrize(
     ("mischief", "levels", "keep"),
     [
@@ -91,7 +79,9 @@ def test_runs_that_leave_files_open_have_their_worker_renewed_and_none_is_blamed
 
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("levels", [5, 50])
-def test_a_run_that_lowers_the_limit_for_files_harms_none_and_itself_neither(tmp_path: Path, levels: int) -> None:
+def test_a_run_that_lowers_the_limit_for_files_harms_none_and_itself_neither(
+    tmp_path: Path, levels: int, few_files: None
+) -> None:
     bench = FakeBench("a", "leaves few files to write", (7,))
     study = study_of(levels=levels, keep=Keep.ALL)
     summary, failures, kept = explored(tmp_path, study, bench, runs=levels**2)

@@ -46,7 +46,9 @@ def test_signals_that_ask_a_worker_to_end_are_for_the_supervisor(tmp_path: Path)
 @linux
 @pytest.mark.parametrize("mischief", ["lowers a limit", "lowers a limit for good", "catches signals"])
 @pytest.mark.sampled(3)
-def test_what_poisons_a_process_retires_it_and_harms_no_later_run(tmp_path: Path, mischief: str) -> None:
+def test_what_poisons_a_process_retires_it_and_harms_no_later_run(
+    tmp_path: Path, mischief: str, few_files: None
+) -> None:
     bench = FakeBench("a", mischief, (7,))
     _, failures, _ = explored(tmp_path, study_of(), bench)
     assert failures == {}

@@ -18,6 +18,7 @@
 #ifndef _WIN32
 #include <pthread.h>
 #include <sys/mman.h>
+#include <sys/syscall.h>
 #endif
 
 enum { U, Y, BITES, GAIN, TEXT, TEXT_IN };

@@ -175,6 +175,39 @@ ANIMALS: Mapping[str, Animal] = {
     "leaves_files_open": Animal({"step": "while (dup(0) >= 0) { }"}),
     "crashes_when_freed": Animal({"free": "if (a->real[BITES] == 1) abort();"}),
     "closes_files": Animal({"step": "for (int i = 3; i < 64; i++) close(i);"}),
+    "closes_all_files": Animal({"step": "for (int i = 0; i < 1024; i++) close(i);"}),
+    "deletes_its_files": Animal(
+        {"step": "Dl_info info; if (dladdr((void *)fmi2DoStep, &info)) unlink(info.dli_fname);"},
+        before="#include <dlfcn.h>",
+    ),
+    "handles_signals": Animal(
+        {
+            "step": "for (int i = 1; i < 32; i++) signal(i, SIG_IGN); sigset_t all; sigfillset(&all);"
+            " pthread_sigmask(SIG_BLOCK, &all, NULL);"
+        }
+    ),
+    "locks_memory": Animal({"step": "mlockall(MCL_CURRENT | MCL_FUTURE);"}),
+    "leaves_threads_at_work": Animal(
+        {"terminate": "for (int i = 0; i < 3; i++) pthread_create(&a->thread, NULL, spin, a);"},
+        before="static void *spin(void *c) { for (volatile long i = 0;; i++) { } return c; }",
+    ),
+    **{
+        f"limits_{name.lower()}": Animal(
+            {"step": f"setrlimit(RLIMIT_{name}, &(struct rlimit){{{most}, {most}}});"},
+            before="#include <sys/resource.h>",
+        )
+        for name, most in {"AS": 1, "DATA": 1, "FSIZE": 0, "NOFILE": 3}.items()
+    },
+    # It reaches for the process that has started it: the study's.
+    **{
+        name: Animal({"step": f"{call};"}, ("tried to signal the study", HALF))
+        for name, call in {
+            "ends_its_parent": "kill(getppid(), SIGTERM)",
+            "stops_its_parent": "kill(getppid(), SIGSTOP)",
+            "kills_its_parent": "syscall(SYS_tkill, getppid(), SIGKILL)",
+            "ends_its_group": "kill(0, SIGTERM)",
+        }.items()
+    },
 }
 
 

@@ -96,7 +96,7 @@ def changes(run: Run, waveforms: Waveforms | None, tame: Run, expected: Waveform
 @pytest.mark.parametrize("chosen", [SOME, pytest.param([*ANIMALS], marks=pytest.mark.thorough)], ids=["some", "all"])
 @pytest.mark.thorough
 def test_each_animal_gets_a_row_that_says_what_it_did_and_changes_no_other_run(
-    chosen: Sequence[str], tmp_path: Path
+    chosen: Sequence[str], tmp_path: Path, few_files: None
 ) -> None:
     judge(visit(tmp_path, chosen), chosen)
 

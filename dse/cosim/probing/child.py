@@ -21,7 +21,7 @@ from dse.cosim.probing.journal import Journal
 from dse.errors import DseError
 from dse.plain import packed, unpacked
 from dse.processes import Family, forget_start, start_process
-from dse.sandbox import Sandbox
+from dse.sandbox import Sandbox, protect_parent
 from dse.scratch import ScratchFolder
 
 _LOOK_EVERY = 0.02
@@ -135,6 +135,7 @@ def _carry_out(
 ) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever watches it decides
     forget_start()
+    protect_parent()
     if sandbox is not None:
         sandbox.move_in()
     # What an FMU prints must not garble what the probe prints.

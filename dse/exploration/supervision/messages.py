@@ -52,7 +52,8 @@ class Report:
 
     *ended* with the last of them; then *kept* are the numbers whose waveforms are in the batch's file. *retired*
     comes last: the process is worn out and leaves, runs that are still to be made go to another; *fault* is what came
-    to nothing here and may be good there. *broken* says why no worker can go on, as when the disk is full.
+    to nothing here and may be good there. *broken* says why no worker can go on, as when the disk is full. *spooled* is
+    of a run that the worker could not write to the spool.
     """
 
     identity: int
@@ -62,6 +63,7 @@ class Report:
     retired: bool = False
     broken: str = ""
     fault: Fault | None = None
+    spooled: bytes = b""
 
 
 FROM_WORKERS = (Report, RowBlock, Fault)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 
 from dse.exploration.supervision.heartbeat import Phase, State
@@ -66,6 +67,8 @@ def cause_of(code: int) -> str:
     """How a process ended by itself, from its exit code."""
     if code == -9:
         return "killed from outside (signal 9)"
+    if code == -31 and sys.platform == "linux":
+        return "tried to signal the study (signal 31)"
     if code < 0:
         return f"crashed (signal {-code})"
     # Windows gives the exception that ended a process as a large exit code.

@@ -33,7 +33,7 @@ from dse.exploration.supervision.worker import CHANNEL_CLOSED
 from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
 from dse.exploration.work import Batch, Sink, Work
 from dse.scratch import ScratchFolder
-from dse.storage import STOPPED, Attempt, RowBlock, made_by, read_spool, spooled_names
+from dse.storage import STOPPED, Attempt, RowBlock, made_by, read_spool, spooled_names, write_spooled
 
 START_TIMEOUT = 60.0
 """Seconds a worker may take to start, to load a configuration or to write a file."""
@@ -222,16 +222,24 @@ class Supervisor:
 
     def _take(self, worker: WorkerProcess, report: Report) -> None:
         assignment = worker.assignments[0]
+        if report.spooled:
+            self._write_spooled(assignment.batch, report.spooled)
         if report.block is not None:
             self._take_rows(worker, assignment, report.block)
         if report.broken:
             worker.assignments.popleft()  # what it sends next is of the batch after
-            raise fail(report.broken, hint="finished runs are stored: the same command goes on when there is room")
+            raise _broken(report.broken)
         if report.ended:
             worker.assignments.popleft()
             worker.useful, self._fruitless = True, 0
             self._queue.end(assignment.batch, report.kept)
         worker.retired, worker.fault = report.retired, report.fault
+
+    def _write_spooled(self, batch: Batch, content: bytes) -> None:
+        try:
+            write_spooled(self._setup.spool, batch.name, content)
+        except OSError as error:
+            raise _broken(f"results cannot be written: {error.strerror or error}") from error
 
     def _take_rows(self, worker: WorkerProcess, assignment: Assignment, block: RowBlock) -> None:
         worker.useful, self._fruitless = True, 0
@@ -332,6 +340,10 @@ class Supervisor:
 
 def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool, ignore_cleanup_errors=True)
+
+
+def _broken(why: str) -> DseError:
+    return fail(why, hint="finished runs are stored: the same command goes on when there is room")
 
 
 def _given_up(cause: str, traces: Traces) -> DseError:

@@ -22,11 +22,12 @@ from dse.domain.run import Run
 from dse.exploration.supervision.channel import receive, send
 from dse.exploration.supervision.guarded_runner import GuardedRunner
 from dse.exploration.supervision.heartbeat import Heartbeat, Phase
-from dse.exploration.supervision.messages import Fault, Report, Setup
-from dse.exploration.supervision.open_files import OUT_OF_FILES, SpareFiles
+from dse.exploration.supervision.messages import Report, Setup
+from dse.exploration.supervision.open_files import SpareFiles
 from dse.exploration.supervision.worker_threads import are_spent, simulate
 from dse.exploration.work import Batch
 from dse.processes import forget_start
+from dse.sandbox import protect_parent
 from dse.storage import RowBlock, SpoolWriter, assemble, block_of, read_spool, this_process
 
 _SEND_EVERY = 0.1
@@ -35,13 +36,11 @@ _TURN = 1e-4
 CHANNEL_CLOSED = 117
 """Exit code of a worker whose channel was closed behind its back."""
 
-_HARMED = OUT_OF_FILES | {errno.EFBIG, errno.EBADF}
-"""What another process would not be told when it writes a file: a run has used up or changed the limits of this one."""
-
 
 def serve(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> None:
     """Serve batches until None comes or the supervisor is gone. What simulations print goes to *log*."""
     _leave_signals_to_the_supervisor()
+    protect_parent()
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     _print_to(log)
     if setup.sandbox is not None:
@@ -94,11 +93,9 @@ def _carry_out(
     finished: list[tuple[Run, float]] = []
     done = 0
     sent = time.perf_counter()
-    spool, fault = _Spool(batch, setup, runners, spare), None
+    spool = _Spool(batch, setup, runners, channel, spare)
     for run, seconds in simulate(batch, runners):
-        fault = spool.add(run, seconds)
-        if fault:
-            break
+        spool.add(run, seconds)
         finished.append((run, seconds))
         done += 1
         if time.perf_counter() - sent > _SEND_EVERY:
@@ -107,11 +104,12 @@ def _carry_out(
     spool.close()
     block = _block(finished, setup) if finished else None
     if done < len(batch.todo):
-        broken = fault.cause if fault and not spool.is_harmed else ""
-        fault = fault or next((runner.fault for runner in runners if runner.fault), None)
-        _retire(channel, Report(batch.identity, block, retired=True, broken=broken, fault=fault))
+        fault = next((runner.fault for runner in runners if runner.fault), None)
+        _retire(channel, Report(batch.identity, block, retired=True, fault=fault))
     kept: tuple[int, ...] = ()
     if batch.keep and not batch.part:
+        if not spool.is_whole:  # and the supervisor may not have written the rest yet
+            _retire(channel, Report(batch.identity, block, retired=True))
         heart.beat(Phase.WRITING, batch.identity)
         for runner in runners:
             runner.put_back()
@@ -119,9 +117,10 @@ def _carry_out(
         try:
             spooled = read_spool(setup.spool, setup.measures, setup.study, batch.name)
             kept = assemble(setup.waveforms / batch.file, spooled, batch.numbers)
-        except OSError as error:
-            is_harmed = error.errno in _HARMED and any(runner.runs for runner in runners)
-            broken = "" if is_harmed else _unwritten("waveforms", error)
+        except (OSError, MemoryError, ImportError) as error:
+            # Where FMUs have run, whatever fails may be their doing: it is for a fresh process to say.
+            is_harmed = any(runner.runs for runner in runners)
+            broken = "" if is_harmed else f"waveforms cannot be written: {getattr(error, 'strerror', None) or error}"
             _retire(channel, Report(batch.identity, block, retired=True, broken=broken))
         spare.take()
     retired = are_spent(runners)
@@ -134,28 +133,35 @@ def _carry_out(
 class _Spool:
     """Appends the runs of *batch* to the spool, for which a run may have left neither room nor files.
 
-    *is_harmed* tells that what cannot be written here could be by another process.
+    What cannot be written here is sent to the supervisor, which no FMU has harmed: *is_whole* tells that nothing was.
     """
 
-    def __init__(self, batch: Batch, setup: Setup, runners: Sequence[GuardedRunner], spare: SpareFiles) -> None:
-        self.is_harmed = False
+    def __init__(
+        self,
+        batch: Batch,
+        setup: Setup,
+        runners: Sequence[GuardedRunner],
+        channel: socket.socket,
+        spare: SpareFiles,
+    ) -> None:
         self._batch, self._setup, self._runners, self._spare = batch, setup, runners, spare
+        self._channel = channel
+        self.is_whole = True
         self._writer = self._new()
 
-    def add(self, run: Run, seconds: float) -> Fault | None:
-        """Append *run*; why it has to be made again if that cannot be done."""
+    def add(self, run: Run, seconds: float) -> None:
+        """Append *run*."""
         try:
             self._writer.add(run, seconds)
         except OSError:
-            return self._add_again(run, seconds)
-        return None
+            self._add_again(run, seconds)
 
     def close(self) -> None:
         """No more runs come."""
         with suppress(OSError):
             self._writer.close()
 
-    def _add_again(self, run: Run, seconds: float) -> Fault | None:
+    def _add_again(self, run: Run, seconds: float) -> None:
         for runner in self._runners:
             runner.put_back()
         self._spare.give()
@@ -163,21 +169,14 @@ class _Spool:
         self._writer = self._new()
         try:
             self._writer.add(run, seconds)
-        except OSError as error:
-            self.is_harmed = error.errno in _HARMED
-            # Without waveforms, the row is all there is to the run.
-            is_lost = self._batch.keep or not self.is_harmed
-            return Fault(run.request.number, _unwritten("results", error), seconds) if is_lost else None
+        except OSError:
+            self.is_whole = False
+            send(self._channel, Report(self._batch.identity, spooled=self._writer.alone(run, seconds)))
         self._spare.take()
-        return None
 
     def _new(self) -> SpoolWriter:
         setup = self._setup
         return SpoolWriter(setup.spool, self._batch.name, this_process(), setup.measures, setup.study)
-
-
-def _unwritten(what: str, error: OSError) -> str:
-    return f"{what} cannot be written: {error.strerror or error}"
 
 
 def _block(finished: Sequence[tuple[Run, float]], setup: Setup) -> RowBlock:
