@@ -2,38 +2,45 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.api import metric_rows, results, try_point
 from dse.errors import DseError, fail
+from dse.json_data import read_json, read_noun
 from dse.report import content_of_run
 
-_MOST_NAME = 1000
+T = TypeVar("T")
+
 _DIGITS = 7
 """Digits of a waveform's values, which are drawn and not computed with."""
 
 _one_at_a_time = Lock()
 
 
-def asked_point(body: bytes) -> tuple[str, dict[str, float]]:
-    """Configuration and point of a request to simulate. DseError for anything else."""
+@dataclass(frozen=True, slots=True)
+class AskedPoint:
+    """A point to simulate."""
+
+    configuration: str
+    point: Mapping[str, float]
+
+
+def read_request(content: bytes | str, shape: type[T]) -> T:
+    """The noun of type *shape* in a request's body or a message. DseError for anything else."""
     try:
-        told = json.loads(body)
-        configuration, point = told["configuration"], told["point"]
-        numbers = {str(name)[:_MOST_NAME]: float(value) for name, value in point.items()}
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise fail("this is no point of a study") from error
-    if not isinstance(configuration, str) or not all(map(math.isfinite, numbers.values())):
-        raise fail("this is no point of a study")
-    return configuration, numbers
+        noun: T = read_noun(read_json(content), shape, "request")
+    except ValueError as error:
+        raise fail(f"the request is invalid: {error}") from error
+    return noun
 
 
 def simulated(folder: Path, configuration: str, point: Mapping[str, float]) -> dict[str, object]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from dse.api import Compared, Glance, compare, glance, stop
 from dse.errors import DseError, fail
-from dse.serving.answers import BusyError, asked_point, problem_of, simulated
+from dse.serving.answers import AskedPoint, BusyError, problem_of, read_request, simulated
 from dse.serving.comparison import compare_page
 from dse.serving.desk import Desk
 from dse.serving.drives import LiveDrives
@@ -70,9 +70,9 @@ def application(
         return HTMLResponse(compare_page(_compared(shelf, [*names])))
 
     async def simulate(request: Request) -> Response:
-        configuration, point = asked_point(await request.body())
+        asked = read_request(await request.body(), AskedPoint)
         folder = shelf.folder(name_of(request))
-        return JSONResponse(await _aside(lambda: simulated(folder, configuration, point)))
+        return JSONResponse(await _aside(lambda: simulated(folder, asked.configuration, asked.point)))
 
     def replay(request: Request) -> Response:
         name, run = request.path_params["name"], run_number(request.path_params["run"])

@@ -100,11 +100,11 @@ def test_a_note_that_says_nothing_names_nobody(tmp_path: Path, text: str) -> Non
 
 def test_another_process_of_the_same_number_is_not_the_writer(tmp_path: Path) -> None:
     host, _, process = this_process().rpartition("/")
-    note = {"host": host, "process": int(process), "started": 1.0}
+    note = {"host": host, "process": int(process), "started": 1}
     (tmp_path / "writer.json").write_text(json.dumps(note), encoding="utf-8")
     assert writer_of(tmp_path) is None
     (tmp_path / "writer.json").write_text(json.dumps({**note, "host": "elsewhere"}), encoding="utf-8")
-    assert writer_of(tmp_path) == Writer("elsewhere", int(process), 1.0)
+    assert writer_of(tmp_path) == Writer("elsewhere", int(process), 1)
 
 
 def test_without_locks_the_note_decides(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
