@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from dse.domain.definition import Json, StudyDefinition, to_json
+from dse.domain.sampler import Role, Scale
 from dse.json_data import read_noun
 from dse.units import UnitError, parse_unit
 
@@ -65,6 +66,9 @@ def _flaws(definition: StudyDefinition) -> Iterator[str]:
         key = "id" if section == "configurations" else "name"
         names = Counter(getattr(entry, key) for entry in getattr(definition, section))
         yield from (f"definition.{section} lists '{name}' twice" for name, count in names.items() if count > 1)
+    for variable in definition.variables:
+        if variable.scale not in {*Scale} or variable.role not in {*Role}:
+            yield f"variable '{variable.name}' has an unknown scale or role"
     metrics = {metric.name for metric in definition.metrics}
     for requirement in definition.requirements:
         if requirement.metric not in metrics:
