@@ -111,7 +111,7 @@ def test_no_value_in_a_control_message_is_more_than_a_mistake(driven, live: Stee
     assert say(driven, map(json.dumps, MESSAGES)) > 0
     assert live.orders == 3  # the second message is sent twice
     say(driven, itertools.chain.from_iterable(map(nasty_texts, MESSAGES)))
-    assert live.orders > 40  # not all is nasty where it stands
+    assert live.orders > 20  # not all is nasty where it stands
     assert told(caplog) == []
 
 
@@ -186,6 +186,7 @@ def nasty_facts(path: Path) -> list[tuple[str, str]]:
     return [(key, text) for key, value in facts_of(path).items() for text in nasty_texts(json.loads(value))]
 
 
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # of numbers near the ends of what floats can be
 @pytest.mark.parametrize("part", [pytest.param(17, id="some"), pytest.param(1, id="all", marks=pytest.mark.nightly)])
 def test_no_value_of_a_stored_header_is_more_than_damage(tmp_path: Path, part: int) -> None:
     path = store_study(tmp_path / "st", [0.5, 1.5])
@@ -204,7 +205,6 @@ def test_no_value_of_a_stored_point_is_more_than_damage(tmp_path: Path) -> None:
     for text in NASTY:
         with closing(sqlite3.connect(path / "study.sqlite")) as connection, connection:
             connection.execute("""UPDATE runs SET seal = NULL, "p:controller.kp" = ? WHERE number = 1""", (text,))
-        with StudyFolder.open(path) as folder:
-            with suppress(DseError):
-                folder.table()
+        with StudyFolder.open(path) as folder, suppress(DseError):
+            folder.table()
         shown(path)
