@@ -49,6 +49,8 @@ def application(
     except ImportError:
         hint = "python -m pip install 'dse-workbench[serve]'"
         raise fail("serving needs the packages starlette and uvicorn", hint=hint) from None
+    # Two pages of each drive, as one that is loaded anew connects before the old one is gone.
+    limits = limits or Limits(sockets=2 * drives.most + 16 if drives else 16)
     desk = Desk()
     replays = Replays()
 
