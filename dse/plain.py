@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from dse.json_data import read_json
+
 _LENGTH = struct.Struct("=Q")
 
 
@@ -29,7 +31,7 @@ def unpacked(content: bytes, *classes: type) -> Any:
     try:
         (length,) = _LENGTH.unpack_from(content)
         begin = _LENGTH.size + length
-        tree = json.loads(content[_LENGTH.size : begin])
+        tree = read_json(content[_LENGTH.size : begin], only_finite=False)
         return _message(tree, memoryview(content)[begin:], {each.__name__: each for each in classes})
     except Exception as error:  # whatever a stranger's bytes lead to
         raise ValueError(f"no message: {error}") from error

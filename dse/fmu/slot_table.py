@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from dataclasses import astuple, dataclass
 
+from dse.json_data import read_json
+
 PARTNER = "resources/partner.txt"
 """What in an FMU names the module of dse that is run as its partner (dse/fmu/runtime/partner.h)."""
 
@@ -43,6 +45,6 @@ class SlotTable:
 
     @staticmethod
     def from_bytes(content: bytes) -> SlotTable:
-        """What `to_bytes` made it of."""
-        found = json.loads(content)
+        """What `to_bytes` made it of. ValueError, KeyError or TypeError for anything else."""
+        found = read_json(content)
         return SlotTable(found["header"], tuple(Row(*row) for row in found["rows"]))

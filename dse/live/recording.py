@@ -10,6 +10,7 @@ from typing import TextIO
 
 from dse.errors import Location, fail
 from dse.formats import shown
+from dse.json_data import read_json
 
 _FORMAT = "dse udp recording 1"
 _LONGEST_LINE = 300_000
@@ -48,8 +49,8 @@ def read_recording(path: Path) -> Iterator[Datagram]:
 
 def _check_head(line: str, path: Path) -> None:
     try:
-        told = json.loads(line)
-    except (ValueError, RecursionError):
+        told = read_json(line)
+    except ValueError:
         told = None
     if not isinstance(told, dict) or told.get("format") != _FORMAT:
         raise fail("this is no recording", Location(shown(path), 1), "'dse udp record' writes one")
@@ -57,9 +58,9 @@ def _check_head(line: str, path: Path) -> None:
 
 def _datagram(line: str, where: Location) -> Datagram:
     try:
-        told = json.loads(line)
+        told = read_json(line)
         way, time = told["way"], float(told["time"])
         made = Datagram(time, {"out": False, "back": True}[way], str(told["from"]), bytes.fromhex(told["data"]))
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError) as error:
         raise fail("this is no datagram of a recording", where) from error
     return made

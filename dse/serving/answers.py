@@ -2,56 +2,54 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
-from typing import NamedTuple
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.api import metric_rows, results, try_point
 from dse.errors import DseError, fail
+from dse.json_data import read_json, read_noun
 from dse.report import content_of_run
 
-_MOST_NAME = 1000
+T = TypeVar("T")
+
 _DIGITS = 7
 """Digits of a waveform's values, which are drawn and not computed with."""
 
 _one_at_a_time = Lock()
 
 
-class Asked(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class AskedPoint:
     """A request to simulate the *point* of a *configuration*; the user *accepts* that this has changed."""
 
     configuration: str
-    point: dict[str, float]
-    accepts: frozenset[str]
+    point: Mapping[str, float]
+    accepts: tuple[str, ...] = ()
 
 
-def asked_point(body: bytes) -> Asked:
-    """The request in *body*. DseError for anything else."""
+def read_request(content: bytes | str, shape: type[T]) -> T:
+    """The noun of type *shape* in a request's body or a message. DseError for anything else."""
     try:
-        told = json.loads(body)
-        configuration, point = told["configuration"], told["point"]
-        accepts = frozenset(map(str, told.get("accepts", ())))
-        numbers = {str(name)[:_MOST_NAME]: float(value) for name, value in point.items()}
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise fail("this is no point of a study") from error
-    if not isinstance(configuration, str) or not all(map(math.isfinite, numbers.values())):
-        raise fail("this is no point of a study")
-    return Asked(configuration, numbers, accepts)
+        noun: T = read_noun(read_json(content), shape, "request")
+    except ValueError as error:
+        raise fail(f"the request is invalid: {error}") from error
+    return noun
 
 
-def simulated(folder: Path, asked: Asked, workspace: Path | None = None) -> dict[str, object]:
+def simulated(folder: Path, asked: AskedPoint, workspace: Path | None = None) -> dict[str, object]:
     """What came of the point, simulated now: metrics, verdicts and waveforms; or, with nothing simulated, what has
     changed in the workspace that the user has not accepted. Raises DseError; also while it is busy."""
 
     def require_accepted(changed: tuple[str, ...]) -> None:
-        if not asked.accepts.issuperset(changed):
+        if not {*changed} <= {*asked.accepts}:
             raise _ChangedError(changed)
 
     try:

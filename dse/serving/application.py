@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from dse.api import Compared, Glance, compare, glance, stop
 from dse.errors import DseError, fail
-from dse.serving.answers import BusyError, asked_point, problem_of, simulated
+from dse.serving.answers import AskedPoint, BusyError, problem_of, read_request, simulated
 from dse.serving.comparison import compare_page
 from dse.serving.desk import Desk
 from dse.serving.drives import LiveDrives
@@ -49,6 +49,8 @@ def application(
     except ImportError:
         hint = "python -m pip install 'dse-workbench[serve]'"
         raise fail("serving needs the packages starlette and uvicorn", hint=hint) from None
+    # Two pages of each drive, as one that is loaded anew connects before the old one is gone.
+    limits = limits or Limits(sockets=2 * drives.most + 16 if drives else 16)
     desk = Desk()
     replays = Replays(shelf.workspace)
 
@@ -70,7 +72,7 @@ def application(
         return HTMLResponse(compare_page(_compared(shelf, [*names])))
 
     async def simulate(request: Request) -> Response:
-        asked = asked_point(await request.body())
+        asked = read_request(await request.body(), AskedPoint)
         folder = shelf.folder(name_of(request))
         return JSONResponse(await _aside(lambda: simulated(folder, asked, shelf.workspace)))
 

@@ -41,7 +41,7 @@ class LiveDrives:
     """
 
     def __init__(self, workspace: Workspace, kept: Drives | None = None, most: int = MOST_AT_ONCE) -> None:
-        self._workspace, self._kept, self._most = workspace, kept, most
+        self._workspace, self._kept, self.most = workspace, kept, most
         self._held: dict[str, Held] = {}
         self._lock, self._asking, self._keeping = threading.RLock(), threading.RLock(), threading.Lock()
         self._opening = 0
@@ -84,8 +84,8 @@ class LiveDrives:
         """The token of a new drive, ready to begin. Raises DseError, also where there are as many as there may be."""
         with self._lock:
             self._sweep()
-            if self._opening + sum(each.live.ended is None for each in self._held.values()) >= self._most:
-                raise fail(f"{self._most} drives are on already", hint="wait until one of them has come to its end")
+            if self._opening + sum(each.live.ended is None for each in self._held.values()) >= self.most:
+                raise fail(f"{self.most} drives are on already", hint="wait until one of them has come to its end")
             self._opening += 1
         try:
             noun = self._bench(bench)

@@ -6,10 +6,12 @@ import asyncio
 import json
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dse.errors import DseError, fail
+from dse.serving.answers import read_request
 from dse.serving.drives import Held, LiveDrives
 from dse.serving.pages import document, drive_page, study_address
 
@@ -26,8 +28,6 @@ RATE = 30.0
 """Frames in a second, at most."""
 MOST_MISTAKES = 20
 """Messages that are none, after which a page is hung up on."""
-_MOST_TEXT = 20_000
-_MOST_CONTROLS = 4000
 
 
 def _keeping_page() -> str:
@@ -44,6 +44,7 @@ def drive_routes(drives: LiveDrives, aside: Aside) -> list[BaseRoute]:
     """What a server of *drives* answers; *aside* has work done while others are answered."""
     from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse
     from starlette.routing import Route, WebSocketRoute
+    from starlette.websockets import WebSocketDisconnect
 
     def page(_: Request) -> Response:
         return HTMLResponse(drive_page({"benches": drives.benches, "rate": RATE}))
@@ -63,15 +64,18 @@ def drive_routes(drives: LiveDrives, aside: Aside) -> list[BaseRoute]:
         return RedirectResponse(study_address(await aside(lambda: drives.study_of(name))), 303)
 
     async def start(request: Request) -> Response:
-        asked = _asked(await request.body())
-        return JSONResponse({"drive": await aside(lambda: drives.open(*asked))})
+        order = read_request(await request.body(), _Order)
+        named = order.chosen if isinstance(order.chosen, str) else ",".join(map(":".join, order.chosen.items()))
+        opened = aside(lambda: drives.open(order.bench, named, order.configuration, order.driver))
+        return JSONResponse({"drive": await opened})
 
     async def live(socket: WebSocket) -> None:
-        held = drives.enter(socket.query_params.get("drive", ""))
         await socket.accept()
+        held = drives.enter(socket.query_params.get("drive", ""))
         if held is None:
-            await socket.send_json(_ended("there is no such drive; it may have ended long ago"))
-            await socket.close()
+            with suppress(WebSocketDisconnect, RuntimeError):
+                await socket.send_json(_ended("there is no such drive; it may have ended long ago"))
+                await socket.close()
             return
         drives_on = asyncio.create_task(_show(socket, drives, held, aside))
         try:
@@ -92,7 +96,9 @@ def drive_routes(drives: LiveDrives, aside: Aside) -> list[BaseRoute]:
 
 async def _show(socket: WebSocket, drives: LiveDrives, held: Held, aside: Aside) -> None:
     """Send the scene, then the newest of the run as often as the page takes it, in the end why it is over."""
-    with suppress(RuntimeError, OSError):  # the page is gone
+    from starlette.websockets import WebSocketDisconnect
+
+    with suppress(WebSocketDisconnect, RuntimeError, OSError):  # the page is gone
         scene = {**held.live.scene(), "rate": RATE, "token": held.token}
         await socket.send_text(json.dumps(scene, allow_nan=False))
         loop, sent = asyncio.get_running_loop(), b""
@@ -118,7 +124,7 @@ async def _listen(socket: WebSocket, held: Held) -> None:
         if message["type"] != "websocket.receive":
             return
         try:
-            _obey(held, _told(message.get("text")))
+            _obey(held, message.get("text") or "")
         except DseError:
             mistakes += 1
             if mistakes >= MOST_MISTAKES:
@@ -127,45 +133,36 @@ async def _listen(socket: WebSocket, held: Held) -> None:
                 return
 
 
-def _obey(held: Held, told: Mapping[str, Any]) -> None:
+@dataclass(frozen=True, slots=True)
+class _Message:
+    """What a page says; *n* is echoed by the frames that follow from it."""
+
+    type: str
+    n: int = 0
+    values: Mapping[str, Any] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Order:
+    """A drive to begin; *chosen* as ``path:name,…`` or by path."""
+
+    bench: str
+    chosen: Mapping[str, str] | str = ""
+    configuration: str = ""
+    driver: str = ""
+
+
+def _obey(held: Held, text: str) -> None:
     """DseError for what is no message; nothing is done then."""
-    number = told.get("n", 0)
-    if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < 1 << 53:
-        raise fail("its number is none")
-    match told:
-        case {"type": "finish"}:
+    match read_request(text, _Message):
+        case _Message("finish"):
             held.live.finish()
-        case {"type": "control", "values": dict(values)}:
-            held.live.control(values, number)
-        case {"type": "tune", "values": dict(values)}:
-            held.live.tune(values, number)
+        case _Message("control", n, dict(values)) if 0 <= n < 1 << 53:
+            held.live.control(values, n)
+        case _Message("tune", n, dict(values)) if 0 <= n < 1 << 53:
+            held.live.tune(values, n)
         case _:
-            raise fail("it is of no kind")
-
-
-def _told(text: str | None) -> Mapping[str, Any]:
-    try:
-        told = json.loads(text or "")
-    except (ValueError, RecursionError) as error:
-        raise fail("it is no JSON") from error
-    if not isinstance(told, dict):
-        raise fail("it is no object")
-    return told
-
-
-def _asked(body: bytes) -> tuple[str, str, str, str]:
-    """Bench, choices, configuration and driver's name. DseError for anything else."""
-    try:
-        told = json.loads(body)
-        chosen = told.get("chosen", "")
-        if isinstance(chosen, dict):
-            chosen = ",".join(f"{path}:{name}" for path, name in chosen.items())
-        found = told["bench"], chosen, told.get("configuration", ""), told.get("driver", "")
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise fail("this is no drive to begin") from error
-    if not all(isinstance(each, str) and len(each) <= _MOST_TEXT for each in found):
-        raise fail("this is no drive to begin")
-    return found
+            raise fail("the request is invalid: it has no known type, or no values")
 
 
 def _ended(text: str) -> Mapping[str, object]:

@@ -6,11 +6,12 @@ import asyncio
 import hashlib
 import hmac
 import ipaddress
+import secrets
 import socket
 import time
-from collections import OrderedDict
-from collections.abc import Awaitable, Callable, MutableMapping
-from contextlib import suppress
+from collections import Counter, OrderedDict
+from collections.abc import Awaitable, Callable, Iterator, MutableMapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from http.cookies import CookieError, SimpleCookie
 from typing import Any
@@ -35,14 +36,22 @@ HEADERS = (
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The largest *body* of a request in bytes and the *seconds* it may take to come; so many requests at once
-    (*burst*) and on the average (*rate*, 1/s) from one address. Of WebSockets so many at once (*sockets*), messages of
-    so many bytes (*message*), and so many of them in a second (*messages*) from each."""
+    """The largest *body* of a request in bytes, and the *seconds* that its head and its body may take to arrive.
+
+    A session may ask so often in a row (*burst*) and on the average (*rate*, 1/s); an address so many times as much
+    (*crowd*), of which requests without a session have the share of one. *requests* are answered at once, half of them
+    for one session. Of WebSockets so many are open at once (*sockets*), half of them for one session, with messages of
+    so many bytes (*message*), and so many of them in a second (*messages*) from each. *waiting* are the connections
+    that are kept without a request.
+    """
 
     body: int = 64 * 1024
     seconds: float = 10.0
-    burst: int = 120
-    rate: float = 30.0
+    burst: int = 240
+    rate: float = 60.0
+    crowd: int = 64
+    requests: int = 128
+    waiting: int = 256
     sockets: int = 16
     message: int = 4096
     messages: float = 150.0
@@ -50,18 +59,19 @@ class Limits:
 
 @dataclass(slots=True)
 class _Buckets:
-    """A bucket of requests for each address, filled steadily; of the longest silent one nothing is known any more."""
+    """A bucket of requests for each name, filled steadily; of the longest silent one nothing is known any more."""
 
     limits: Limits
     most: int = 1000
     left: OrderedDict[str, tuple[float, float]] = field(default_factory=OrderedDict)
 
-    def take(self, address: str) -> bool:
-        """Whether *address* may ask once more now."""
+    def take(self, name: str, times: int = 1) -> bool:
+        """Whether *name*, which may ask so many *times* as often as others, may ask once more now."""
         now = time.monotonic()
-        tokens, then = self.left.pop(address, (float(self.limits.burst), now))
-        tokens = min(self.limits.burst, tokens + (now - then) * self.limits.rate)
-        self.left[address] = (max(0.0, tokens - 1), now)
+        burst = float(times * self.limits.burst)
+        tokens, then = self.left.pop(name, (burst, now))
+        tokens = min(burst, tokens + (now - then) * times * self.limits.rate)
+        self.left[name] = (max(0.0, tokens - 1), now)
         while len(self.left) > self.most:
             self.left.popitem(last=False)
         return tokens >= 1
@@ -72,9 +82,11 @@ class Guard:
 
     The ``Host`` must be this machine, so that no name of a stranger's can be turned to it (DNS rebinding):
     ``localhost`` or a loopback address, with *is_open* also any address in numbers and the machine's own names. What
-    changes something, and every WebSocket, must come from a page of ours (``Origin``). With a *token*, whoever has not
-    shown it gets nothing; a ``GET`` with ``?token=`` has it kept in a cookie that no script reads and no other site
-    sends.
+    changes something, and every WebSocket, must come from a page of ours (``Origin``).
+
+    Each browser has a session, a signed number in a cookie that no script reads and no other site sends, so that those
+    who share an address (``ssh -L``) do not share one allowance. Without a *token* the first answer starts it; with
+    one, a ``GET`` with ``?token=`` does, and without a session nothing is shown or done.
     """
 
     def __init__(
@@ -82,12 +94,14 @@ class Guard:
     ) -> None:
         self._application = application
         self._token = token
+        self._key = secrets.token_bytes(32)
         # Browsers keep the cookies of all ports of a machine together.
-        self._cookie = f"dse-{hashlib.sha256(token.encode()).hexdigest()[:12]}"
+        self._cookie = f"dse-{hashlib.sha256(self._key).hexdigest()[:12]}"
         self._is_open = is_open
         self._limits = limits or Limits()
         self._buckets = _Buckets(self._limits)
-        self._sockets = 0
+        self._requests: Counter[str] = Counter()
+        self._sockets: Counter[str] = Counter()
         self._names = {"localhost"} | ({name.lower() for name in _own_names()} if is_open else set())
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
@@ -100,8 +114,9 @@ class Guard:
         if scope["type"] == "websocket":
             await self._converse(scope, headers, receive, send)
             return
-        refusal = self._refusal(scope, headers)
-        if refusal is None and self._token and not self._knows(headers):
+        session = self._session(headers)
+        refusal = self._refusal(scope, headers, session)
+        if refusal is None and self._token and not session:
             await self._admit(scope, send)
             return
         body = b""
@@ -110,40 +125,45 @@ class Guard:
         if refusal is not None:
             await _say(send, *refusal)
             return
-        # Whoever still waits when the server ends hears nothing more; that is no mistake of the application.
-        with suppress(asyncio.CancelledError):
-            await self._application(scope, _replayed(body, receive), _with_headers(send))
+        cookie = None if session or scope["method"] != "GET" else self._new_session()
+        with _counted(self._requests, session or _address(scope), self._limits.requests) as is_free:
+            if not is_free:
+                await _answer(send, 503, b"text/html; charset=utf-8", _FULL, (b"retry-after", b"5"))
+                return
+            # Whoever still waits when the server ends hears nothing more; that is no mistake of the application.
+            with suppress(asyncio.CancelledError):
+                await self._application(scope, _replayed(body, receive), _with_headers(send, cookie))
 
     async def _converse(self, scope: Message, headers: dict[bytes, bytes], receive: Receive, send: Send) -> None:
         """Let a WebSocket through to the application, if it may be opened; what comes is measured and counted."""
-        refusal = self._stranger(scope, headers)
+        session = self._session(headers)
+        refusal = self._stranger(scope, headers, session)
         if refusal is None and headers.get(b"origin", b"").decode("latin-1") != _origin(scope, headers):
             refusal = 403, "this was not asked by a page of this server"
-        if refusal is None and self._token and not self._knows(headers):
+        if refusal is None and self._token and not session:
             refusal = 401, "open the address with the token that was printed"
-        if refusal is None and self._sockets >= self._limits.sockets:
-            refusal = 503, "too many pages are connected; close one"
-        if refusal is not None:
-            await receive()
-            await _refuse(scope, send, *refusal)
-            return
-        self._sockets += 1
-        try:
+        with _counted(self._sockets, session or _address(scope), self._limits.sockets) as is_free:
+            if refusal is None and not is_free:
+                refusal = 503, "too many pages are connected; close one"
+            if refusal is not None:
+                await receive()
+                await _refuse(scope, send, *refusal)
+                return
             with suppress(asyncio.CancelledError):
                 await self._application(scope, _measured(receive, send, self._limits), send)
-        finally:
-            self._sockets -= 1
 
-    def _stranger(self, scope: Message, headers: dict[bytes, bytes]) -> tuple[int, str] | None:
-        address = scope["client"][0] if scope.get("client") else ""
-        if not self._buckets.take(address):
+    def _stranger(self, scope: Message, headers: dict[bytes, bytes], session: str) -> tuple[int, str] | None:
+        address = _address(scope)
+        if not self._buckets.take(f"all of {address}", self._limits.crowd) or not self._buckets.take(
+            session or address
+        ):
             return 429, "too many requests; wait a moment"
         if not self._is_here(headers.get(b"host", b"").decode("latin-1")):
             return 421, "this server does not go by that name"
         return None
 
-    def _refusal(self, scope: Message, headers: dict[bytes, bytes]) -> tuple[int, str] | None:
-        if (refusal := self._stranger(scope, headers)) is not None:
+    def _refusal(self, scope: Message, headers: dict[bytes, bytes], session: str) -> tuple[int, str] | None:
+        if (refusal := self._stranger(scope, headers, session)) is not None:
             return refusal
         if scope["method"] not in ("GET", "HEAD", "POST"):
             return 405, "only GET, HEAD and POST"
@@ -167,36 +187,42 @@ class Guard:
             return False
         return self._is_open or address.is_loopback
 
-    def _knows(self, headers: dict[bytes, bytes]) -> bool:
+    def _session(self, headers: dict[bytes, bytes]) -> str:
+        """The session whose cookie is sent; "" if there is none that this server has signed."""
         try:
             cookie = SimpleCookie(headers.get(b"cookie", b"").decode("latin-1")).get(self._cookie)
         except CookieError:
-            return False
-        return cookie is not None and self._is_token(cookie.value)
+            return ""
+        number, _, signature = cookie.value.partition(".") if cookie else ("", "", "")
+        return number if _is_same(signature, self._signature(number)) else ""
 
-    def _is_token(self, given: str) -> bool:
-        return hmac.compare_digest(given.encode(), self._token.encode())
+    def _new_session(self) -> bytes:
+        number = secrets.token_hex(8)
+        return f"{self._cookie}={number}.{self._signature(number)}; HttpOnly; SameSite=Strict; Path=/".encode()
+
+    def _signature(self, number: str) -> str:
+        return hmac.digest(self._key, number.encode(), "sha256").hex()
 
     async def _admit(self, scope: Message, send: Send) -> None:
         """Take the token from the address, once; the page that follows is asked for without it."""
         query = parse_qs(scope["query_string"].decode("latin-1"))
         given = (query.get("token") or [""])[0]
-        if scope["method"] != "GET" or not self._is_token(given):
+        if scope["method"] != "GET" or not _is_same(given, self._token):
             await _say(send, 401, "open the address with the token that was printed")
             return
-        cookie = f"{self._cookie}={self._token}; HttpOnly; SameSite=Strict; Path=/"
         # A redirect would still be the other site's doing, from which the cookie is not sent.
         place = b"/drive" if scope["path"] == "/drive" else b"/"
         page = (
             b'<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0;url=%s"><a href="%s">Go on</a>'
             % (place, place)
         )
-        await _answer(send, 200, b"text/html; charset=utf-8", page, (b"set-cookie", cookie.encode()))
+        await _answer(send, 200, b"text/html; charset=utf-8", page, (b"set-cookie", self._new_session()))
 
     async def _read(self, headers: dict[bytes, bytes], receive: Receive) -> tuple[bytes, tuple[int, str] | None]:
         """The body, or why it is refused."""
         most = self._limits.body
         too_large = 413, f"more than {most} bytes"
+        late = 408, "the request did not come to its end in time"
         told = headers.get(b"content-length", b"0")
         if not told.isdigit() or int(told[:20]) > most:
             return b"", too_large
@@ -208,10 +234,39 @@ class Guard:
                     body += message.get("body", b"")
                     if len(body) > most:
                         return b"", too_large
-                    if message["type"] == "http.disconnect" or not message.get("more_body"):
+                    if message["type"] == "http.disconnect":
+                        return b"", late
+                    if not message.get("more_body"):
                         return body, None
         except TimeoutError:
-            return b"", (408, "the request did not come to its end in time")
+            return b"", late
+
+
+_FULL = (
+    b'<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">'
+    b"<title>The server is busy</title><h1>The server is busy</h1>"
+    b"<p>It answers as many requests as it can at once. This page tries again in 5 seconds.</p></html>\n"
+)
+
+
+@contextmanager
+def _counted(counts: Counter[str], name: str, most: int) -> Iterator[bool]:
+    """Count *name* inside the block. False if there were *most* in all already, or half of them of that name."""
+    is_free = counts.total() < most and counts[name] < (most + 1) // 2
+    counts[name] += is_free
+    try:
+        yield is_free
+    finally:
+        counts[name] -= is_free
+        counts += Counter()  # forgets those that are 0
+
+
+def _is_same(given: str, known: str) -> bool:
+    return hmac.compare_digest(given.encode(), known.encode())
+
+
+def _address(scope: Message) -> str:
+    return str(scope["client"][0]) if scope.get("client") else ""
 
 
 def _origin(scope: Message, headers: dict[bytes, bytes]) -> str:
@@ -270,12 +325,14 @@ def _replayed(body: bytes, receive: Receive) -> Receive:
     return again
 
 
-def _with_headers(send: Send) -> Send:
+def _with_headers(send: Send, cookie: bytes | None) -> Send:
+    ours = [*HEADERS, (b"set-cookie", cookie)] if cookie else HEADERS
+
     async def sent(message: Message) -> None:
         if message["type"] == "http.response.start":
-            ours = {name for name, _ in HEADERS}
-            kept = [(name, value) for name, value in message.get("headers", []) if name not in ours]
-            message = {**message, "headers": [*kept, *HEADERS]}
+            names = {name for name, _ in HEADERS}
+            kept = [(name, value) for name, value in message.get("headers", []) if name not in names]
+            message = {**message, "headers": [*kept, *ours]}
         await send(message)
 
     return sent

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import ipaddress
+import logging
 import secrets
 import socket
 from collections.abc import Callable
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from dse.errors import fail
 from dse.serving.application import application
+from dse.serving.connections import protocol
 from dse.serving.drives import LiveDrives
 from dse.serving.guard import Application, Limits
 from dse.serving.shelf import Shelf
@@ -29,8 +31,8 @@ PORT = 8470
 _TO_FINISH = 3
 """Seconds that requests have to come to their end when the server stops."""
 
-_MOST_AT_ONCE = 64
-MOST_MESSAGE = Limits().message
+_LIMITS = Limits()
+MOST_MESSAGE = _LIMITS.message
 """Bytes of a message over a WebSocket."""
 _MOST_HEAD = 32 * 1024
 
@@ -64,14 +66,16 @@ def serve(
         server_of(guarded).run(sockets=[listener])
 
 
-def server_of(guarded: Application) -> uvicorn.Server:
-    """What runs *guarded*, within limits of its own: connections at once, the size of a request's head."""
+def server_of(guarded: Application, limits: Limits = _LIMITS) -> uvicorn.Server:
+    """What runs *guarded*; of *limits* it keeps those of connections without a request."""
     import uvicorn
+
+    logging.getLogger("uvicorn.error").addFilter(_without_trace)
 
     return uvicorn.Server(
         uvicorn.Config(
             guarded,
-            http="h11",
+            http=protocol(limits.waiting, limits.seconds),
             ws="websockets-sansio",
             ws_max_size=MOST_MESSAGE,
             ws_per_message_deflate=False,
@@ -82,11 +86,17 @@ def server_of(guarded: Application) -> uvicorn.Server:
             access_log=False,
             server_header=False,
             proxy_headers=False,
-            limit_concurrency=_MOST_AT_ONCE,
             h11_max_incomplete_event_size=_MOST_HEAD,
             timeout_graceful_shutdown=_TO_FINISH,
         )
     )
+
+
+def _without_trace(record: logging.LogRecord) -> bool:
+    """A page that sends bytes which are no text is worth one line, of what uvicorn tells with a traceback."""
+    if record.exc_info and isinstance(record.exc_info[1], UnicodeDecodeError):
+        record.exc_info = None
+    return True
 
 
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
@@ -103,7 +113,7 @@ def _address(text: str) -> Address:
 def _listening(address: Address, port: int) -> socket.socket:
     family = socket.AF_INET if address.version == 4 else socket.AF_INET6
     try:
-        return socket.create_server((str(address), port), family=family, backlog=_MOST_AT_ONCE)
+        return socket.create_server((str(address), port), family=family, backlog=_LIMITS.waiting)
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             what, hint = (

@@ -15,6 +15,7 @@ from typing import Any
 
 from dse.cache import content_key
 from dse.errors import Location, fail
+from dse.json_data import read_json
 from dse.scratch import ScratchFolder
 
 _PARSING = Path(__file__).with_name("parsing.py")
@@ -50,10 +51,9 @@ def asked(request: Mapping[str, object], where: Location) -> dict[str, Any]:
         except subprocess.TimeoutExpired:
             raise _unread(where, f"it took longer than {_SECONDS:g} s") from None
     try:
-        answer = json.loads(done.stdout)
-    except ValueError:
+        return dict(read_json(done.stdout))
+    except (ValueError, TypeError):
         raise _unread(where, "libclang crashed, or wanted more than a minute or 4 GiB") from None
-    return dict(answer)
 
 
 def _package() -> str:

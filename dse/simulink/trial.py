@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import subprocess
 import sys
@@ -11,6 +10,7 @@ from pathlib import Path
 
 from dse.errors import Location, fail
 from dse.formats import shown
+from dse.json_data import read_json, read_noun
 from dse.scratch import ScratchFolder
 from dse.simulink.coded import build_library
 from dse.simulink.glue import CodedModel
@@ -60,10 +60,10 @@ def try_model(model: CodedModel, *, cache: Path | None = None) -> Trial:
     if done.returncode:
         raise fail(f"'{model.folder.model}' {_ended(done.returncode)} in its start or first {_STEPS} steps", where)
     try:
-        answer = json.loads(done.stdout)
+        trial: Trial = read_noun(read_json(done.stdout, only_finite=False), Trial, "answer")
     except ValueError:
         raise fail(f"'{model.folder.model}' ended the process that ran it", where) from None
-    return Trial(tuple(answer["parameters"]), answer["error"])
+    return trial
 
 
 def _ended(code: int) -> str:

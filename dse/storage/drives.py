@@ -7,18 +7,20 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import asdict
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.domain.component import Value
 from dse.domain.drive import Drive, Pace
 from dse.errors import DseError, Location, fail
 from dse.formats import shown
+from dse.json_data import read_json, read_noun
 from dse.scratch import write_whole
 
 SUFFIX = ".parquet"
@@ -126,37 +128,27 @@ def _head(drive: Drive) -> bytes:
     return json.dumps(told, sort_keys=True).encode()
 
 
+@dataclass(frozen=True, slots=True)
+class _Head:
+    bench: str
+    configuration: str
+    driver: str
+    step: float
+    settings: Mapping[str, Value]
+    pace: Pace
+    bits: Mapping[str, str]
+
+
 def _of_head(head: bytes, time: NDArray[np.float64], inputs: dict[str, NDArray[np.float64]], here: Location) -> Drive:
     try:
-        told: dict[str, Any] = json.loads(head)
-        if told["version"] != _VERSION:
-            raise fail(f"is a drive of version {told['version']!r}; this dse reads {_VERSION}", here)
-        pace = told["pace"]
-        return Drive(
-            _text(told["bench"]),
-            _text(told["configuration"]),
-            _text(told["driver"]),
-            float(told["step"]),
-            time,
-            inputs,
-            Pace(int(pace["steps"]), int(pace["overruns"]), float(pace["median"]), float(pace["p99"])),
-            {_text(name): _value(value) for name, value in told["settings"].items()},
-            {_text(name): _text(bits) for name, bits in told["bits"].items()},
-        )
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, OverflowError):
-        raise fail("is no drive: what it says of itself is damaged", here, "copy it again") from None
-
-
-def _text(value: object) -> str:
-    if not isinstance(value, str):
-        raise TypeError
-    return value
-
-
-def _value(value: object) -> float | int | bool | str:
-    if not isinstance(value, float | int | bool | str):
-        raise TypeError
-    return value
+        data = read_json(head)
+        if isinstance(data, dict) and data.get("version") != _VERSION:
+            raise fail(f"is a drive of version {data.get('version')!r}; this dse reads {_VERSION}", here)
+        told: _Head = read_noun(data, _Head, "head")
+    except ValueError as error:
+        raise fail(f"is no drive: what it says of itself is damaged ({error})", here, "copy it again") from None
+    names = told.bench, told.configuration, told.driver
+    return Drive(*names, float(told.step), time, inputs, told.pace, told.settings, told.bits)
 
 
 def _require(drive: Drive, path: Path) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import TracebackType
 
 from dse.errors import DseError, Location, fail
+from dse.json_data import read_json, read_noun
 from dse.scratch import start_of
 from dse.storage.attempts import this_process
 from dse.storage.disk import not_made, refused
@@ -97,9 +98,8 @@ def writer_of(path: Path) -> Writer | None:
 def _noted(path: Path) -> Writer | None:
     """Who has noted to write into *path*; None for a process of this machine that is dead."""
     try:
-        note = json.loads((path / WRITER).read_bytes())
-        writer = Writer(str(note["host"]), int(note["process"]), int(note["started"]))
-    except (OSError, ValueError, OverflowError, KeyError, TypeError, RecursionError):
+        writer: Writer = read_noun(read_json((path / WRITER).read_bytes()), Writer, WRITER)
+    except (OSError, ValueError):
         return None
     host, _, _ = this_process().rpartition("/")
     if writer.host == host:

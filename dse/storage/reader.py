@@ -148,7 +148,7 @@ class StudyReader:
         try:
             with located(self.path):
                 return read_notes(self._connection)
-        except (ValueError, TypeError, RecursionError) as error:
+        except ValueError as error:
             raise damaged_study(self.path, str(error)) from error
 
     def causes(self) -> dict[int, str]:

@@ -27,6 +27,7 @@ import numpy as np
 from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.run import Outcome, Run, Waveforms
+from dse.json_data import read_json
 from dse.storage.rows import Measures, RowBlock, numbers_of
 from dse.storage.waveforms import write_waveforms
 
@@ -251,8 +252,8 @@ def _records(data: mmap.mmap) -> Iterator[tuple[int, int]]:
 
 def _head(data: mmap.mmap, records: Iterator[tuple[int, int]]) -> dict[str, Any] | None:
     place = next(records, None)
-    with suppress(ValueError, RecursionError):
-        head = json.loads(data[slice(*place)]) if place else None
+    with suppress(ValueError):
+        head = read_json(data[slice(*place)]) if place else None
         if isinstance(head, dict) and {*head} == _HEAD and _are_texts(head["variables"]):
             return head if all(isinstance(head[key], str) for key in ("maker", "configuration")) else None
     return None
@@ -299,10 +300,10 @@ class _Record:
 
 def _record(data: mmap.mmap, begin: int, end: int, shape: struct.Struct, variables: int) -> _Record | None:
     """The run whose record begins and ends there; None if it is none that `SpoolWriter` writes."""
-    with suppress(struct.error, ValueError, RecursionError, KeyError, TypeError):
+    with suppress(struct.error, ValueError, KeyError, TypeError):
         number, wall, done, length, noted, *cells = shape.unpack(data[begin : begin + shape.size])
         behind = begin + shape.size + noted
-        note = json.loads(data[begin + shape.size : behind]) if noted else {}
+        note = read_json(data[begin + shape.size : behind], only_finite=False) if noted else {}
         point, problem, columns = note.get("point", cells[:variables]), note.get("problem", ""), note.get("columns", [])
         if length >= 0 and not _are_texts(columns):
             return None

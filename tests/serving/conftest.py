@@ -16,7 +16,7 @@ import pytest
 from served_studies import store_study
 
 from dse.serving.application import application
-from dse.serving.guard import Application
+from dse.serving.guard import Application, Limits
 from dse.serving.server import server_of
 from dse.serving.shelf import Shelf
 
@@ -69,8 +69,8 @@ class Client:
 
 
 @contextmanager
-def serving(guarded: Application) -> Iterator[Client]:
-    server = server_of(guarded)
+def serving(guarded: Application, limits: Limits | None = None) -> Iterator[Client]:
+    server = server_of(guarded, limits or Limits())
     with socket.create_server(("127.0.0.1", 0)) as listener:
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()
@@ -82,7 +82,7 @@ def serving(guarded: Application) -> Iterator[Client]:
 
 
 @pytest.fixture
-def served() -> Callable[[Application], object]:
+def served() -> Callable[..., object]:
     return serving
 
 

@@ -143,7 +143,7 @@ def test_what_cannot_be_compared_is_told(client, query: str) -> None:
 def test_what_is_no_point_is_not_simulated(client, body: object) -> None:
     answer = client.post("/simulate?study=out/first", body)
     assert answer.status == 409
-    assert "no point of a study" in answer.text
+    assert "the request is invalid" in answer.text
 
 
 def test_a_point_that_does_not_fit_the_study_is_refused_by_name(client) -> None:

@@ -100,14 +100,14 @@ def test_a_note_that_says_nothing_names_nobody(tmp_path: Path, text: str) -> Non
 
 def test_another_process_of_the_same_number_is_not_the_writer(tmp_path: Path) -> None:
     host, _, process = this_process().rpartition("/")
-    note = {"host": host, "process": int(process), "started": 1.0}
+    note = {"host": host, "process": int(process), "started": 1}
     (tmp_path / "writer.json").write_text(json.dumps(note), encoding="utf-8")
     assert writer_of(tmp_path) is None
 
 
 def test_a_writer_that_was_killed_on_another_host_holds_nothing(tmp_path: Path) -> None:
     """As after a container was started again, under another name."""
-    note = json.dumps({"host": "elsewhere", "process": 7, "started": 1.0})
+    note = json.dumps({"host": "elsewhere", "process": 7, "started": 1})
     with WriterLock(tmp_path):
         (tmp_path / "writer.json").write_text(note, encoding="utf-8")
         assert writer_of(tmp_path) == Writer("elsewhere", 7, 1)

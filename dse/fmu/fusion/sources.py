@@ -56,7 +56,10 @@ def own_sources(model: FmuModel) -> OwnSources:
         raise NotOursError("has a process of its own do its work")
     if model.is_live:
         raise NotOursError("exchanges datagrams with somebody outside")
-    table = SlotTable.from_bytes(files[SLOT_TABLE])
+    try:
+        table = SlotTable.from_bytes(files[SLOT_TABLE])
+    except (ValueError, KeyError, TypeError):
+        raise NotOursError(_OLDER) from None
     is_model = not table.header
     written = () if is_model else sorted(name for name in files if name.startswith("component/") and name[-2:] == ".c")
     return OwnSources(

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from dse.errors import DseError, Location, fail
+from dse.json_data import read_json
 from dse.report.page.printing import OPTIONS, browser_for, rights
 from dse.scratch import ScratchFolder
 
@@ -118,7 +119,7 @@ class _Pipe:
         try:
             self._write(json.dumps(message).encode() + b"\0")
             while True:
-                answer = json.loads(self._message(until))
+                answer = read_json(self._message(until))
                 if dict(answer).get("id") == self._asked:
                     break
         except (OSError, ValueError, TypeError) as error:

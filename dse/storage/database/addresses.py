@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from dse.domain.address import Address
+from dse.json_data import read_json
 
 
 def read_addresses(connection: sqlite3.Connection) -> dict[str, Address]:
@@ -16,8 +17,8 @@ def read_addresses(connection: sqlite3.Connection) -> dict[str, Address]:
         return {}
     rows = connection.execute("SELECT configuration, address FROM addresses ORDER BY configuration").fetchall()
     try:
-        return {name: _from_json(json.loads(text)) for name, text in rows}
-    except (ValueError, TypeError, KeyError, RecursionError):
+        return {name: _from_json(read_json(text)) for name, text in rows}
+    except (ValueError, TypeError, KeyError):
         return {}  # not ours: nothing is known of these runs
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 from dse.domain.definition import StudyDefinition, to_json
 from dse.errors import DseError, Location, fail
+from dse.json_data import read_json, read_noun
 from dse.storage.database.asks import Asks, Block, read_asks, write_asks
 from dse.storage.database.attempts import ATTEMPTS, FROM_TIMING
 from dse.storage.database.definition import definition_from_json, definition_to_json
@@ -77,8 +78,8 @@ def attachable(path: Path) -> str:
 def lay_out(path: Path, header: StudyHeader) -> None:
     """Write an empty `study.sqlite` into *path*, all of it or nothing. DseError if *header* cannot be stored."""
     try:
-        definition_from_json(json.loads(_json(definition_to_json(header.definition))))
-    except (ValueError, RecursionError) as error:
+        definition_from_json(read_json(_json(definition_to_json(header.definition))))
+    except (ValueError, RecursionError) as error:  # the latter while it is written
         raise fail(f"the study cannot be stored: {error}", Location(str(path))) from error
     aside = path / f"{NAME}.part"
     aside.unlink(missing_ok=True)
@@ -151,18 +152,17 @@ def write_header(connection: sqlite3.Connection, header: StudyHeader, asks: Asks
 def read_header(connection: sqlite3.Connection, path: Path) -> tuple[StudyHeader, Asks]:
     """What `write_header` stored, in this version's tables or earlier ones, and the asks; DseError if it is none."""
     try:
-        facts = {key: json.loads(value) for key, value in connection.execute("SELECT key, value FROM facts")}
+        facts = {key: read_json(value) for key, value in connection.execute("SELECT key, value FROM facts")}
         definition = definition_from_json(facts["definition"])
         if _version(connection) == 1:
             facts = _of_first_version(facts)
-        counts = {key: facts[key] for key in _COUNTS}
-        for key, count in counts.items():
-            if type(count) is not int or count < 0:
-                raise ValueError(f"the number '{key}' is {json.dumps(count)[:40]}")
+        counts: dict[str, int] = {key: read_noun(facts[key], int, key) for key in _COUNTS}
+        if min(counts.values()) < 0:
+            raise ValueError("a count is negative")
         asks = _first_asks(definition, counts["runs"]) if _version(connection) == 1 else read_asks(connection)
         if _version(connection) >= SEALED and facts["seal"] != _seal(facts, asks):
             raise ValueError("they are not what was written")
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError) as error:
         raise damaged_study(path, f"its facts cannot be read ({error})") from error
     first = sum(block.count for block in asks.of(asks.era, 0))
     return StudyHeader(definition, numbers=asks.numbers, first=first, **counts), asks

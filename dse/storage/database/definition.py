@@ -6,11 +6,11 @@ import hashlib
 import json
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, fields, is_dataclass
-from types import NoneType, UnionType
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Any
 
 from dse.domain.definition import Json, StudyDefinition, to_json
+from dse.domain.sampler import Role, Scale
+from dse.json_data import read_noun
 from dse.units import UnitError, parse_unit
 
 FORMAT = 2
@@ -31,7 +31,7 @@ def definition_from_json(data: Json) -> StudyDefinition:
         raise ValueError(f"definition.format is {json.dumps(version)[:40]}")
     if version == 1:
         data = _from_first(data)
-    definition: StudyDefinition = _read(data, StudyDefinition, "definition")
+    definition: StudyDefinition = read_noun(data, StudyDefinition, "definition")
     flaws = [*_flaws(definition)]
     if flaws:
         raise ValueError(flaws[0])
@@ -51,11 +51,6 @@ def fingerprint(definition: StudyDefinition) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def read_noun(data: Json, shape: Any, at: str) -> Any:
-    """The noun of type *shape* that *data* holds. ValueError names the place, from *at*, where it does not."""
-    return _read(data, shape, at)
-
-
 def unit_flaws(definition: StudyDefinition) -> Iterator[str]:
     """Units that cannot be read, as showing the study needs them."""
     for section in ("variables", "metrics", "requirements", "figures"):
@@ -71,6 +66,9 @@ def _flaws(definition: StudyDefinition) -> Iterator[str]:
         key = "id" if section == "configurations" else "name"
         names = Counter(getattr(entry, key) for entry in getattr(definition, section))
         yield from (f"definition.{section} lists '{name}' twice" for name, count in names.items() if count > 1)
+    for variable in definition.variables:
+        if variable.scale not in {*Scale} or variable.role not in {*Role}:
+            yield f"variable '{variable.name}' has an unknown scale or role"
     metrics = {metric.name for metric in definition.metrics}
     for requirement in definition.requirements:
         if requirement.metric not in metrics:
@@ -100,39 +98,3 @@ def _start_by_name(configuration: Json) -> Json:
     if not isinstance(configuration, Mapping) or not isinstance(configuration.get("start"), Mapping):
         return configuration
     return {**configuration, "start": {name: dict(pairs) for name, pairs in configuration["start"].items()}}
-
-
-def _read(value: Json, shape: Any, at: str) -> Any:
-    """*value* as a *shape*: a frozen noun, or what its fields are annotated with. ValueError names the place."""
-    if shape is Any:
-        return value
-    origin, arguments = get_origin(shape), get_args(shape)
-    if origin in (Union, UnionType):
-        if value is None and NoneType in arguments:
-            return None
-        return _read(value, next(argument for argument in arguments if argument is not NoneType), at)
-    if origin is tuple:
-        if not isinstance(value, list):
-            raise ValueError(f"{at} is no list")
-        return tuple(_read(entry, arguments[0], f"{at}[{number}]") for number, entry in enumerate(value))
-    if origin is Mapping or is_dataclass(shape):
-        if not isinstance(value, Mapping):
-            raise ValueError(f"{at} is no object")
-        if origin is Mapping:
-            return {key: _read(entry, arguments[1], f"{at}.{key}") for key, entry in value.items()}
-        return _read_noun(value, shape, at)
-    fits = isinstance(value, (int, float) if shape is float else shape) and isinstance(value, bool) == (shape is bool)
-    if not fits:
-        raise ValueError(f"{at} is {json.dumps(value)[:40]}")
-    return value
-
-
-def _read_noun(value: Mapping[str, Json], shape: Any, at: str) -> Any:
-    hints = get_type_hints(shape)
-    found = {}
-    for entry in fields(shape):
-        if entry.name in value:
-            found[entry.name] = _read(value[entry.name], hints[entry.name], f"{at}.{entry.name}")
-        elif entry.default is MISSING and entry.default_factory is MISSING:
-            raise ValueError(f"{at} has no '{entry.name}'")
-    return shape(**found)

@@ -7,7 +7,7 @@ import sqlite3
 
 from dse.domain.definition import to_json
 from dse.domain.notes import Notes
-from dse.storage.database.definition import read_noun
+from dse.json_data import read_json, read_noun
 
 _KEY = "notes"
 
@@ -23,7 +23,7 @@ def read_notes(connection: sqlite3.Connection) -> Notes | None:
     row = connection.execute("SELECT value FROM facts WHERE key = ?", (_KEY,)).fetchone()
     if row is None:
         return None
-    notes: Notes = read_noun(json.loads(row[0]), Notes, _KEY)
+    notes: Notes = read_noun(read_json(row[0]), Notes, _KEY)
     for source in notes.sources:
         if not source.is_sound:
             raise ValueError(f"the text of {source.file} is not what was written")

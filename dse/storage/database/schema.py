@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from dse.domain.component import Value
 from dse.errors import fail
+from dse.json_data import read_json
 from dse.storage.database.attempts import ATTEMPTS
 from dse.storage.database.files import FILES
 from dse.storage.database.header import StudyHeader
@@ -81,7 +82,7 @@ def cell_of(value: Value) -> float | str:
 def value_of(cell: float | str) -> Value:
     """The value behind a cell written by `cell_of`."""
     if isinstance(cell, str):
-        value: Value = json.loads(cell)
+        value: Value = read_json(cell)
         return value
     return cell
 

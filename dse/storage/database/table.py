@@ -278,7 +278,7 @@ def _point(name: str, cells: Cells) -> NDArray[Any]:
 def _value(name: str, cell: object) -> Value:
     value = None
     if isinstance(cell, float | str):
-        with suppress(ValueError, RecursionError):
+        with suppress(ValueError):
             value = value_of(cell)
     if not isinstance(value, bool | int | float | str) or (isinstance(value, float) and not math.isfinite(value)):
         raise ValueError(f"a run has an unreadable {name}: {str(cell)[:40]}")
