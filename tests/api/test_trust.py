@@ -12,7 +12,6 @@ import dse
 from dse.api import replay, trust
 from dse.api.studies import trust as module
 from dse.api.studies.replaying import benches_of
-from dse.api.studies.trying import benches_near
 from dse.errors import DseError
 from dse.loading import Workspace
 
@@ -42,7 +41,7 @@ def found(near: Path, given: Path | None = None) -> Path:
 
 def test_a_workspace_that_came_with_a_study_is_not_used(brought: Path, results: dse.Results) -> None:
     with pytest.raises(DseError, match=r"brought: this workspace came with the study and is not trusted"):
-        benches_near(results.definition, brought / "testbenches")
+        module.benches_near(results.definition, brought / "testbenches")
 
 
 def test_it_is_used_when_it_is_trusted_until_a_file_in_it_changes(brought: Path) -> None:
@@ -89,7 +88,7 @@ def test_a_study_cannot_name_files_of_a_workspace(brought: Path, results: dse.Re
 
     named = replace(results.definition, study=str(brought / "testbenches" / "acc_gains.pet.yaml"))
     with pytest.raises(DseError, match="unknown study"):
-        benches_near(named, Path(), brought)
+        module.benches_near(named, Path(), brought)
 
 
 def test_the_command_line_says_what_is_trusted_and_refuses_what_is_none(brought: Path, tmp_path: Path) -> None:

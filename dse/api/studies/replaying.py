@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from dse.api.naming import workspace_of
 from dse.api.studies.driven import is_drives
 from dse.api.studies.run import Run
-from dse.api.studies.trying import benches_near
+from dse.api.studies.trust import benches_near
 from dse.errors import DseError, Location, fail
 
 if TYPE_CHECKING:

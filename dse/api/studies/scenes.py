@@ -54,8 +54,7 @@ def _bench_of(stored: Run, source: str | Path | None, near: Path, workspace: Pat
     """The bench as it was simulated for *stored*; what was driven by somebody lies as a table in *scratch*."""
     from dse.api.studies.driven import NOBODY, bench_driven, drive_name, is_drives, recording
     from dse.api.studies.replaying import benches_of
-    from dse.api.studies.trust import in_workspace
-    from dse.api.studies.trying import benches_near
+    from dse.api.studies.trust import benches_near, in_workspace
     from dse.domain.study import TESTBENCH
     from dse.testbench import with_values
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from dse.cache import cache_folder, content_key, keep, kept
 from dse.errors import DseError, Location, fail
 from dse.formats import shown
 from dse.loading import Workspace, find_root
 from dse.storage import StudyFolder
+
+if TYPE_CHECKING:
+    from dse.domain.bench import TestBench
+    from dse.domain.definition import StudyDefinition
 
 T = TypeVar("T")
 
@@ -53,6 +57,20 @@ def in_workspace(folder: Path, look: Callable[[Workspace], T], given: Path | Non
     if problem:
         raise problem
     return look(Workspace.around(Path()))  # which says that there is none
+
+
+def benches_near(definition: StudyDefinition, near: Path, workspace: str | Path | None = None) -> tuple[TestBench, ...]:
+    """The benches of the study as its workspace has them now: *workspace*, or that of `in_workspace` for *near*."""
+    return in_workspace(near, lambda found: benches_in(found, definition), Path(workspace) if workspace else None)
+
+
+def benches_in(workspace: Workspace, definition: StudyDefinition) -> tuple[TestBench, ...]:
+    """The benches of the study *definition* in *workspace*, by their names. Raises DseError."""
+    # Who made the study folder chose these names: they must not be paths.
+    where = Location(definition.study)
+    if not definition.variables:
+        return (workspace.bench(definition.bench.name, where),)
+    return workspace.study(definition.study, where).benches
 
 
 def is_trusted(root: Path) -> bool:

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 
 from dse.api.studies.exploring import OnChanged, again
 from dse.api.studies.run import Run
-from dse.api.studies.trust import in_workspace
+from dse.api.studies.trust import benches_near
 from dse.domain.run import Outcome, Run as RunNoun, RunRequest
 from dse.domain.study import TESTBENCH, Selection
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
-from dse.loading import Workspace
 from dse.testbench import bench_study, one_configuration, with_settings, with_values
 from dse.units import parse_unit
 
@@ -58,20 +57,6 @@ def try_point(
     here = RunNoun(RunRequest(0, configuration, values), Outcome.DONE, {}, ())
     made, planned, changed = again(study, definition, here, 2, on_changed=on_changed)
     return Tried(Run(made, planned.definition), changed)
-
-
-def benches_near(definition: StudyDefinition, near: Path, workspace: str | Path | None = None) -> tuple[TestBench, ...]:
-    """The benches of the study as its workspace has them now: *workspace*, or that of `in_workspace` for *near*."""
-    return in_workspace(near, lambda found: benches_in(found, definition), Path(workspace) if workspace else None)
-
-
-def benches_in(workspace: Workspace, definition: StudyDefinition) -> tuple[TestBench, ...]:
-    """The benches of the study *definition* in *workspace*, by their names. Raises DseError."""
-    # Who made the study folder chose these names: they must not be paths.
-    where = Location(definition.study)
-    if not definition.variables:
-        return (workspace.bench(definition.bench.name, where),)
-    return workspace.study(definition.study, where).benches
 
 
 def _within_ranges(
