@@ -28,6 +28,36 @@ class Distribution:
     values: tuple[float, ...] = ()
     """What was observed, of an empirical one."""
 
+    @property
+    def flaw(self) -> str:
+        """Why there is no such distribution; "" if there is one."""
+        given = self.numbers
+        if self.kind not in _NUMBERS or not _NUMBERS[self.kind] <= given.keys():
+            return "it is of no known kind, or lacks a number"
+        if given.get("sd", 1.0) <= 0:
+            return "its standard deviation must be above 0"
+        if self.kind == "lognormal" and given["mean"] <= 0:
+            return "the mean of a lognormal distribution must be above 0"
+        if min(given.get("alpha", 1.0), given.get("beta", 1.0)) <= 0:
+            return "alpha and beta must be above 0"
+        if "low" in given and not given["low"] < given["high"]:
+            return "low must be below high"
+        if "mode" in given and not given["low"] <= given["mode"] <= given["high"]:
+            return "the mode must lie between low and high"
+        if self.kind == "empirical" and len(set(self.values)) < 2:
+            return "give two different values or more"
+        return ""
+
+
+_NUMBERS = {
+    "normal": {"mean", "sd"},
+    "lognormal": {"mean", "sd"},
+    "beta": {"alpha", "beta", "low", "high"},
+    "triangular": {"mode", "low", "high"},
+    "uniform": {"low", "high"},
+    "empirical": set(),
+}
+
 
 def quantile(distribution: Distribution, low: float, high: float, share: Array) -> Array:
     """The values below which there is *share* (n,) of what lies in *low* … *high*; SI."""

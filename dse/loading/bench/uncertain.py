@@ -124,21 +124,7 @@ def _number(place: Place, entry: Entry, name: str, raw: Plain) -> float:
 
 
 def _require_proper(distribution: Distribution, entry: Entry) -> None:
-    given = distribution.numbers
-    problem = ""
-    if given.get("sd", 1.0) <= 0:
-        problem = "its standard deviation must be above 0"
-    elif distribution.kind == "lognormal" and given["mean"] <= 0:
-        problem = "the mean of a lognormal distribution must be above 0"
-    elif min(given.get("alpha", 1.0), given.get("beta", 1.0)) <= 0:
-        problem = "alpha and beta must be above 0"
-    elif "low" in given and not given["low"] < given["high"]:
-        problem = "low must be below high"
-    elif "mode" in given and not given["low"] <= given["mode"] <= given["high"]:
-        problem = "the mode must lie between low and high"
-    elif distribution.kind == "empirical" and len(set(distribution.values)) < 2:
-        problem = "give two different values or more"
-    if problem:
+    if problem := distribution.flaw:
         raise fail(problem, entry.where)
 
 

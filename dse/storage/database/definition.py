@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from dse.domain.definition import Json, StudyDefinition, to_json
+from dse.domain.distribution import Distribution
 from dse.domain.sampler import Role, Scale
 from dse.json_data import read_noun
 from dse.units import UnitError, parse_unit
@@ -69,10 +70,17 @@ def _flaws(definition: StudyDefinition) -> Iterator[str]:
     for variable in definition.variables:
         if variable.scale not in {*Scale} or variable.role not in {*Role}:
             yield f"variable '{variable.name}' has an unknown scale or role"
+        given = variable.distribution
+        if given and (flaw := Distribution(given.kind, given.numbers, given.values).flaw):
+            yield f"the distribution of '{variable.name}': {flaw}"
     metrics = {metric.name for metric in definition.metrics}
     for requirement in definition.requirements:
         if requirement.metric not in metrics:
             yield f"requirement '{requirement.name}' is on '{requirement.metric}', which is no metric"
+    totals = {name for configuration in definition.configurations for name in configuration.totals}
+    for objective in definition.objectives:
+        if not objective.is_composite and objective.name not in (totals if objective.is_total else metrics):
+            yield f"objective '{objective.name}' is no metric and no total"
     for name in {*definition.explored} - {configuration.id for configuration in definition.configurations}:
         yield f"definition.explored names '{name}', which is no configuration"
     try:
