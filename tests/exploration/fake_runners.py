@@ -86,6 +86,10 @@ class FakeRunner:
         struct.pack_into("=q", self.progress, 0, request.number + 1)
         if bench.seconds:
             time.sleep(bench.seconds)
+        if bench.mischief == "takes long" and request.number in bench.when:
+            for step in range(10_000):
+                struct.pack_into("=q", self.progress, 8, step)
+                time.sleep(0.01)
         if bench.mischief == "locks and leaks":
             ctypes.CDLL(None).mlockall(3)  # what is there and what comes
         if bench.mischief in ("leaks", "locks and leaks"):

@@ -58,6 +58,12 @@ def test_a_hanging_run_is_ended_after_its_timeout(tmp_path: Path) -> None:
 
 
 @pytest.mark.thorough
+def test_a_run_that_only_takes_too_long_is_not_said_to_hang(tmp_path: Path) -> None:
+    _, table, _ = explored(tmp_path, study_of(), mischief="takes long", when=(7,), timeout=2)
+    assert failures(table) == {7: "took longer than its limit of 2 s in fake: fmi2DoStep of run 7"}
+
+
+@pytest.mark.thorough
 def test_slow_runs_are_not_hanging_runs(tmp_path: Path) -> None:
     # The batch as a whole takes longer than a run may.
     _, table, _ = explored(tmp_path, study_of(levels=5), seconds=0.1, timeout=2)

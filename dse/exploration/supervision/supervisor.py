@@ -283,7 +283,8 @@ class Supervisor:
         for phase, silence in worker.silence().items():
             limit = configuration.timeout if phase is Phase.RUNNING else START_TIMEOUT
             if silence > limit:
-                return f"no answer for {limit:g} s"
+                is_slow = phase is Phase.RUNNING and worker.standstill < limit / 2
+                return f"took longer than its limit of {limit:g} s" if is_slow else f"no answer for {limit:g} s"
             if worker.stopped > limit:
                 return f"stopped by a signal for {limit:g} s"
         return ""

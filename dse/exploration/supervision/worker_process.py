@@ -61,6 +61,7 @@ class WorkerProcess:
         self._hearts = [Heartbeat(heartbeat, thread) for thread in range(setup.threads)]
         self._ran = self.stopped = 0.0
         self._beats, self._since = [0] * setup.threads, [0.0] * setup.threads
+        self._progress, self._moved = [b""] * setup.threads, 0.0
         context = multiprocessing.get_context("spawn")
         near, far = socket.socketpair()
         self._channel = Channel(near, *FROM_WORKERS)
@@ -140,6 +141,14 @@ class WorkerProcess:
             stands = False
         self.stopped = self.stopped + seconds if stands else 0.0
         self._ran += 0.0 if stands else seconds
+        progress = [heart.progress() for heart in self._hearts]
+        if progress != self._progress:
+            self._progress, self._moved = progress, self._ran
+
+    @property
+    def standstill(self) -> float:
+        """Seconds since a simulation in it got on."""
+        return self._ran - self._moved
 
     def silence(self) -> dict[Phase, float]:
         """Longest time in seconds that a thread has been in a phase without telling of anything new.
