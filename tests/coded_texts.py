@@ -453,9 +453,10 @@ void {name}_step(void)
 {{
   if ({name}_M->Timing.simTimeStep == MAJOR_TIME_STEP) {{
     rtsiSetSolverStopTime(&{name}_M->solverInfo, (({name}_M->Timing.clockTick0 + 1) * {name}_M->Timing.stepSize0));
+    rtsiSetBlkStateChange(&{name}_M->solverInfo, true);
   }}
   {name}_Y.filtered = {name}_X.Integrator_CSTATE;
-  if ({name}_M->Timing.simTimeStep == MAJOR_TIME_STEP) {{
+  if ({name}_M->Timing.simTimeStep == MAJOR_TIME_STEP && rtsiGetBlkStateChange(&{name}_M->solverInfo)) {{
     rt_ertODEUpdateContinuousStates(&{name}_M->solverInfo);
     ++{name}_M->Timing.clockTick0;
     {name}_M->Timing.t[0] = rtsiGetSolverStopTime(&{name}_M->solverInfo);

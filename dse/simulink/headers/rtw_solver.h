@@ -17,13 +17,14 @@ typedef struct {
     real_T **periodic_ranges;
     boolean_T **disabled;
     real_T stop;
-    boolean_T changes_mode, is_frozen;
+    boolean_T changes_mode, is_frozen, needs_reset, is_inconsistent;
     SolverMode mode;
 } RTWSolverInfo;
 
 #define rtsiSetSimTimeStepPtr(s, to) ((s)->kind = (to))
 #define rtsiSetSimTimeStep(s, to) (*(s)->kind = (to))
 #define rtsiGetSimTimeStep(s) (*(s)->kind)
+#define rtsiGetSimTimeStepPtr(s) ((s)->kind)
 #define rtsiSetTPtr(s, to) ((s)->t = (real_T **)(void *)(to))
 #define rtsiSetT(s, to) ((*(s)->t)[0] = (to))
 #define rtsiGetT(s) ((*(s)->t)[0])
@@ -62,10 +63,17 @@ typedef struct {
 #define rtsiSetIsContModeFrozen(s, to) ((s)->is_frozen = (to))
 #define rtsiIsContModeFrozen(s) ((s)->is_frozen)
 #define rtsiIsModeUpdateTimeStep(s) (*(s)->kind == MAJOR_TIME_STEP)
-/* What only solvers with a variable step need. */
+/* What only solvers with a variable step go by. Earlier releases say BlkStateChange. */
+#define rtsiSetSolverNeedsReset(s, to) ((s)->needs_reset = (to))
+#define rtsiGetSolverNeedsReset(s) ((s)->needs_reset)
+#define rtsiSetBlockStateForSolverChangedAtMajorStep(s, to) ((s)->needs_reset = (to))
+#define rtsiGetBlockStateForSolverChangedAtMajorStep(s) ((s)->needs_reset)
+#define rtsiSetContTimeOutputInconsistentWithStateAtMajorStep(s, to) ((s)->is_inconsistent = (to))
+#define rtsiGetContTimeOutputInconsistentWithStateAtMajorStep(s) ((s)->is_inconsistent)
+#define rtsiSetBlkStateChange(s, to) ((s)->is_inconsistent = (to))
+#define rtsiGetBlkStateChange(s) ((s)->is_inconsistent)
+#define rtsiIsVariableStepSolver(s) 0
 #define rtsiSetModelMethodsPtr(s, to) ((void)(s))
-#define rtsiSetSolverNeedsReset(s, to) ((void)(s))
-#define rtsiSetBlockStateForSolverChangedAtMajorStep(s, to) ((void)(s))
 #define rtsiSetVariableStepSolver(s, to) ((void)(s))
 #define rtsiSetFixedStepSize(s, to) ((void)(s))
 #define rtsiSetMinStepSize(s, to) ((void)(s))
