@@ -65,9 +65,10 @@ def read_noun(data: Any, shape: Any, at: str) -> Any:
             return {key: read_noun(entry, arguments[1], f"{at}.{key[:80]}") for key, entry in data.items()}
         return _noun(data, shape, at)
     fits = isinstance(data, (int, float) if shape is float else shape) and isinstance(data, bool) == (shape is bool)
-    if not fits or (shape is int and not -(1 << 63) <= data < 1 << 63):
+    is_long = isinstance(data, int) and not -(1 << 63) <= data < 1 << 63
+    if not fits or (is_long and shape is int):
         raise ValueError(f"{at} is {json.dumps(data)[:40]}")
-    return data
+    return float(data) if is_long else data  # numpy has no longer integers
 
 
 _TOO_DEEP = f"its values are nested more than {_MOST_LEVELS} levels deep"

@@ -101,6 +101,7 @@ def test_what_is_of_another_type_is_refused_by_its_place(data: object, wrong: st
 def test_a_noun_is_read() -> None:
     noun = read_noun({"number": 1, "count": -1, "either": {"a": 2.0}, "more": 1}, Noun, "x")
     assert noun == Noun(1, -1, "", {"a": 2.0})
+    assert [*map(type, (noun.number, read_noun(1 << 70, float, "x")))] == [int, float]
 
 
 READING = {

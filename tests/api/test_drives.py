@@ -11,6 +11,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from nasty import nasty_texts
 from small_drive import drive_workspace
 
 from dse.api import Drives, Results, open as open_workspace, open_drive
@@ -138,6 +139,17 @@ HEAD = {
     "bits": {},
 }
 COLUMNS = {"time": [0.0, 0.01], "brake": [0.0, 0.0]}
+
+
+def test_no_value_in_a_head_is_more_than_damage(tmp_path):
+    found = set()
+    for text in nasty_texts({**HEAD, "settings": {"car.gain": 1.0}}):
+        written(tmp_path / "a.parquet", COLUMNS, text.encode())
+        try:
+            found.add(type(read_drive(tmp_path / "a.parquet")).__name__)
+        except DseError as error:
+            found.add(type(error).__name__)
+    assert found == {"Drive", "DseError"}
 
 
 @pytest.mark.parametrize(
