@@ -198,7 +198,11 @@ def _model_of(texts: Mapping[str, str], where: Location) -> str:
     found = {name: score for name, score in _candidates(texts) if score > 0}
     best = [name for name, score in found.items() if score == max(found.values())]
     if not best:
-        raise fail("no model that Simulink's coder wrote is in this folder", where, _names(texts))
+        # Whoever took its comments and guards away left its functions.
+        headers = [(file.rpartition(".")[0], text) for file, text in texts.items() if file.endswith(_HEADERS)]
+        begun = [name for name, text in headers if f"{name}_initialize(void)" in text and f"{name}.c" in texts]
+        hint = f"if it is {begun[0]}: --model {begun[0]}, or 'model: {begun[0]}' in component.yaml" if begun else ""
+        raise fail("no model that Simulink's coder wrote is in this folder", where, hint or _names(texts))
     if len(best) > 1:
         raise fail(f"there are several models: {', '.join(best)}", where, f"model: {best[0]}")
     return best[0]

@@ -35,6 +35,7 @@ MAY_IMPORT = {
     "schema design": {"numpy", "pint", "ruamel.yaml", "scipy"},
     "list": {"numpy", "ruamel.yaml"},  # the first to read the benches
     "components": set(),
+    "trust": {"numpy"},
     "components --graph {o}": set(),
     "enumerate acc_vehicle": SPACE,
     "enumerate acc_vehicle --count": SPACE,

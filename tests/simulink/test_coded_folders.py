@@ -108,6 +108,14 @@ def test_a_model_that_others_refer_to_is_no_model_by_itself(tmp_path: Path) -> N
         read_model(tree / trees.TOP)
 
 
+def test_code_without_any_trace_of_the_coder_is_refused_with_the_option_that_imports_it(tmp_path: Path) -> None:
+    bare = {file: re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL) for file, text in texts.whole_program().items()}
+    folder = written(tmp_path, {file: text.replace("RTW_HEADER_", "MY_") for file, text in bare.items()})
+    with pytest.raises(DseError, match=r"no model that Simulink's coder wrote.*\n.*if it is lag: --model lag"):
+        read_model(folder)
+    assert read_model(folder, "lag", step=texts.STEP).interface.inputs
+
+
 @pytest.mark.thorough
 def test_the_users_functions_are_found_in_the_sources_that_are_given(tmp_path: Path, cache: Path) -> None:
     tree = written(tmp_path, trees.calling())
