@@ -171,7 +171,7 @@ def judged(name: str, data: StudyData) -> Iterator[tuple[str, bool | None]]:
     )
     yield from _each("total", lambda: [_holds(e.share, total(name, e.factors), 0.01) for e in found().factors])
     yield from _each("pair", lambda: [_holds(e.share, _both(name, e), 0.01) for e in found().pairs])
-    yield from _each("box", lambda: [_holds(box.density, _density(box, known, fresh)) for box in best_boxes(data)])
+    yield from _each("box", lambda: _boxes(best_boxes(data), known, fresh))
     yield from _each("robust centre", lambda: [_centre(data, known, fresh)])
     if known.trend:
         yield from _each("trend", lambda: [word == known.trend for n, word in courses(data, "y").items() if n == "x1"])
@@ -193,12 +193,17 @@ def _holds(interval: Interval, value: float, printed: float = 0.0) -> bool:
     return bool(interval.low - printed <= value <= interval.high + printed)
 
 
-def _density(box: Box, known: Known, fresh: Floats) -> float:
-    inside = np.ones(len(fresh), dtype=np.bool_)
-    for limit in box.limits:
-        column = fresh[:, int(limit.factor.name[1:]) - 1]
-        inside &= ~(column < limit.low) & ~(column > limit.high)
-    return float(known.met(fresh[inside]).mean())
+def _boxes(boxes: Iterable[Box], known: Known, fresh: Floats) -> list[bool]:
+    """Each is said of what is in no box before it ("else if")."""
+    held = []
+    for box in boxes:
+        inside = np.ones(len(fresh), dtype=np.bool_)
+        for limit in box.limits:
+            column = fresh[:, int(limit.factor.name[1:]) - 1]
+            inside &= ~(column < limit.low) & ~(column > limit.high)
+        held.append(_holds(box.density, float(known.met(fresh[inside]).mean())))
+        fresh = fresh[~inside]
+    return held
 
 
 def _centre(data: StudyData, known: Known, fresh: Floats) -> bool:

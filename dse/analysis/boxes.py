@@ -38,9 +38,9 @@ _DIGITS = 9
 class Box:
     """Where all of *limits* hold, a requirement is met more often than elsewhere.
 
-    *density* is the share of runs inside that meet it, *coverage* the share of all runs that meet it that are inside
-    and not in an earlier box, both by *checked* runs inside that the box was not made from. *luck* is how likely as
-    many of them would pass anywhere.
+    *density* is the share of runs inside and in no earlier box that meet it, *coverage* the share of all runs that meet
+    it that are there, both by *checked* runs there that the box was not made from. *luck* is how likely as many of them
+    would pass anywhere.
     """
 
     limits: tuple[Limit, ...]
@@ -80,8 +80,8 @@ def best_boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[
         inside = _Inside(data.part(made & left), met[made & left])
         limits = inside.limits()
         limits = _confirmed(limits, data, met, left & ~made)
-        box = _judged(limits, data, met, left & ~made, ~made)
-        if box is None or (found and box.coverage < _LEAST_COVERAGE):
+        box = _judged(limits, data, met, left & ~made, float(data.weights[met & ~made].sum()))
+        if box is None or (found and (box.coverage < _LEAST_COVERAGE or box.density.value < _LEAST_DENSITY)):
             break
         found.append(box)
         left &= ~box.holds(data)
@@ -266,9 +266,8 @@ def _confirmed(limits: tuple[Limit, ...], data: StudyData, met: Rows, others: Ro
         limits = best
 
 
-def _judged(limits: tuple[Limit, ...], data: StudyData, met: Rows, others: Rows, unused: Rows) -> Box | None:
-    """The box as the *others* see it, those of the runs that were *unused* that are in no earlier box; None if it may
-    be luck. How many of those inside pass is of all that were *unused*: earlier boxes may overlap."""
+def _judged(limits: tuple[Limit, ...], data: StudyData, met: Rows, others: Rows, passing: float) -> Box | None:
+    """The box as the *others* see it, *passing* being the weight of all there are; None if it may be luck."""
     from scipy.special import bdtrc  # not scipy.stats, which takes a second to load
 
     box = Box(limits, Interval(0.0, 0.0, 0.0), 0.0, 1.0, 0)
@@ -281,10 +280,7 @@ def _judged(limits: tuple[Limit, ...], data: StudyData, met: Rows, others: Rows,
     tries = max(round(counts_as), 1)
     # As likely as this or more by chance (exact binomial test).
     luck = float(bdtrc(round(density * tries) - 1, tries, elsewhere))
-    if luck > _LUCK or (others.sum() < unused.sum() and density < _LEAST_DENSITY):
+    if luck > _LUCK:
         return None
-    coverage = float(data.weights[inside & met].sum() / data.weights[unused & met].sum())
-    whole = box.holds(data) & unused
-    counts_as = effective(data.weights[whole])
-    density = float(data.weights[whole & met].sum() / data.weights[whole].sum())
-    return Box(limits, wilson(density * counts_as, counts_as), coverage, luck, int(whole.sum()))
+    coverage = float(data.weights[inside & met].sum()) / passing
+    return Box(limits, wilson(density * counts_as, counts_as), coverage, luck, int(inside.sum()))

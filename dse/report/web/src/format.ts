@@ -69,7 +69,7 @@ export function withUnit(text: string, unit: string): string {
 export function percent(part: number, whole: number): string {
   if (!whole) return "0\u202f%";
   const share = (100 * part) / whole;
-  const text = share > 0 && share < 0.1 ? "<0.1" : share < 100 && share > 99.9 ? ">99.9" : share.toFixed(share < 10 ? 1 : 0);
+  const text = share > 0 && share < 0.1 ? "<0.1" : share < 100 && share > 99.9 ? ">99.9" : share.toFixed(share < 10 || (share >= 98.5 && share < 100) ? 1 : 0);
   return `${text}\u202f%`;
 }
 
