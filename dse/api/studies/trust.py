@@ -100,6 +100,5 @@ def _contents(root: Path) -> Iterator[tuple[str, bytes]]:
 
 
 def _refused(root: Path) -> DseError:
-    hint = f"read what is in it, then 'dse trust {shown(root)}'; or name the workspace to use with --workspace"
     what = "this workspace came with the study and is not trusted: its C code would run with all your rights"
-    return fail(what, Location(shown(root)), hint)
+    return fail(what, Location(shown(root)), f"read what is in it, then 'dse trust {shown(root)}'")
