@@ -13,7 +13,7 @@ from hypothesis import given, strategies as st
 
 from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.component import Value
-from dse.domain.definition import DefinedConfiguration, DefinedMetric, StudyDefinition
+from dse.domain.definition import DefinedConfiguration, DefinedMetric, DefinedObjective, StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import DseError
 from dse.storage.attempts import Attempt, this_process
@@ -65,6 +65,17 @@ def test_the_header_comes_back(stored: Path, definition: StudyDefinition) -> Non
         assert folder.header.definition == definition
         assert (folder.header.runs, folder.header.asked, folder.header.numbers) == (6, 6, 6)
         assert folder.header.configurations == ("c1", "c2")
+
+
+def test_a_study_whose_configurations_come_later_may_aim_at_their_totals(
+    tmp_path: Path, definition: StudyDefinition
+) -> None:
+    aims = (DefinedObjective("cost", is_total=True),)
+    StudyFolder.create(tmp_path, replace(definition, configurations=(), explored=(), objectives=aims)).close()
+    with StudyFolder.open(tmp_path) as folder:
+        assert folder.header.definition.objectives == aims
+    with pytest.raises(DseError, match="objective 'price' is no metric and no total"):
+        StudyFolder.create(tmp_path / "other", replace(definition, objectives=(replace(aims[0], name="price"),)))
 
 
 def test_a_new_study_is_an_empty_table(tmp_path: Path, definition: StudyDefinition) -> None:

@@ -79,7 +79,10 @@ def _flaws(definition: StudyDefinition) -> Iterator[str]:
             yield f"requirement '{requirement.name}' is on '{requirement.metric}', which is no metric"
     totals = {name for configuration in definition.configurations for name in configuration.totals}
     for objective in definition.objectives:
-        if not objective.is_composite and objective.name not in (totals if objective.is_total else metrics):
+        # Where a sampler proposes configurations, there are none yet when the study begins.
+        if objective.is_composite or (objective.is_total and not definition.configurations):
+            continue
+        if objective.name not in (totals if objective.is_total else metrics):
             yield f"objective '{objective.name}' is no metric and no total"
     for name in {*definition.explored} - {configuration.id for configuration in definition.configurations}:
         yield f"definition.explored names '{name}', which is no configuration"
