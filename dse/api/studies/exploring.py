@@ -240,21 +240,21 @@ def alone(
     sandbox: bool = False,
     tell: Tell | None = None,
     world: WorldPlace | None = None,
-    before: Callable[[PreparedStudy], object] | None = None,
 ) -> tuple[Run, PreparedStudy]:
     """The single run of *study*, made in a process of its own, with waveforms; and what it was made from.
 
-    It is made *on* the bench of this number, with the *world* where that is. *before* is called with what is to be
-    simulated, before anything is.
+    It is made *on* the bench of this number, with the *world* where that is.
     """
     planned = ready(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell, world=world)
-    if before:
-        before(planned)
+    return _simulated(planned, on, sandbox=sandbox, tell=tell), planned
+
+
+def _simulated(planned: PreparedStudy, on: int, *, sandbox: bool = False, tell: Tell | None = None) -> Run:
     ((name, prepared),) = planned.benches.items()
     if tell:
         tell("simulating")
     measures = StudyHeader(planned.definition).measures
-    return simulate_alone(on_bench(prepared, on), make_runner, name, measures, sandboxed=sandbox), planned
+    return simulate_alone(on_bench(prepared, on), make_runner, name, measures, sandboxed=sandbox)
 
 
 def again(
@@ -266,15 +266,12 @@ def again(
     tell: Tell | None = None,
     on_changed: OnChanged | None = None,
 ) -> tuple[Run, PreparedStudy, tuple[str, ...]]:
-    """As `alone`, for a *run* of the study that is *stored*; and what has changed since, which *on_changed* is told
-    before anything is simulated, if it is something."""
-    changed: tuple[str, ...] = ()
+    """As `alone`, for a *run* of the study that is *stored*; and what has changed since the study was made.
 
-    def compare(planned: PreparedStudy) -> None:
-        nonlocal changed
-        changed = tuple(changed_inputs(stored, planned.definition, run))
-        if changed and on_changed:
-            on_changed(changed)
-
-    made, planned = alone(study, fmi, on=int(run.request.point.get(TESTBENCH, 0)), tell=tell, before=compare)
-    return made, planned, changed
+    If something has, *on_changed* is called with it before anything is simulated.
+    """
+    planned = ready(study, fmi, tell=tell)
+    changed = tuple(changed_inputs(stored, planned.definition, run))
+    if changed and on_changed:
+        on_changed(changed)
+    return _simulated(planned, int(run.request.point.get(TESTBENCH, 0)), tell=tell), planned, changed

@@ -28,7 +28,7 @@ _RESULTS = frozenset({".parquet", ".sqlite", ".sqlite-wal", ".sqlite-shm", ".spo
 def trust(path: Path) -> Workspace:
     """Trust the workspace around *path* as it is now: the user has read it, and lets it run with their rights.
 
-    With another content it is not trusted any more. Raises DseError if there is none, or it cannot be remembered.
+    When its content changes, it is no longer trusted. Raises DseError if there is none, or it cannot be remembered.
     """
     workspace = Workspace.around(path)
     keep(_mark(workspace.root), _KEY, os.fsencode(workspace.root), most=_MOST)
@@ -56,7 +56,7 @@ def in_workspace(folder: Path, look: Callable[[Workspace], T], given: Path | Non
                 problem = problem or error
     if problem:
         raise problem
-    return look(Workspace.around(Path()))  # which says that there is none
+    return look(Workspace.around(Path()))  # raises: there is none
 
 
 def benches_near(definition: StudyDefinition, near: Path, workspace: str | Path | None = None) -> tuple[TestBench, ...]:

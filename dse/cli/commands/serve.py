@@ -29,8 +29,8 @@ def serve(
     simulated at a click, and studies side by side. Only this machine reaches it, unless --listen says otherwise;
     then the address that is printed has a token in it, without which nothing is shown. Ctrl-C ends it.
 
-    Points are simulated with the workspace the study lies in if it is the one of the current folder or one that
-    'dse trust' was told of: its code is compiled and run.
+    Points are simulated with the workspace the study lies in if it is the one of the current folder, or was
+    trusted with 'dse trust': its code is compiled and run.
     """
     from dse.serving import Announced, Shelf, serve as serve_studies
 

@@ -133,7 +133,7 @@ def _carry_out(
 class _Spool:
     """Appends the runs of *batch* to the spool, for which a run may have left neither room nor files.
 
-    What cannot be written here is sent to the supervisor, which no FMU has harmed: *is_whole* tells that nothing was.
+    What cannot be written here is sent to the supervisor, which no FMU has harmed: *is_whole*: nothing was.
     """
 
     def __init__(
