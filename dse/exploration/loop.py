@@ -20,11 +20,15 @@ from dse.exploration.executor import Executor
 from dse.exploration.known_runs import NOT_REPRODUCIBLE, NOTHING_KNOWN, KnownRuns
 from dse.exploration.near_boundary import near_boundary
 from dse.exploration.progress import Meter, Progress, Stage
+from dse.exploration.repeating import Made, first_differences
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
 from dse.storage import Attempt, FileFacts, Rehearsal, RowBlock, StudyFolder
 from dse.testbench import make_runner
 
 _TELL_EVERY = 0.1
+
+_MOST_TRACED = 3
+"""Runs that came out otherwise the second time whose signals are compared."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,9 +37,9 @@ class Explored:
 
     *before* is how many runs the folder had, *runs* how many it has now, of which *failed*; with *extended* the study
     asks for other runs than before. *simulated* were made by this call, for the first time or again for their
-    waveforms, *taken* were known. *kept* have waveforms. *retried* were tried twice, as the first time need not have
-    been their fault; *irreproducible* gave another result the second time. The waveforms of *damaged* were gone, cut or
-    changed. *remarks* are on who made them.
+    waveforms, *taken* were known; a few that were repeated only to compare are not counted. *kept* have waveforms.
+    *retried* were tried twice, as the first time need not have been their fault; *irreproducible* gave another result
+    the second time. The waveforms of *damaged* were gone, cut or changed. *remarks* are on who made them.
     """
 
     before: int
@@ -122,7 +126,15 @@ def explore(
                 near = _near(study, folder, prepared)
                 sink.begin(Stage.WAVEFORMS, near, near & sink.kept.keys())
                 pool.work_off(sink.unknown(chunks.waveforms(near - sink.kept.keys(), sink.kept)))
+            if repeats := list(sink.made.repeats(asking.requests)):
+                sink.begin(Stage.REPEATS, {n for batch in repeats for n in batch.numbers}, set())
+                pool.work_off(repeats)
             remarks = pool.remarks
+        for number in sorted(sink.irreproducible)[:_MOST_TRACED]:
+            request = asking.requests[number]
+            bench = prepared[request.configuration]
+            if where := first_differences(bench, request, executor, make_runner, header.measures):
+                sink.add_to_problem(number, f"; the first to differ: {where}")
     except KeyboardInterrupt:
         raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
     finally:
@@ -161,7 +173,8 @@ class _Sink:
         self.kept = dict(folder.kept())
         self.simulated = 0
         self.taken = 0
-        self.irreproducible: set[int] = set()
+        self.irreproducible: dict[int, str] = {}
+        self.made = Made()
         self._folder = folder
         self._known = known
         self._on_progress = on_progress
@@ -170,6 +183,7 @@ class _Sink:
     def begin(self, stage: Stage, wanted: AbstractSet[int], there: AbstractSet[int]) -> None:
         """Count what comes as *stage*, of whose *wanted* runs some are *there* already; more of a stage adds to it."""
         if stage is not self._stage:
+            self.tell()
             self._stage, self._meter, self._told = stage, Meter(self.simulated), 0.0
             self._wanted: set[int] = set()
             self._there: set[int] = set()
@@ -202,9 +216,10 @@ class _Sink:
         new = block if fresh.all() else block.part(np.flatnonzero(fresh))
         self._store(batch.configuration, batch.requests, new)
         self._known.add(batch, new)
+        self.made.add(batch.configuration, new)
         if new is not block:
             self._compare(batch, block.part(np.flatnonzero(~fresh)))
-        self.simulated += len(block)
+        self.simulated += len(block) * (self._stage is not Stage.REPEATS)
         self._there.update(self._wanted.intersection(numbers))
 
     def tried(self, attempts: Sequence[Attempt]) -> None:
@@ -235,6 +250,11 @@ class _Sink:
         done, rate = len(self._there), self._meter.rate(self.simulated)
         self._on_progress(Progress(self._stage, done, len(self._wanted), len(self.failed), rate))
 
+    def add_to_problem(self, number: int, text: str) -> None:
+        """Add *text* to what is said of a run that came out otherwise the second time."""
+        self.irreproducible[number] += text
+        self._folder.set_problem(number, self.irreproducible[number])
+
     def _keep(self, numbers: Sequence[int], file: str) -> FileFacts | None:
         if not numbers:  # of a chunk whose runs all failed there is no file
             return None
@@ -251,6 +271,7 @@ class _Sink:
 
     def _compare(self, batch: Batch, again: RowBlock) -> None:
         numbers = again.numbers.tolist()
+        self.made.compared += len(numbers)
         self._folder.add_attempts(
             [Attempt(number, again.maker, "", wall) for number, wall in zip(numbers, again.wall.tolist(), strict=True)]
         )
@@ -258,8 +279,8 @@ class _Sink:
         for row in np.flatnonzero(again.differs_from(stored)).tolist():
             number = numbers[row]
             why = again.problems.get(number, "") if not again.done[row] else "another result"
-            self._folder.set_problem(number, f"{NOT_REPRODUCIBLE}simulated again it gave {why}")
-            self.irreproducible.add(number)
+            self.irreproducible[number] = ""
+            self.add_to_problem(number, f"{NOT_REPRODUCIBLE}simulated again it gave {why}")
             self._known.withdraw(batch, number)
             if not again.done[row]:
                 self._keep((number,), "")

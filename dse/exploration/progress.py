@@ -12,6 +12,7 @@ class Stage(StrEnum):
 
     RUNS = "runs"
     WAVEFORMS = "waveforms near the boundary"
+    REPEATS = "a few runs twice, to compare"
     CHECKS = "checks near the boundary"
 
 

@@ -61,7 +61,7 @@ class Batch:
 
     If *file* is not "", waveforms are kept in the file of that name. Runs in *made* are in the spool already: with it,
     they come into the file. *alone* has the others made one at a time, *fresh* by a process that has made none before.
-    A *part* is not all that its file is made of.
+    A *part* is not all that its file is made of. It goes to another worker than the maker *unlike*, where there is one.
     """
 
     identity: int
@@ -72,6 +72,7 @@ class Batch:
     made: frozenset[int] = frozenset()
     fresh: bool = False
     part: bool = False
+    unlike: str = ""
 
     @property
     def numbers(self) -> tuple[int, ...]:

@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,9 @@ class FakeBench:
         (number,) = struct.unpack_from("=q", block)
         return f"fake: fmi2DoStep of run {number - 1}" if number else ""
 
+
+DEPENDS_ON = {"clock": time.perf_counter_ns, "process": os.getpid, "counter": count().__next__}
+"""What a run's results depend on if that is its bench's mischief; a counter goes on from run to run."""
 
 hoard: list[bytearray] = []
 """Memory that is never freed."""
@@ -119,13 +123,17 @@ class FakeRunner:
         values = [value for value in request.point.values() if isinstance(value, float)]
         total = sum(values)
         drift = 1e-15 if (bench.mischief == "drifts" and keep) or bench.mischief == "drifts otherwise" else 0.0
+        if bench.mischief in DEPENDS_ON:
+            drift = float(DEPENDS_ON[bench.mischief]())
         metrics = {name: total * (i + 1) + drift for i, name in enumerate(METRICS)}
         metrics["m6"] = math.nan if total > 1.5 else -math.inf
         if bench.mischief == "forgets" and request.number in bench.when:
             del metrics["m3"]
         verdicts = (Verdict.PASS if total < 1.0 else Verdict.FAIL, Verdict.NOT_EXERCISED)
         judgements = tuple(Judgement(n, v, 1.0 - total) for n, v in zip(REQUIREMENTS, verdicts, strict=True))
-        return Run(request, Outcome.DONE, metrics, judgements, "", waveforms(request.number) if keep else None)
+        # Runs that are made only to compare signals have other numbers.
+        recorded = waveforms(0 if bench.mischief in DEPENDS_ON else request.number, drift) if keep else None
+        return Run(request, Outcome.DONE, metrics, judgements, "", recorded)
 
     def close(self) -> None:
         pass
@@ -227,9 +235,10 @@ def scribble(content: bytes, only: Callable[[int], bool] = lambda mode: True) ->
                 os.write(handle, content)
 
 
-def waveforms(number: int) -> Waveforms:
+def waveforms(number: int, late: float = 0.0) -> Waveforms:
     time_axis = np.linspace(0.0, 1.0, 11)
-    return Waveforms(time_axis, {"world.speed": time_axis * number, "world.gap": np.full(11, float(number))})
+    gap = np.where(time_axis < 0.45, number, number + late)
+    return Waveforms(time_axis, {"world.speed": time_axis * number, "world.gap": gap})
 
 
 def make_fake(bench: FakeBench, progress: memoryview) -> FakeRunner:

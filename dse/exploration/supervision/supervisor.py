@@ -174,10 +174,11 @@ class Supervisor:
     def _assign(self) -> None:
         # A second batch on the line spares a worker the wait for the next one; at the end it would leave others idle.
         depth = 2 if len(self._queue) > len(self._workers) else 1
+        is_choice = len(self._workers) > 1
         for turn in range(depth):
             for worker in list(self._workers):
                 if len(worker.assignments) == turn and not worker.offence:
-                    batch = self._queue.take(fresh=not worker.used)
+                    batch = self._queue.take(fresh=not worker.used, maker=worker.maker if is_choice else "")
                     if batch is not None:
                         self._store(batch.configuration)
                         worker.give(batch)
