@@ -95,6 +95,7 @@ def test_what_the_system_refuses_is_said_as_it_is(tmp_path, raised, said):
     assert (done.returncode, done.stderr.splitlines()[0]) == (1, said)
 
 
+@pytest.mark.thorough
 def test_a_working_folder_that_was_deleted_is_named(tmp_path, cache):
     folder = tmp_path / "gone"
     folder.mkdir()

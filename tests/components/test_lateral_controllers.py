@@ -515,6 +515,7 @@ def test_steering_keeps_to_its_limit_and_its_rate(new_part: NewPart, name: str) 
     assert max(found) <= 0.1
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_a_lane_that_is_lost_for_a_while_is_held_and_found_again(new_part: NewPart, name: str) -> None:
     """0.3 s without a look on the way into a bend of 120 m radius, at 15 m/s."""

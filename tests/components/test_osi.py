@@ -597,6 +597,7 @@ int main(void) {
 """
 
 
+@pytest.mark.thorough
 def test_no_bytes_make_the_reader_do_what_is_undefined(tmp_path: Path) -> None:
     osi = ROOT / "components/osi"
     (tmp_path / "drive.c").write_text(DRIVER, encoding="utf-8")

@@ -59,6 +59,7 @@ PLATOON = st.lists(
 )  # fmt: skip
 
 
+@pytest.mark.thorough
 def test_nobody_runs_a_light_who_could_have_stopped(new_part: NewPart) -> None:
     seen = {"stops": 0, "passes": 0, "runs red": 0}
 

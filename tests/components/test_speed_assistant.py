@@ -241,6 +241,7 @@ def drive(new_part: NewPart, name: str, lead: float) -> tuple[float, float]:
     return worst, light - FRONT - station
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "kp"), [("pd_acc", 1.2), ("pi_time_gap_acc", 0.7)])
 def test_before_todays_cruise_controllers_the_lead_time_takes_up_their_lag(
     new_part: NewPart, name: str, kp: float

@@ -252,6 +252,7 @@ def passed(
     return ids, stages
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     "eyes",
     [["object_perfect"], ["object_radar_long"], ["object_radar_mid", "object_camera"]],

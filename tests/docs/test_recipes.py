@@ -27,6 +27,7 @@ def recipe(tmp_path, monkeypatch):
     return module
 
 
+@pytest.mark.thorough
 def test_the_figure_of_the_recipe_conforms(recipe):
     suite = FigureSuite()
     suite.figure = recipe("runs_per_configuration").FIGURE

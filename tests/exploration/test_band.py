@@ -50,6 +50,7 @@ def test_verdicts_are_certain_beside_the_boundary_and_open_on_it(searched: RunTa
     assert (Band(searched, "R1", "a").at(np.array([[0.4, 0.6], [0.7, 0.3]])).misjudged > 0.01).all()
 
 
+@pytest.mark.thorough
 def test_runs_of_any_sampler_have_a_band(tmp_path: Path) -> None:
     assert_sums_up(Band(table_of(tmp_path, study_of(Sobol(samples=32))), "R1", "a").at(FINE))
 

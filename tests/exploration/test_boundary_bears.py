@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given, settings, strategies as st
 from judged_points import believed
 from known_boundaries import (
@@ -62,6 +63,7 @@ def test_a_variable_that_a_configuration_does_not_have_is_left_at_its_nominal_va
     assert min(abs(along - 0.8)) < 0.002
 
 
+@pytest.mark.thorough
 def test_a_requirement_that_no_run_exercises_does_not_hide_the_other_boundary() -> None:
     def both(points: Array) -> Mapping[str, Array]:
         return {**circle(points), "never": np.full(len(points), np.nan)}
@@ -71,6 +73,7 @@ def test_a_requirement_that_no_run_exercises_does_not_hide_the_other_boundary() 
     assert np.mean(alone != (circle(FINE)["R"] >= 0)) < 0.005
 
 
+@pytest.mark.thorough
 def test_with_30_percent_of_failed_runs_the_boundary_is_still_found() -> None:
     margins = scattered(0.3, circle)
     found = rows(searched(margins, 64))

@@ -53,6 +53,7 @@ def settle(tmp_path: Path) -> Settle:
     return settled
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("margins", "samples", "most", "grid"), [(circle, 48, 0.002, 7), (two, 48, 0.002, 7), (hole, 64, 0.015, 8)]
 )

@@ -158,6 +158,7 @@ def test_few_loads_are_under_way_however_many_runs_there_are(line: Line, tmp_pat
     assert line.most_at_once <= 4
 
 
+@pytest.mark.thorough
 def test_of_many_workers_loads_are_larger(line: Line, tmp_path: Path) -> None:
     """One coordinator cannot take more than some hundred answers a second."""
     line.seconds, line.slots_here = 0.5, 200

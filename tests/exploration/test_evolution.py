@@ -88,6 +88,7 @@ def test_a_front_of_three_objectives_is_found_by_reference_directions() -> None:
     assert cosines.max(axis=0).min() > 0.97
 
 
+@pytest.mark.sampled(2)
 @BOTH
 def test_requirements_are_constraints(kind: type[EvolutionSampler]) -> None:
     """The volume of the true front of constr-Ex up to (1.1, 10), by integration."""
@@ -101,6 +102,7 @@ def test_requirements_are_constraints(kind: type[EvolutionSampler]) -> None:
     assert 0.94 * whole < hypervolume(points.tolist(), (1.1, 10.0)) <= whole
 
 
+@pytest.mark.sampled(2)
 @BOTH
 def test_the_best_of_many_configurations_is_found_with_its_gain(kind: type[EvolutionSampler], acc: OpenedSpace) -> None:
     """Each configuration has a best gain of its own; a tenth of the runs of a grid do."""

@@ -79,6 +79,7 @@ def test_one_worker_and_two_make_the_same_study_of_a_sampler_that_looks_at_resul
     assert content(tmp_path / "one") == content(tmp_path / "two")
 
 
+@pytest.mark.thorough
 def test_a_finished_study_of_such_a_sampler_is_left_as_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     study = study_of(BISECTION, keep=Keep.ALL)
     first, before = run(tmp_path, study), content(tmp_path)

@@ -82,6 +82,7 @@ def content(path: Path) -> tuple[bytes, dict[str, bytes]]:
         return to_csv(folder), files
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("of", [1, 3, 8, 200])
 def test_shards_are_whole_chunks_and_together_all_of_them(of: int) -> None:
     requests = {n: RunRequest(n, "a" if n < 1000 else "b", {}) for n in range(3000)}

@@ -14,9 +14,18 @@ from dse.fmu.building import build
 from dse.loading.component.kind import KINDS, kind_of
 from dse.testing.kinds import Files, KindSuite, lay_out, the_component
 
+DEAR = {"road", "sumo"}
+"""Kinds whose FMUs take seconds to make."""
+
 
 class TestBuiltInKinds(KindSuite):
-    @pytest.fixture(params=[name for name in KINDS.names() if KINDS.package(name) == "dse"])
+    @pytest.fixture(
+        params=[
+            pytest.param(name, marks=pytest.mark.thorough if name in DEAR else ())
+            for name in KINDS.names()
+            if KINDS.package(name) == "dse"
+        ]
+    )
     def example(self, request: pytest.FixtureRequest) -> Files:
         if request.param == "sumo" and not (IS_HERE or os.environ.get("CI")):
             pytest.skip("SUMO is not installed")

@@ -23,6 +23,7 @@ def test_each_archive_is_valid_by_fmpys_measure(
     assert validate_fmu(str(build(name, version, interface, reference_folder))) == []
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("version", [1, 2, 3])
 @pytest.mark.usefixtures("real_compiler")
 def test_the_same_model_gives_the_same_bytes(version: int, tmp_path: Path) -> None:

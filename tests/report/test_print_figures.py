@@ -149,6 +149,7 @@ def test_a_study_that_a_figure_has_nothing_of_gives_no_drawing(name: str, bench_
     assert drawn(name, dataclasses.replace(one, runs=runs)) == {}
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", ["alternatives", "parallel"])
 def test_the_same_content_gives_the_same_bytes(name: str, sliced: ReportContent, tmp_path: Path) -> None:
     content = with_two_configurations(sliced)

@@ -199,6 +199,7 @@ def test_a_figure_is_saved_with_the_same_bytes_each_time(sliced: ReportContent, 
     assert len(list(tmp_path.iterdir())) == 2
 
 
+@pytest.mark.thorough
 def test_a_dollar_in_a_title_is_a_dollar(sliced: ReportContent, tmp_path: Path) -> None:
     content = dataclasses.replace(sliced, title="cost $x^{ and $")
     save_drawing(draw_waveforms(waveform_data(content, default_run(content))), tmp_path / "waveforms.png")

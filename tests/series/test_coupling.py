@@ -108,6 +108,7 @@ def test_between_samples_a_line_holds_and_outside_the_nearest_sample(tmp_path):
     assert np.allclose(run.waveforms["inputs.part.u"], expected, rtol=1e-14, atol=0)
 
 
+@pytest.mark.thorough
 def test_a_run_is_given_another_offset_and_gain(tmp_path):
     root = lay_out(tmp_path)
     run = simulated(root, set={"inputs.part.u.offset": "500 ms", "inputs.part.u.gain": 3})
@@ -128,6 +129,7 @@ def test_a_periodic_series_begins_anew_with_its_first_value(tmp_path):
         assert np.allclose(got, expected, rtol=0, atol=1e-13), kind
 
 
+@pytest.mark.thorough
 def test_whole_numbers_truth_values_and_items_keep_their_last_sample(tmp_path):
     table = "t,gear,on,mode,level\n0,1,true,sport,0\n0.5,2,FALSE,eco,1\n1.2,-1,1,1,1\n"
     root = lay_out(tmp_path, "file: lead.csv, column: v", s__csv=table)

@@ -56,6 +56,7 @@ def meets_all(flat: FlatSpace, found: Rows) -> bool:
     return True
 
 
+@pytest.mark.sampled(2)
 @needs_shared
 @pytest.mark.parametrize("name", MODELS)
 def test_a_shared_model_has_the_count_other_counters_agree_on(name: str) -> None:
@@ -63,6 +64,7 @@ def test_a_shared_model_has_the_count_other_counters_agree_on(name: str) -> None
     assert count(compiled(SHARED / f"{name}.uvl")) == int(known[name]["count"])
 
 
+@pytest.mark.sampled(2)
 @needs_shared
 @pytest.mark.parametrize("name", MODELS)
 def test_rows_of_a_shared_model_meet_its_rules_and_differ(name: str) -> None:

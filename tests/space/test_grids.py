@@ -137,6 +137,7 @@ def counts_at_all_cuts(space: FlatSpace) -> list[int]:
     return counts
 
 
+@pytest.mark.thorough
 @settings(max_examples=300, deadline=None)
 @given(spaces())
 def test_the_halves_may_meet_anywhere(space: FlatSpace) -> None:

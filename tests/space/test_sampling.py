@@ -205,6 +205,7 @@ def test_what_is_rare_but_not_proven_empty_is_given_up():
     assert MOST_DRAWS > 50_000
 
 
+@pytest.mark.thorough
 def test_more_rows_than_any_float_can_count_are_no_trouble():
     number = 700
     flat = space(variables(*[8] * number), Linear(weights(*[range(8)] * number), None, 2000))

@@ -103,6 +103,7 @@ def test_waveforms_go_to_and_from_a_file_without_pandas(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-c", WITHOUT_PANDAS, tmp_path / "runs.parquet"], cwd=root, check=True)
 
 
+@pytest.mark.thorough
 def test_reading_leaves_no_thread_of_arrow_behind(tmp_path: Path) -> None:
     """One that lets go of a buffer of Python's while Python ends aborts the process: "terminate called without …"."""
     file = tmp_path / waveform_file(0, 1)

@@ -45,6 +45,7 @@ def run_of(bench, **point: float):
         return executor.run(RunRequest(0, identity, point), keep=False), planned
 
 
+@pytest.mark.thorough
 def test_the_error_bar_is_the_error_with_a_quarter_more(bench):
     run, _ = run_of(bench)
     step = replace(bench.simulation, step=0.005, record_every=0.005, check_step=False)

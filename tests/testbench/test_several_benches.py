@@ -149,6 +149,7 @@ def test_a_point_on_either_bench_and_of_any_item_can_be_tried(root: Path, explor
         assert (tried.run.metrics, tried.run.verdicts, tried.changed) == (run.metrics, run.verdicts, ())
 
 
+@pytest.mark.thorough
 def test_the_runs_of_a_bench_are_those_of_a_study_of_that_bench_alone(root: Path, explored: Path) -> None:
     alone = write(root, {"testbenches/alone.pet.yaml": STUDY.replace("both", "alone").replace("[short, long]", "long")})
     dse.open(alone).studies["alone"].explore(root / "alone", workers=1)

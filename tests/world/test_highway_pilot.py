@@ -36,6 +36,7 @@ def driven(bench: str, sets: dict[str, float], fuse: bool = False, **choices: st
     return found.simulate(configuration, set=sets, fuse=fuse)
 
 
+@pytest.mark.thorough
 def test_there_are_so_many_pilots_and_what_is_cheap_enough_has_a_place() -> None:
     design = dse.open(ROOT).benches["highway_cut_in"].design
     assert design.count() == 49_400

@@ -177,6 +177,7 @@ def test_who_drives_over_the_line_at_red_is_told_to_have(
         assert seen["chassis.speed"][-1] < 0.1
 
 
+@pytest.mark.thorough
 def test_the_lights_of_a_town_show_their_colours_while_it_is_driven() -> None:
     view = View(wire_bench(Workspace(ROOT).bench("drive_town"), chosen("single_track")), 80.0)
     lights = view.document["lights"]

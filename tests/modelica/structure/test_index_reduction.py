@@ -105,6 +105,7 @@ def cartesian_pendulum(**more: object) -> Building:
     return b
 
 
+@pytest.mark.thorough
 def test_a_pendulum_in_cartesian_coordinates_is_right_while_its_states_hold() -> None:
     solved = solve(cartesian_pendulum().flat())
     check_order(solved)
