@@ -1,4 +1,4 @@
-"""Makes the README's pictures and its table of the picked run: run it after `make demo` and, for the third picture,
+"""Makes the pictures of the README and of the tour and its table of the picked run: run it after `make demo` and, for the third picture,
 `dse explore electric_acc_search` and `dse report electric_acc_search`."""
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ MARKS = ("<!-- picked run: begin -->", "<!-- picked run: end -->")
 
 
 def main() -> None:
-    """Write docs/images/*.png and the lines between the README's marks."""
+    """Write docs/images/*.png and the lines between the tour's marks."""
     browser_path = shutil.which("chromium") or shutil.which("google-chrome")
     missing = [str(study) for study in (STUDY, SEARCH) if not (study / "report.html").exists()]
     if browser_path is None or missing:
@@ -43,10 +43,10 @@ def main() -> None:
         page.wait_for_timeout(500)
         page.screenshot(path=images / "electric_acc_designs.png")
         browser.close()
-    readme = ROOT / "README.md"
-    text = readme.read_text(encoding="utf-8")
+    tour = ROOT / "docs/tour.md"
+    text = tour.read_text(encoding="utf-8")
     pattern = re.compile(f"{re.escape(MARKS[0])}.*?{re.escape(MARKS[1])}", re.DOTALL)
-    readme.write_text(pattern.sub(lambda _: f"{MARKS[0]}\n{_table()}\n{MARKS[1]}", text), encoding="utf-8")
+    tour.write_text(pattern.sub(lambda _: f"{MARKS[0]}\n{_table()}\n{MARKS[1]}", text), encoding="utf-8")
 
 
 def _table() -> str:
