@@ -6,6 +6,7 @@ raises a number: that is an edit of house.toml, in a commit of its own that says
 
 from __future__ import annotations
 
+import ast
 import re
 import sys
 import tomllib
@@ -45,6 +46,44 @@ def installation() -> dict[str, int]:
     return {"packages": len(found), "megabytes": round(sum(found.values()) / 1e6)}
 
 
+def words_to_avoid(glossary: str) -> re.Pattern[str]:
+    """What the table of such words in the text of docs/glossary.md finds, whatever its case."""
+    table = glossary.partition("## Words to avoid")[2]
+    rows = re.findall(r"^\| (.+?) \|", table, re.M)[1:]
+    return re.compile(rf"\b(?:{'|'.join(word for row in rows for word in row.split(', '))})\b", re.I)
+
+
+def prose(page: str) -> str:
+    """A page without code and tables' rules: what is read as a text."""
+    return re.sub(r"^```.*?^```|`[^`\n]*`", "", page, flags=re.M | re.S)
+
+
+def messages(source: str) -> str:
+    """The texts in Python's *source* that are more than a name, docstrings aside."""
+    tree = ast.parse(source)
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    apart = {
+        id(statement.value)
+        for node in ast.walk(tree)
+        if isinstance(node, documented)
+        for statement in node.body
+        if isinstance(statement, ast.Expr)
+    }
+    texts = [node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+    return "\n".join(str(node.value) for node in texts if id(node) not in apart and " " in str(node.value))
+
+
+def worded() -> dict[str, int]:
+    """How often words to avoid are used: in pages, and in messages of dse."""
+    pattern = words_to_avoid((HOUSE / "docs/glossary.md").read_text(encoding="utf-8"))
+    pages = [*HOUSE.glob("*.md"), *(path for path in (HOUSE / "docs").glob("*.md") if path.stem != "glossary")]
+    sources = [path for path in (HOUSE / "dse").rglob("*.py") if "node_modules" not in path.parts]
+    return {
+        "pages": sum(len(pattern.findall(prose(path.read_text(encoding="utf-8")))) for path in pages),
+        "messages": sum(len(pattern.findall(messages(path.read_text(encoding="utf-8")))) for path in sources),
+    }
+
+
 def measured() -> dict[str, dict[str, int]]:
     """Every number of house.toml that can be counted; processor time is measured by the tests themselves."""
     rooms = sorted(path for path in (HOUSE / "dse").iterdir() if path.is_dir() and any(path.rglob("*.py")))
@@ -52,6 +91,7 @@ def measured() -> dict[str, dict[str, int]]:
         "dse": size_of(HOUSE / "dse"),
         "tests": size_of(HOUSE / "tests"),
         "installation": installation(),
+        "words_to_avoid": worded(),
         **{f"rooms.{room.name}": size_of(room) for room in rooms},
     }
 

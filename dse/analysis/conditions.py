@@ -96,8 +96,8 @@ def share_met(data: StudyData, requirement: str = ALL) -> Met:
     if known and (share.low > known.share.high or known.share.low > share.high):
         if known.judged >= LEAST_EVEN:
             return known
-        what = f"a model of the verdicts says {share.value:.0%} of the space, {known.judged} evenly drawn {data.rows}"
-        raise withheld(requirement, f"{what} say {known.share.value:.0%}", "next: a study with 'sobol'")
+        what = f"a model of the verdicts gives {share.value:.0%} of the space, {known.judged} evenly drawn {data.rows}"
+        raise withheld(requirement, f"{what} give {known.share.value:.0%}", "next: a study with 'sobol'")
     return replace(met, share=share, conditions=conditions, basis=Basis.MODEL)
 
 
@@ -118,7 +118,7 @@ def worst_case(data: StudyData, over: str, requirement: str = ALL) -> WorstCase:
         Condition(float(place), _met(there.part(which == number), requirement)) for number, place in enumerate(places)
     )
     if not any(condition.met for condition in conditions):
-        raise withheld(requirement, "no run says whether it is met")
+        raise withheld(requirement, "no run shows whether it is met")
     at = np.array([n == k or factor.is_condition for n, factor in enumerate(data.factors)], dtype=np.bool_)
     designs, whole = _designs(there, at)
     passing = np.flatnonzero(whole & designs.met(requirement))

@@ -44,9 +44,8 @@ def shares(data: StudyData, metric: str) -> Iterator[Finding]:
     pairs = [pair for pair in going_together(defined) if {*pair} & {each.factor for each in named}]
     left = 1 - math.fsum(each.share.value for each in found)
     if pairs:
-        text += (
-            f"; {listed([' and '.join(pair) for pair in pairs[:3]], 'as well as')} go together: their shares overlap"
-        )
+        named_pairs = listed([" and ".join(pair) for pair in pairs[:3]], "as well as")
+        text += f"; {named_pairs} are correlated: their shares overlap"
     elif left >= 0.1 and told:
         text += f"; {percent(left)} is due to several together, or to chance"
     facts = {"shares": [asdict(each) for each in found], "defined": len(defined), "together": pairs}

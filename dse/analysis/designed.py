@@ -132,7 +132,7 @@ def _complete(data: StudyData, metric: str, blocks: NDArray[np.intp], least: int
             f"{lacking} of {len(blocks)} blocks of the design lack a run in which it is defined ({failed} runs failed)"
         )
         raise withheld(
-            metric, f"{what}: without them, indices would be distorted", "shares of variance are told instead"
+            metric, f"{what}: without them, indices would be distorted", "shares of variance are given instead"
         )
     if there.sum() < least:
         raise withheld(metric, f"{int(there.sum())} blocks are too few: {least} are needed")

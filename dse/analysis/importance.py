@@ -92,7 +92,7 @@ def importances(data: StudyData, metric: str) -> Importances:
     there, values = data.response(metric, _LEAST)
     if len(values) < _LEAST_DEFINED * len(data):
         told = f"it is defined in {len(values)} of {len(data)} runs only"
-        raise withheld(metric, f"{told}: what matters together is told of metrics that are nearly everywhere")
+        raise withheld(metric, f"{told}: joint importance is given for metrics that are defined nearly everywhere")
     if not data.on_grid and data.different < _LEAST:
         raise withheld(metric, f"variables have {data.different} different values in all: {_LEAST} are needed")
     runs, rows = len(values), drawn(np.arange(len(values)), _MOST)

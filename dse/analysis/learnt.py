@@ -100,10 +100,10 @@ def _runs(data: StudyData) -> Iterator[Finding]:
     if not len(data):
         yield Finding(Topic.RUNS, "", "there are no runs in the ranges of the study", facts)
     elif failed:
-        what = f"{failed} of {len(data)} runs failed to run: they meet nothing, and say nothing about metrics"
+        what = f"{failed} of {len(data)} runs failed to run: they meet nothing and have no metrics"
         yield Finding(Topic.RUNS, "", what, facts)
     if data.apart and not data.plane:
-        what = f"{data.apart} runs lie outside of the present ranges and are left out"
+        what = f"{data.apart} runs are outside the present ranges and are left out"
         yield Finding(Topic.RUNS, "", what, facts)
 
 
@@ -132,7 +132,7 @@ def _how_often(met: Met, data: StudyData) -> str:
             Basis.EVEN_RUNS: f"estimated from {counted} that were drawn evenly",
             Basis.MODEL: f"by a model of the verdicts through {met.judged} runs",
         }[met.basis]
-        by += f", which count as {met.counts_as:.0f}" if crowded and met.basis is not Basis.MODEL else ""
+        by += f", an effective sample of {met.counts_as:.0f}" if crowded and met.basis is not Basis.MODEL else ""
         return f"met{at_all(met.conditions)} in {likely(met.share)} of the space{exercised} ({by}){rest}"
     bound = f"at least {percent(met.share.low)}" if met.met else f"at most {percent(met.share.high)}"
     space = f" ({bound} of the space{exercised})" if is_sample else ""
@@ -147,7 +147,7 @@ def _worst(data: StudyData, over: str, name: str) -> Iterable[Finding]:
     if found.worst.met:
         text += f", met there in {likely(found.worst.met.share)}"
     if silent := [value(factor, each.place) for each in found.conditions if each.met is None]:
-        text += f"; at {listed(silent)} no run says whether it is met"
+        text += f"; at {listed(silent)} no run shows whether it is met"
     if found.complete:
         text += f"; {found.passing} of {found.complete} designs meet it at all conditions"
     if found.best >= 0:

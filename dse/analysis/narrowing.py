@@ -56,7 +56,7 @@ def around(table: RunTable, number: int, share: float) -> Narrowing:
 def around_designs(table: RunTable, designs: Sequence[Standing]) -> Narrowing:
     """What holds all of *designs*, and a little more. DseError if there are none."""
     if not designs:
-        raise fail("no design meets all requirements", hint="'dse best' says what would have to change")
+        raise fail("no design meets all requirements", hint="'dse best' lists what would have to change")
     rows = np.searchsorted(table.numbers, [each.runs[0] for each in designs])
     return Narrowing(
         _spanned(table, _places(table)[rows]), tuple(dict.fromkeys(each.configuration for each in designs))

@@ -99,7 +99,7 @@ def met_by_runs(data: StudyData, requirement: str) -> Met:
         without = (
             f"{count[Verdict.NOT_EXERCISED]} runs do not exercise it, {count[Verdict.FAILED_TO_RUN]} failed to run"
         )
-        raise withheld(requirement, f"no run says whether it is met: {without}")
+        raise withheld(requirement, f"no run shows whether it is met: {without}")
     counts_as = effective(data.weights[judged]) * min(data.different / len(data), 1.0)
     share = float(data.weights[met].sum() / data.weights[judged].sum())
     return Met(

@@ -20,7 +20,7 @@ class Topic(StrEnum):
     CENTRE = "how much may change"
     SHARES = "what matters by itself"
     TOGETHER = "what matters with all it does together with others"
-    WITHHELD = "not told"
+    WITHHELD = "withheld"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class Account:
         self._reasons: dict[tuple[str, str], list[str]] = {}
 
     def tell(self, what: str, about: str, label: str, finding: Callable[[], Iterable[Finding]]) -> None:
-        """Add what *finding* gives; or its reason why *what* is not told *about* something called *label*."""
+        """Add what *finding* gives; or its reason why *what* is withheld *about* something called *label*."""
         self._notice(f"{what} of {label}")
         try:
             self.findings += finding()

@@ -75,7 +75,7 @@ def units_word(si: bool) -> str:
 Format = Annotated[Output, typer.Option("--format", help="For a person, or for a program.")]
 Workers = Annotated[int, typer.Option("--workers", "-j", min=0, help="Worker processes; 0: one for each processor.")]
 Threads = Annotated[
-    int, typer.Option("--threads", "-t", min=1, help="Runs at once in a worker, where FMUs bear it (dse probe).")
+    int, typer.Option("--threads", "-t", min=1, help="Runs at once in a worker, where FMUs support it (dse probe).")
 ]
 NewFolder = Annotated[
     Path | None,
@@ -83,7 +83,7 @@ NewFolder = Annotated[
         "--output",
         "-o",
         metavar="DIR",
-        help="The study folder to make or to go on with; else out/NAME in the workspace.",
+        help="The study folder to create or resume; else out/NAME in the workspace.",
     ),
 ]
 Fresh = Annotated[
@@ -91,7 +91,7 @@ Fresh = Annotated[
 ]
 RetryFailed = Annotated[bool, typer.Option("--retry-failed", help="Make runs again that failed before.")]
 DryRun = Annotated[
-    bool, typer.Option("--dry-run", help="Only tell which runs would be simulated, why, and how long that takes.")
+    bool, typer.Option("--dry-run", help="Only list which runs would be simulated, why, and how long that takes.")
 ]
 Settings = Annotated[
     list[str],

@@ -126,7 +126,7 @@ def _unforeseen(error: BaseException) -> DseError:
         file.write_text(story, encoding="utf-8", errors="backslashreplace")
     except OSError:
         return fail(what, hint=f"please report it with this:\n{story}")
-    return fail(what, hint=f"please report it with what stands in {file}")
+    return fail(what, hint=f"please report it with the content of {file}")
 
 
 def _show_warning(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:

@@ -82,7 +82,7 @@ def _plan_lines(plan: Plan) -> Iterator[str]:
         "made before, in the cache": str(plan.known),
         "to be simulated": simulated,
         "again for their waveforms": str(plan.again or ""),
-        "that takes": "" if plan.seconds == 0 else "nobody knows" if plan.seconds is None else _duration(plan.seconds),
+        "that takes": "" if plan.seconds == 0 else "unknown" if plan.seconds is None else _duration(plan.seconds),
     }
     yield from (f"  {what:<27}{how}" for what, how in told.items() if how)
 

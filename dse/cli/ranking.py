@@ -71,7 +71,7 @@ def _print_table(results: Results, found: Ranking) -> None:
         )
     print_table(table)
     if len(differing) > len(shown):
-        say(f"they differ in {len(differing) - len(shown)} more places; --format json tells all")
+        say(f"they differ in {len(differing) - len(shown)} more places; --format json lists all")
 
 
 def _aggregations(definition: StudyDefinition) -> tuple[str, str]:

@@ -44,7 +44,7 @@ def refusals(system: SystemStructure, method: Method, facts: Mapping[str, FmuFac
         if len(names) > 1 and known is not None and (known.denies(Question.COEXISTS) or known.denies(Question.RENEWS)):
             question = Question.COEXISTS if known.denies(Question.COEXISTS) else Question.RENEWS
             yield Problem(
-                f"{', '.join(names)}: {known.identifier} does not bear several instances in one process: "
+                f"{', '.join(names)}: {known.identifier} does not support several instances in one process: "
                 f"{known.reasons.get(question, 'they disturb each other')}",
                 hint="use it in one element only",
             )
@@ -58,7 +58,7 @@ def refusals(system: SystemStructure, method: Method, facts: Mapping[str, FmuFac
                 )
             if known.denies(Question.VARIES_STEP):
                 yield Problem(
-                    f"{name}: an adaptive step varies, and {known.identifier} was seen not to bear that: "
+                    f"{name}: an adaptive step varies, and {known.identifier} was found not to support that: "
                     f"{known.reasons.get(Question.VARIES_STEP, 'steps of uneven length fail')}",
                     hint="simulate it with a fixed step",
                 )

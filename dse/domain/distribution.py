@@ -43,7 +43,7 @@ class Distribution:
         if "low" in given and not given["low"] < given["high"]:
             return "low must be below high"
         if "mode" in given and not given["low"] <= given["mode"] <= given["high"]:
-            return "the mode must lie between low and high"
+            return "the mode must be between low and high"
         if self.kind == "empirical" and len(set(self.values)) < 2:
             return "give two different values or more"
         return ""

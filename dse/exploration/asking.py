@@ -137,7 +137,7 @@ class Asking:
         for number in range(first, self.requests.end):
             if number in self._stored and self._stored[number] != self.requests[number]:
                 what = f"the sampler asks for another run {number} than it did before"
-                raise fail(what, Location(str(self._folder.path)), "explore into another folder, or say --fresh")
+                raise fail(what, Location(str(self._folder.path)), "explore into another folder, or use --fresh")
         return range(first, self.requests.end)
 
     def _has(self, configuration: str) -> NDArray[np.bool_]:

@@ -70,7 +70,7 @@ class ExplorationInterruptedError(KeyboardInterrupt):
 
     def __init__(self, finished: int, runs: int) -> None:
         super().__init__(
-            f"stopped after {finished} of {runs} runs; they are stored: the same command goes on from there"
+            f"stopped after {finished} of {runs} runs; they are stored: the same command resumes from there"
         )
         self.finished = finished
         self.runs = runs
@@ -120,7 +120,7 @@ def explore(
                 pool.work_off(sink.unknown(chunks.waveforms(left, sink.kept)) if keeps else chunks.runs(left))
                 if (lost := asked - sink.finished) and not isinstance(folder, Rehearsal):
                     what = f"the executor '{executor.name}' ended without {len(lost)} of the runs that it was given"
-                    raise fail(what, hint="finished runs are stored: the same command goes on")
+                    raise fail(what, hint="finished runs are stored: the same command resumes")
                 asking.tell()
             if study.keep is Keep.NEAR_BOUNDARY and not shard:
                 near = _near(study, folder, prepared)

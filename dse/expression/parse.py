@@ -206,7 +206,7 @@ class _Parser:
                 raise self.error("'=' gives an option of a function", operator.span, advice)
             case "not":
                 if self.peek().text not in ("in", "between"):
-                    raise self.error("'not' stands between two values", operator.span, "write and not, or not in")
+                    raise self.error("'not' is between two values", operator.span, "write and not, or not in")
                 positive = self.comparison(left, start)
                 return Unary("not", positive, positive.span)
             case "between":

@@ -101,8 +101,8 @@ _FOREIGN_ADVICE = {
     "·": "write *",
     "×": "write *",
     "{": "use round brackets",
-    "'": "names stand without quotes",
-    '"': "names stand without quotes",
+    "'": "names are written without quotes",
+    '"': "names are written without quotes",
 }
 _FOREIGN = re.compile("|".join(re.escape(text) + ("(?!=)" if text == "!" else "") for text in _FOREIGN_ADVICE))
 

@@ -127,5 +127,5 @@ def _held(folder: Path, description: Description) -> str:
     others = sorted(path.name for path in binaries.iterdir() if path.is_dir()) if binaries.is_dir() else []
     held = f"it has libraries for {', '.join(others)}" if others else "it has no libraries at all"
     if (folder / "sources").is_dir():
-        held += ", and does not say which of its sources are to be compiled"
+        held += ", and does not declare which of its sources are to be compiled"
     return held

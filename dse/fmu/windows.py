@@ -111,7 +111,7 @@ def _filler(wine: str) -> Callable[[Path], None]:
         if server := shutil.which("wineserver", path=f"{Path(wine).parent}{os.pathsep}{os.environ.get('PATH', '')}"):
             _run([server, "--wait"], environment)  # it writes its files when it ends
         if not (folder / _MARK).is_file():
-            raise fail(f"wine cannot make its folder of Windows: {told or 'it does not say why'}")
+            raise fail(f"wine cannot make its folder of Windows: {told or 'it gives no reason'}")
 
     return fill
 

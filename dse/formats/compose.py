@@ -52,7 +52,7 @@ def unsafe(text: str, where: Location) -> DseError:
     """The DseError that *text* holds a character that no text may hold."""
     found = UNSAFE.search(text)
     sign = found[0] if found else text
-    return fail(f"the character U+{ord(sign):04X} cannot stand in a text", where, "remove it; it does not show")
+    return fail(f"the character U+{ord(sign):04X} cannot be used in a text", where, "remove it; it does not show")
 
 
 def visible(text: str) -> str:

@@ -136,7 +136,7 @@ def parse_yaml(path: Path, content: bytes) -> Document:
         raise fail(f"not UTF-8 text (byte {error.start})", Location(file), "save the file as UTF-8") from None
     root = compose(text, file)
     if root is None:
-        raise fail("the file is empty", Location(file), "'dse docs formats' says what each file holds")
+        raise fail("the file is empty", Location(file), "'dse docs formats' describes each file")
     reader = _Reader(file, text)
     reader.expect_few(root)
     data, mark = reader.value(root, (), 0)
@@ -146,7 +146,7 @@ def parse_yaml(path: Path, content: bytes) -> Document:
         raise fail(
             f"expected a mapping at the top of the file, found {_describe(data)}",
             Location(file, mark[0], mark[1]),
-            "start with a line that says what the file defines, as 'design: my_design' or 'component: my_part'",
+            "start with a line that names what the file defines, as 'design: my_design' or 'component: my_part'",
         )
     return Document(path, data, file, mark, reader.pieces)
 
@@ -254,7 +254,7 @@ class _Reader:
                 self.problems += unsafe(key, where).problems
                 continue
             if key in result:
-                hint = f"it stands first in line {marks[key][0]}; keep one of them"
+                hint = f"first defined in line {marks[key][0]}; keep one of them"
                 self.problems.append(Problem(f"duplicate key '{key}'", where, hint))
                 continue
             result[key], mark = self.value(value_node, (*path, key), depth + 1)

@@ -128,17 +128,17 @@ def timing_of(
     """How long and how finely to simulate. Raises DseError if nobody says how long."""
     if experiment.start and stop is None:
         what = f"the experiment starts at {experiment.start:g} s; simulations start at 0 s in this version"
-        raise fail(what, where, "say how long to simulate from 0 s on: --stop '10 s'")
+        raise fail(what, where, "set how long to simulate from 0 s on: --stop '10 s'")
     own = [model.experiment for model in models]
     stops = [said.stop - (said.start or 0.0) for said in own if said.stop is not None]
     until, stop_said_by = _first(stop, experiment.stop, max(stops, default=None))
     if until is None:
-        what = "neither the package nor its FMUs say how long to simulate"
-        raise fail(what, where, "say it: --stop '10 s'")
+        what = "neither the package nor its FMUs define how long to simulate"
+        raise fail(what, where, "set it: --stop '10 s'")
     least = min((said.step for said in own if said.step), default=None)
     every, step_said_by = _first(step, experiment.step, least if least and is_multiple(until, least) else None)
     if every is None:
-        every, step_said_by = until / _STEPS, f"1/{_STEPS} of the time, as nobody says it"
+        every, step_said_by = until / _STEPS, f"1/{_STEPS} of the time, as none is given"
     return Timing(until, every, stop_said_by, step_said_by)
 
 

@@ -47,7 +47,7 @@ class ModelicaKind(ComponentKind[ModelicaSection, ModelicaSource]):
         if section.tolerance is not None:
             tolerance = place.number(section.tolerance, "", "tolerance")
             if not _FINEST <= tolerance <= _COARSEST:
-                what = f"the tolerance must lie in {_FINEST:g} … {_COARSEST:g}, not {section.tolerance}"
+                what = f"the tolerance must be in {_FINEST:g} … {_COARSEST:g}, not {section.tolerance}"
                 raise fail(what, place.at("tolerance"))
         return ModelicaSource(
             section.model,
@@ -100,7 +100,7 @@ def _file(name: str, place: SourcePlace, number: int) -> Path:
     if is_file(path):
         return place.file(name, (".mo",), "files", number)
     if not path.is_relative_to(place.inside.resolve()):
-        raise fail(f"'{name}' lies outside the workspace", where, "copy it into the workspace, or use modelica_path")
+        raise fail(f"'{name}' is outside the workspace", where, "copy it into the workspace, or use modelica_path")
     if not is_file(path / "package.mo"):
         what = f"no package.mo in {shown(path)}" if path.is_dir() else f"no such file or folder: {shown(path)}"
         raise fail(what, where, "paths are relative to this component.yaml")

@@ -114,8 +114,8 @@ def _tables(component: Component, source: RoadSource) -> RoadTables:
     counts = len(tables.paths), sum(len(path.lights) for path in tables.paths), len(tables.conflicts)
     for (what, most), count in zip(_MOST.items(), counts, strict=True):
         if count > most:
-            said = f"{count} {what}: a road tells at most {most}"
-            raise fail(said, source.ways[-1].where, "leave out paths that nobody drives")
+            said = f"{count} {what}: a road has at most {most}"
+            raise fail(said, source.ways[-1].where, "leave out paths that no vehicle takes")
     lanes = [lane.number for lane in tables.paths[0].lanes]
     start = component.parameter("start_lane")
     if start is not None and start.start not in lanes:

@@ -200,8 +200,8 @@ def _loose(
     left = [each.name for each in inputs if each.expression not in taken]
     left = [each for each in left if not any(is_part(each, name) for name in source.unused)]
     if left:
-        what = f"nobody gives the code's {'inputs' if len(left) > 1 else 'input'} {', '.join(left[:8])}"
-        yield Problem(what, component.where, f"map a port to it, or say that it is not used: unused: [{left[0]}]")
+        what = f"nothing provides the code's {'inputs' if len(left) > 1 else 'input'} {', '.join(left[:8])}"
+        yield Problem(what, component.where, f"map a port to it, or declare it unused: unused: [{left[0]}]")
 
 
 def by_name(ports: Iterable[Port]) -> dict[str, Port]:

@@ -51,7 +51,7 @@ class UdpKind(ComponentKind[UdpSection, UdpSource]):
         mode = _one_of(LinkMode, section.mode, place.at("mode"))
         key, other = ("listen", "host") if role is LinkRole.SERVER else ("host", "listen")
         if getattr(section, other) is not None:
-            hint = "a client has a 'host' that it asks, a server listens on loopback or where 'listen' says"
+            hint = "a client has a 'host' to ask; a server listens on loopback or at the address in 'listen'"
             raise fail(f"a {role} has no '{other}'", place.at(other), hint)
         host = getattr(section, key) or _LOOPBACK
         if not _ADDRESS.fullmatch(host):

@@ -16,7 +16,7 @@ from dse.live.mistakes import explain
 from dse.live.packet import Flag, Packet, pack, unpack
 
 STARTS, BYTES, FLAGS, COUNTS = "sends START", "bytes of its packets", "flags", "sequence counts"
-TIME, RESENDS, SAME, ENDS = "time goes on", "sends again what was not answered", "sends the same again", "sends END"
+TIME, RESENDS, SAME, ENDS = "time advances", "sends again what was not answered", "sends the same again", "sends END"
 NAMES = (STARTS, BYTES, FLAGS, COUNTS, TIME, RESENDS, SAME, ENDS)
 _EVERY = 10
 """Of so many requests the first try of one is left without an answer, and before that of another comes rubbish."""

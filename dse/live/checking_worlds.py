@@ -13,7 +13,7 @@ from dse.live.packet import Flag, Packet, pack, unpack
 ANSWERS, BYTES, SESSION, SEQUENCE = "answers a START", "bytes of its packets", "session", "sequence"
 FLAGS, TIME, REPEATS_START, STEPS = "flags", "time", "repeats the answer to START", "answers every step"
 REPEATS, IGNORES = "repeats an answer", "ignores what it must"
-BUSY, ENDS = "says BUSY to a second client", "ends and starts anew"
+BUSY, ENDS = "answers BUSY to a second client", "ends and starts anew"
 NAMES = (ANSWERS, BYTES, SESSION, SEQUENCE, FLAGS, TIME, REPEATS_START, STEPS, REPEATS, IGNORES, BUSY, ENDS)
 _SILENCE = 0.05
 """Seconds in which a world has to say nothing, at least."""
@@ -156,7 +156,7 @@ def _starts(client: _Client) -> bool:
     try:
         first = client.ask(start)
     except _Silent:
-        nobody = "nobody listens at this address and port (the system refuses the datagrams)"
+        nobody = "no process listens at this address and port (the system refuses the datagrams)"
         heard = "what came could not be used as an answer: see the other checks"
         waited = f"nothing was heard in {client.trial.patience:g} s"
         is_told = any(check.is_right is False for check in client.findings.listed())
@@ -323,5 +323,5 @@ def _time(answer: Packet, expected: float, asked: float) -> str:
     if abs(answer.time - expected) <= 1e-6 * max(1.0, abs(expected)):
         return ""
     if answer.time == asked and asked != expected:
-        return "the request's time came back: an answer tells the state at the end of the step, with that time"
-    return "the answer's time is not that of the end of the step (time of the request and a step; --step says how long)"
+        return "the request's time came back: an answer contains the state at the end of the step, with that time"
+    return "the answer's time is not that of the end of the step (time of the request and a step; --step sets how long)"

@@ -40,7 +40,7 @@ _MISTAKES = (
     _Mistake("<2iqid{n}di", "the sequence in the head is an int64: it is an int32 (C#: int, not long)"),
     _Mistake("<2iqid{n}dq", "the sequence is an int64: both are int32 (C#: int, not long)"),
     _Mistake("<2iqi4xd{n}dq", "the sequence is an int64, with padding behind the flags: both sequences are int32"),
-    _Mistake("<4i4xd{n}di", "4 bytes of padding stand between the four int32 and the time: pack the struct"),
+    _Mistake("<4i4xd{n}di", "there are 4 bytes of padding between the four int32 and the time: pack the struct"),
     _Mistake("<4i4xd{n}di4x", "8-byte alignment has put padding before the time and at the end: pack the struct"),
     _Mistake("<4qd{n}dq", "the integers are int64: all five are int32 (C#: int, not long)"),
     _Mistake("<4id{n}dd", "the closing sequence is a double: it is an int32"),
@@ -85,7 +85,7 @@ def _first_bytes(data: bytes) -> Iterator[str]:
     """What the first bytes tell."""
     place = data.find(_MAGIC)
     if place > 0:
-        yield f"{place} bytes stand before the magic number: a length or a type of a serialiser? Send the packet alone"
+        yield f"{place} bytes come before the magic number: a length or a type of a serialiser? Send the packet alone"
     if data[:4] == _MAGIC[::-1]:
         yield "the integers are big-endian (network order): write them little-endian"
     if place < 0:

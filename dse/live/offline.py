@@ -55,7 +55,7 @@ def _types(drive: Drive, bench: TestBench, configuration: Configuration, where: 
     tunables = tunables_of(bench, configuration)
     known |= {f"{TUNE}.{name}": parameter.type for name, parameter in tunables.items()}
     strange = drive.inputs.keys() - known.keys()
-    for names, what in ((missing, "does not say"), (strange, "says, and nobody takes,")):
+    for names, what in ((missing, "does not give"), (strange, "gives, without a receiver,")):
         if names:
             raise fail(f"the drive on '{bench.name}' {what} {', '.join(sorted(names))}", where, _ANOTHER)
     return {name: replace(known[name], unit=coherent(known[name].unit)) for name in drive.inputs}

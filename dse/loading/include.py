@@ -74,7 +74,7 @@ def _join(mine: Document, other: Document, problems: Problems) -> Document:
     pieces = {**mine.pieces}
 
     def twice(path: KeyPath) -> None:
-        what = f"'{'.'.join(map(str, path))}' stands in an including file too"
+        what = f"'{'.'.join(map(str, path))}' is defined in an including file too"
         problems.add(what, Entry(other, path).key, f"see {Entry(mine, path).key}")
 
     def take(source: KeyPath, target: KeyPath) -> None:

@@ -28,7 +28,7 @@ def check_name(name: str, where: Location, problems: list[Problem]) -> None:
 def check_choice(name: str, where: Location, problems: list[Problem]) -> None:
     """Add a problem unless *name* can be that of what is chosen at a place: a component or an architecture."""
     if name in ("absent", "present"):
-        what = f"'{name}' says whether a part is there, so nothing can be called that"
+        what = f"'{name}' tests whether a part is present, so nothing can have that name"
         problems.append(Problem(what, where, "choose another name"))
     else:
         check_name(name, where, problems)

@@ -22,7 +22,7 @@ def named_file(folder: Path, name: str, inside: Path, suffixes: Collection[str],
     """
     path = followed(folder, name, where)
     if not path.is_relative_to(inside.resolve()):
-        raise fail(f"'{name}' lies outside the workspace", where, "copy the file into the workspace")
+        raise fail(f"'{name}' is outside the workspace", where, "copy the file into the workspace")
     if path.suffix not in suffixes:
         raise fail(f"'{name}' must be a {' or '.join(suffixes)} file", where, "name another file")
     return path

@@ -120,7 +120,7 @@ _HINTS = {
     "tuple_type": "write it as [a, b]",
     "dict_type": "write it as {key: value}",
     "model_type": "write it as {key: value}",
-    "bool_type": "YAML 1.2 knows only true and false",
+    "bool_type": "YAML 1.2 has only true and false",
 }
 
 

@@ -121,7 +121,7 @@ class Workspace:
             component = read_component(path, self.interfaces, self.root)
             if component.name != name:
                 raise fail(
-                    f"component '{component.name}' lies in a folder called '{name}'",
+                    f"component '{component.name}' is in a folder called '{name}'",
                     component.where,
                     "name the folder after the component, so that it is found",
                 )

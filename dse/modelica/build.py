@@ -90,7 +90,7 @@ def check_modelica(component: Component, source: ModelicaSource, cache: Path | N
 
 def _without_omc(component: Component) -> DseError:
     what = f"component '{component.name}': its compiler is omc, which is not on PATH"
-    return fail(what, component.where, "install OpenModelica, or say compiler: auto")
+    return fail(what, component.where, "install OpenModelica, or set compiler: auto")
 
 
 def _mentioning_omc(refusal: TranslationError, source: ModelicaSource) -> DseError:

@@ -109,7 +109,7 @@ def _parameter(component: Component, model: FlatModel, parameter: Parameter) -> 
         yield Problem(what, where, "set the array in a Modelica model that extends this one")
     elif variable.is_structural and parameter.tunable:
         what = f"'{name}' of {model.name} decides how the model is built, so it cannot be changed in a simulation"
-        yield Problem(what, where, "say tunable: false")
+        yield Problem(what, where, "set tunable: false")
     else:
         yield from _type(model, word, parameter.type, variable, where)
         yield from _limits(model, parameter, variable, where)

@@ -41,7 +41,7 @@ def _ask(omc: str, changed: int) -> str:  # noqa: ARG001  # an updated compiler 
     except (OSError, subprocess.TimeoutExpired) as error:
         raise fail(f"omc cannot be run: {error}") from error
     if answer.returncode != 0 or not answer.stdout.strip():
-        raise fail("omc does not tell its version", hint="is it OpenModelica's compiler?")
+        raise fail("omc does not print its version", hint="is it OpenModelica's compiler?")
     return answer.stdout.strip()
 
 
@@ -148,7 +148,7 @@ def _problems(component: Component, sources: ModelSources, said: str) -> list[Pr
 
 def _unknown(component: Component, said: str) -> Problem:
     lines = [line.strip() for line in said.splitlines() if line.strip(' "')]
-    shown = "; ".join(lines[-3:]) or "it said nothing"
+    shown = "; ".join(lines[-3:]) or "it printed nothing"
     return Problem(f"component '{component.name}': omc made no FMU: {shown}", component.where)
 
 

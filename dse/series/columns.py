@@ -64,7 +64,7 @@ def usual_time(headings: Sequence[str], where: Location) -> Place:
     """The column of times where none is named: the one called ``time`` or ``t``. Raises DseError."""
     found = [index for index, name in enumerate(_names(headings)) if name.lower() in ("time", "t")]
     if len(found) != 1:
-        raise fail("which column is the time cannot be told", where, "say it, as 'time: Timestamp [ms]' or 'time: 1'")
+        raise fail("the column of the time is not clear", where, "name it, as 'time: Timestamp [ms]' or 'time: 1'")
     return Place(found[0])
 
 

@@ -75,11 +75,11 @@ class TextTable:
         where = self.where(commas[0][0] + skipped)
         if points:
             raise fail(
-                f"'{commas[0][1]}' has a comma, other numbers have a point", where, "say 'decimal: \".\"' or ','"
+                f"'{commas[0][1]}' has a comma, other numbers have a point", where, "set 'decimal: \".\"' or ','"
             )
         if all(_THOUSANDS.fullmatch(cell) for _, cell in commas):
             what = f"the comma in '{commas[0][1]}' may mark decimals or thousands"
-            raise fail(what, where, "say 'decimal: \",\"', or take out the commas")
+            raise fail(what, where, "set 'decimal: \",\"', or take out the commas")
         return ","
 
 
@@ -88,7 +88,7 @@ _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+", re.ASCII)
 
 
 def read_text_table(file: TableFile, where: Location) -> TextTable:
-    """The table in *file*. Raises DseError: it cannot be read, or how its columns are separated cannot be told."""
+    """The table in *file*. Raises DseError: it cannot be read, or how its columns are separated is not clear."""
     text = _text(file, where)
     if text.count("\n") > _MOST_LINES:
         raise fail(f"{shown(file.path)} has more than {_MOST_LINES:,} lines", where, "cut out what is used")
@@ -122,7 +122,7 @@ def read_text_table(file: TableFile, where: Location) -> TextTable:
     for row, line in zip(rows, places, strict=True):
         if len(row) > width and any(cell.strip() for cell in row[width:]):
             what = f"{len(row)} values, but {width} columns"
-            raise fail(what, Location(shown(file.path), line, 1), "say 'separator:' or 'skip_lines:', or mend the line")
+            raise fail(what, Location(shown(file.path), line, 1), "set 'separator:' or 'skip_lines:', or mend the line")
     first = int(is_headed)
     if len(rows) == first:
         raise fail(f"{shown(file.path)} has no row below its headings", where)
@@ -169,8 +169,8 @@ def _separator(file: TableFile, lines: Sequence[str], where: Location) -> str:
     counts = {len(line.split()) for line in lines}
     if len(counts) == 1 and max(counts) > 1:
         return " "
-    what = f"how the columns of {shown(file.path)} are separated cannot be told"
-    raise fail(what, where, "say 'separator: \",\"'; lines before the headings are left out by 'skip_lines: 3'")
+    what = f"how the columns of {shown(file.path)} are separated is not clear"
+    raise fail(what, where, "set 'separator: \",\"'; lines before the headings are left out by 'skip_lines: 3'")
 
 
 _TWO_NUMBERS = re.compile(r"\s*[+-]?\d+\s+[+-]?\d+\s*", re.ASCII)

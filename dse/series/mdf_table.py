@@ -62,7 +62,7 @@ def _found(mdf: Any, wanted: str, group: int | None, where: Location) -> tuple[s
                 raise fail(f"the group {group} has no channel '{name}'", where)
             if len(places) > 1:
                 groups = ", ".join(str(number) for number in sorted({place[0] for place in places}))
-                hint = "say 'group: …'" if "," in groups else "export it as CSV or Parquet, under another name"
+                hint = "set 'group: …'" if "," in groups else "export it as CSV or Parquet, under another name"
                 raise fail(f"several channels are called '{name}', in the groups {groups}", where, hint)
             return name, stated, *places[0]
     raise fail(f"there is no channel '{wanted}'", where, closest(wanted, mdf.channels_db))

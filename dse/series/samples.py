@@ -84,10 +84,10 @@ def _misfits(component: Component, source: TimeSeriesSource) -> list[Problem]:
             problems.add(what, series.where, closest(series.port, outputs))
         elif port.type.kind is not Kind.REAL and series.interpolation is Interpolation.LINEAR:
             what = f"'{series.port}' is {port.type}: between two of its values there is none"
-            problems.add(what, series.where, "leave out 'interpolation', or say 'previous'")
+            problems.add(what, series.where, "leave out 'interpolation', or set 'previous'")
         elif port.type.kind is not Kind.REAL and series.outside is Outside.ERROR:
             what = f"'{series.port}' is {port.type}, which has no value for an error"
-            problems.add(what, series.where, "say 'outside: hold' or 'periodic'")
+            problems.add(what, series.where, "set 'outside: hold' or 'periodic'")
     for port in component.interface.ports:
         if port.causality is Causality.INPUT:
             what = f"a time series has no inputs, and {component.interface.name} has '{port.name}'"
@@ -118,7 +118,7 @@ def _samples(series: Series, type_: Type, tables: dict[TableFile, TextTable]) ->
         name = time.heading if np.isnan(seconds[row]) else column.heading
         more = f", as in {int(absent.sum()) - 1:,} more" if absent.sum() > 1 else ""
         what = f"there is no value of '{name}' in this row{more}"
-        raise fail(what, column.where(row), "say 'missing: skip' to leave out such rows")
+        raise fail(what, column.where(row), "set 'missing: skip' to leave out such rows")
     rows = np.flatnonzero(~absent)
     seconds, values = seconds[rows], values[rows]
     for name, numbers in ((time.heading, seconds), (column.heading, values)):
@@ -129,7 +129,7 @@ def _samples(series: Series, type_: Type, tables: dict[TableFile, TextTable]) ->
     steps = np.diff(seconds)
     if not (steps > 0).all():
         at = int(np.argmin(steps > 0))
-        how = "stands still" if steps[at] == 0 else "goes back"
+        how = "does not advance" if steps[at] == 0 else "goes back"
         what = f"the time {how}: {seconds[at + 1]:.12g} s after {seconds[at]:.12g} s"
         raise fail(what, time.where(int(rows[at + 1])), _INCREASING)
     usual = Interpolation.LINEAR if type_.kind is Kind.REAL else Interpolation.PREVIOUS
@@ -175,7 +175,7 @@ def _seconds(column: RawColumn, where: Location) -> NDArray[np.float64]:
     unit = unit_of(column, where)
     second = PARAMETERS["offset"].unit
     if unit is not None and unit.dimension != second.dimension:
-        raise fail(f"'{column.heading}' is in {unit}, which is no unit of time", where, "say which column is the time")
+        raise fail(f"'{column.heading}' is in {unit}, which is no unit of time", where, "name the column of the time")
     return _in_si(_numbers(column, None), unit or second)
 
 
@@ -195,7 +195,7 @@ def _values(column: RawColumn, type_: Type, where: Location) -> NDArray[np.float
         unit = unit_of(column, where)
         if unit is None and type_.unit.dimension:
             hint = f"state it, as 'column: {column.heading.removeprefix('column ')} [{type_.unit}]'"
-            raise fail(f"nobody says in which unit '{column.heading}' is", where, hint)
+            raise fail(f"no unit is given for '{column.heading}' is", where, hint)
         unit = unit or DIMENSIONLESS
         if unit.dimension != type_.unit.dimension or counts_otherwise(unit.symbol, type_.unit.symbol):
             found = describe(unit.dimension) if unit.dimension != type_.unit.dimension else str(unit)
@@ -254,10 +254,10 @@ def _out_of_reach(samples: Samples, series: Series, start: float, stop: float | 
     problems = Problems()
     if samples.outside is not Outside.PERIODIC and (end <= first or start >= last):
         what = f"{reach}, the run from {start:.9g} s on never meets it"
-        problems.add(what, series.where, f"say where the run begins, as 'offset: {first:.9g} s'")
+        problems.add(what, series.where, f"set where the run begins, as 'offset: {first:.9g} s'")
     elif samples.outside is Outside.ERROR and stop is not None:
         slack = 1e-9 * (1.0 + abs(first) + abs(last))
         if start < first - slack or end > last + slack:
             what = f"{reach}, the run from {start:.9g} s to {end:.9g} s, and 'outside' is 'error'"
-            problems.add(what, series.where, "say 'outside: hold' or 'periodic', or shorten the run")
+            problems.add(what, series.where, "set 'outside: hold' or 'periodic', or shorten the run")
     return problems

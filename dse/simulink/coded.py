@@ -57,7 +57,7 @@ def read_model(path: Path, name: str = "", *, step: float | None = None, sources
     except DseError as error:
         raise DseError(*(replace(each, where=each.where or where) for each in error.problems)) from None
     if "rtmIsSampleHit(" in folder.code and re.search(r"define rtmIsSampleHit\(.{0,200}sampleHits", folder.own_text):
-        raise fail("a main program that is not here says when its rates run", where, "generate it for ert.tlc")
+        raise fail("a main program that is not here determines when its rates run", where, "generate it for ert.tlc")
     if _SIXTEEN.search(_types(folder)):
         made.warnings.append("it was generated for integers of 16 bits: here they are computed with 32")
     if not made.inputs and not made.outputs:
@@ -65,11 +65,11 @@ def read_model(path: Path, name: str = "", *, step: float | None = None, sources
     steps = list(made.steps)
     told = timing(path, folder.own_text, folder.main, steps, is_rated=made.is_rated, given=step, where=where)
     if told.is_only_commented:
-        said = f"that it steps every {told.step:g} s stands only in {told.source}"
+        said = f"that it steps every {told.step:g} s is only in {told.source}"
         if not made.is_rated:  # it may be the comment of a slower block
-            hint = f"say how the model is configured, if that is right: step: {told.step:g} s (import: --step)"
+            hint = f"set the model's step, if that is right: step: {told.step:g} s (import: --step)"
             raise fail(said, where, hint)
-        made.warnings.append(f"{said}: if so, say it: step: {told.step:g} s")
+        made.warnings.append(f"{said}: if so, set it: step: {told.step:g} s")
     model = CodedModel(folder, made, told, kind.name if kind else "")
     if model.integrates and not made.solver:
         made.warnings.append("its solver was not found: outputs are those of its last minor step")

@@ -70,7 +70,7 @@ def timing(
     found = [(source, step) for source, step in told if step is not None]
     if any(not math.isclose(step, found[0][1], rel_tol=1e-6) for _, step in found):
         each = ", ".join(f"{step:g} s ({source})" for source, step in found)
-        raise fail(f"the code tells several steps: {each}", where, _GIVE)
+        raise fail(f"the code gives several steps: {each}", where, _GIVE)
     if found:
         return Timing(found[0][1], found[0][0], once)
     base = _shortest(_MAIN, re.sub(r"^[ \t]*\*", "", main, flags=re.MULTILINE))
@@ -80,7 +80,7 @@ def timing(
         step = _shortest(pattern, text)
         if step is not None:
             return Timing(step, source, once, is_only_commented=True)
-    raise fail("nothing in the code tells how long a step is", where, _GIVE)
+    raise fail("nothing in the code gives the length of a step", where, _GIVE)
 
 
 _GIVE = "give it, as the model is configured: step: 10 ms (import: --step 10ms)"
@@ -133,7 +133,7 @@ def _ticked(text: str, where: Location) -> float | None:
     """A scheduler within a step says how long slower rates are and how often the base runs in them."""
     bases = {round(_number(period) / (int(limit) + 1), 12) for limit, period, _ in _TICKED.findall(text)} - {0.0}
     if len(bases) > 1:
-        raise fail(f"the scheduler of the code tells several steps: {sorted(bases)} s", where, _GIVE)
+        raise fail(f"the scheduler of the code gives several steps: {sorted(bases)} s", where, _GIVE)
     return bases.pop() if bases else None
 
 
@@ -143,7 +143,7 @@ def _rated(text: str, steps: Sequence[str], given: float | None, described: floa
         found = re.search(rf"{re.escape(name)}\s*\([^;{{()]*\)\s*(?:/\*|//)\s*{_PERIOD}", text)
         period = _number(found[1]) if found else 0.0
         if found is None or period <= 0:
-            raise fail(f"nothing in the code tells how often '{name}' runs", where)
+            raise fail(f"nothing in the code gives how often '{name}' runs", where)
         if _number(found[2] or "0") != 0:
             raise fail(
                 f"'{name}' runs every {found[1]} s, but first at {found[2]} s", where, "generate it without offsets"
@@ -154,7 +154,7 @@ def _rated(text: str, steps: Sequence[str], given: float | None, described: floa
     if max(rates) > _MOST_TICKS:
         told = ", ".join(f"{period:g} s" for period in periods)
         raise fail(f"its rates have no step in common: {told}", where, "generate it with one task")
-    for source, step in (("codedescriptor.dmr tells", described), ("'step' says", given)):
+    for source, step in (("codedescriptor.dmr gives", described), ("'step' gives", given)):
         if step is not None and not math.isclose(step, base, rel_tol=1e-6):
             raise fail(f"the comments of its functions need a step of {base:g} s, but {source} {step:g} s", where)
     if described is not None:

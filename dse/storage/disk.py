@@ -7,7 +7,7 @@ from pathlib import Path
 
 from dse.errors import DseError, Location, fail
 
-GO_ON = "what was finished is stored: mend that, and the same command goes on from there"
+GO_ON = "what was finished is stored: mend that, and the same command resumes from there"
 
 FULL = "the disk is full"
 

@@ -95,7 +95,7 @@ def read_drive(path: Path) -> Drive:
             kinds = {str(kind) for kind in parquet.schema_arrow.types}
             rows, head = parquet.metadata.num_rows, (parquet.schema_arrow.metadata or {}).get(_KEY)
             if head is None:
-                raise fail("is no drive: nothing in it says so", here, "drives are written by 'dse drive'")
+                raise fail("is not a drive: it has no mark of one", here, "drives are written by 'dse drive'")
             if len(head) > _MOST_HEAD or rows > _MOST_ROWS or len(names) > _MOST_COLUMNS:
                 raise fail(f"has {rows:,} rows of {len(names):,} columns: too large for a drive", here)
             if rows * len(names) > _MOST_NUMBERS:
@@ -146,7 +146,7 @@ def _of_head(head: bytes, time: NDArray[np.float64], inputs: dict[str, NDArray[n
             raise fail(f"is a drive of version {data.get('version')!r}; this dse reads {_VERSION}", here)
         told: _Head = read_noun(data, _Head, "head")
     except ValueError as error:
-        raise fail(f"is no drive: what it says of itself is damaged ({error})", here, "copy it again") from None
+        raise fail(f"is not a drive: its header is damaged ({error})", here, "copy it again") from None
     names = told.bench, told.configuration, told.driver
     return Drive(*names, float(told.step), time, inputs, told.pace, told.settings, told.bits)
 

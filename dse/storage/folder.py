@@ -74,7 +74,7 @@ class StudyFolder(StudyReader):
     def create(cls, path: Path, definition: StudyDefinition) -> Self:
         """A new folder for the study of *definition*; DseError if *path* is a file or holds something else already."""
         if (path / NAME).exists():
-            raise fail("holds a study already", Location(str(path)), "give another folder with -o, or say --fresh")
+            raise fail("holds a study already", Location(str(path)), "give another folder with -o, or use --fresh")
         return cls.resume(path, definition)
 
     @classmethod
@@ -143,7 +143,7 @@ class StudyFolder(StudyReader):
         stored = self.asks.of(self.header.era, number)
         if stored and stored != blocks:
             what = "the sampler asks for other runs than it did before"
-            raise fail(what, Location(str(self.path)), "explore into another folder, or say --fresh")
+            raise fail(what, Location(str(self.path)), "explore into another folder, or use --fresh")
         if not stored:
             self.asks.add(blocks)
         runs = self.header.earlier + self.asks.numbers - self.header.base
@@ -288,7 +288,7 @@ class StudyFolder(StudyReader):
             raise fail(
                 f"holds the results of another study (different: {', '.join(different)})",
                 Location(str(self.path)),
-                "give another folder with -o, or say --fresh to throw these results away",
+                "give another folder with -o, or use --fresh to throw these results away",
             )
         with self._writing() as connection:
             migrate(connection, self.header, self.asks)

@@ -65,14 +65,14 @@ def is_thread_safe(
 def consequences(facts: FmuFacts) -> tuple[str, ...]:
     """What dse does with an FMU of which this is known, in words."""
     if facts.denies(Question.RUNS):
-        return ("cannot be simulated as it stands",)
+        return ("cannot be simulated as it is",)
     said = []
     if facts.denies(Question.RESETS):
         said.append("is made anew before every run, never reset")
     if facts.denies(Question.RENEWS):
         said.append("has a process of its own for every run")
     if facts.denies(Question.COEXISTS):
-        said.append("may stand in one place of a design only")
+        said.append("may be in one place of a design only")
     if facts.denies(Question.SAVES):
         said.append("is refused by adaptive steps")
     if facts.answer(Question.THREADS) is not Answer.YES:

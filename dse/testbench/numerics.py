@@ -23,7 +23,7 @@ from dse.fmu import in_parallel, open_fmu, this_platform
 Say = Callable[[str], None]
 """Is told what is being waited for."""
 
-_SAYS_SO = "its source says so"
+_SAYS_SO = "its source declares it"
 
 
 def numerics_of(

@@ -192,7 +192,7 @@ def _not_again(system: SystemStructure, facts: Mapping[str, FmuFacts], *, needs_
             return f"{name}: a second instance in one process differs from the first"
         alone = element.model.capabilities.once_per_process or (known is not None and known.denies(Question.COEXISTS))
         if alone and needs_more:
-            return f"{name}: it does not bear a second instance in one process"
+            return f"{name}: it does not support a second instance in one process"
     return ""
 
 

@@ -63,7 +63,7 @@ class SmallRunner:
         if number in self._bench.breaks:
             raise ZeroDivisionError("by the bench")
         if number in self._bench.fails:
-            return Run(request, Outcome.FAILED, problem="as the bench says")
+            return Run(request, Outcome.FAILED, problem="as the bench defines")
         x = float(request.point["x"])
         metric = math.sin(x) * 1e-3 + len(self._bench.name)
         time = np.linspace(0.0, 1.0, 5)

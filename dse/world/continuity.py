@@ -31,6 +31,6 @@ def broken(path: RoadPath, joints: Sequence[float], where: Sequence[Location]) -
         off = math.dist((ends.x[i], ends.y[i], ends.z[i]), (begins.x[i], begins.y[i], begins.z[i]))
         bend = math.remainder(begins.heading[i] - ends.heading[i], math.tau)
         if not off <= STEP:
-            yield Problem(f"the lane of the path goes on {off:.3g} m off in this road", there)
+            yield Problem(f"the lane of the path continues {off:.3g} m off in this road", there)
         elif not abs(bend) <= BEND:
-            yield Problem(f"the lane of the path goes on with a kink of {bend:.3g} rad in this road", there)
+            yield Problem(f"the lane of the path continues with a kink of {bend:.3g} rad in this road", there)

@@ -63,7 +63,7 @@ def overlaps(road: Road, place: LanePlace) -> Iterator[Problem]:
     for id_, (right, left) in borders_of(road, section).items():
         narrowest = float(np.min(value(left, samples) - value(right, samples)))
         if narrowest < -GAP and not section.lanes[id_].widths:
-            what = f"lane {id_} lies up to {-narrowest:.3g} m inside the lanes beside it"
+            what = f"lane {id_} is up to {-narrowest:.3g} m inside the lanes beside it"
             yield Problem(what, section.lanes[id_].where)
 
 

@@ -49,9 +49,7 @@ def test_a_study_of_which_a_third_failed_says_so_and_counts_none_as_met():
     metrics = {"y": points[:, 1], "late": np.where(points[:, 1] > 0.5, points[:, 1], np.nan), "same": np.ones(600)}
     found = findings(study(points, metrics, {"y": 2.0}, done=done))
     failed = int((~done).sum())
-    assert _texts(found, Topic.RUNS) == [
-        f"{failed} of 600 runs failed to run: they meet nothing, and say nothing about metrics"
-    ]
+    assert _texts(found, Topic.RUNS) == [f"{failed} of 600 runs failed to run: they meet nothing and have no metrics"]
     (met,) = _texts(found, Topic.MET)
     assert met.startswith(f"R1: met in {600 - failed} of {600 - failed} runs (at least 99")
     assert met.endswith(f"; {failed} failed to run")

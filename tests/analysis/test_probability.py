@@ -72,7 +72,7 @@ def test_runs_that_do_not_exercise_it_or_fail_are_told_apart_and_never_met():
 
 def test_no_run_that_exercises_it_is_no_probability():
     table = study(even(9, 1), {"y": np.zeros(9)}, {"y": 1.0}, exercised=np.zeros(9, dtype=np.bool_))
-    with pytest.raises(DseError, match="R1: no run says whether it is met: 9 runs do not exercise it, 0 failed"):
+    with pytest.raises(DseError, match="R1: no run shows whether it is met: 9 runs do not exercise it, 0 failed"):
         probability_met(study_data(table), "R1")
 
 

@@ -333,7 +333,7 @@ def test_an_interrupted_study_says_how_to_go_on(example, cache, tmp_path):
         _, errors = process.communicate(timeout=120)
     (example / "testbenches" / "long.pet.yaml").unlink()
     assert process.returncode == 130
-    assert b"the same command goes on from there" in errors
+    assert b"the same command resumes from there" in errors
     assert b"Traceback" not in errors
 
 

@@ -89,9 +89,9 @@ def test_a_table_of_many_stops_and_says_so(dse, tmp_path, example):
         (["--exact"], "goes with --count"),
         (["--sample", "2", "--limit", "2"], "one of --sample and --limit"),
         (["--count", "--format", "parquet"], "a count is one number"),
-        (["--count", "-o", "x.json"], "--count only says how many"),
-        (["--count", "--sample", "3"], "--count only says how many"),
-        (["--count", "--limit", "3"], "--count only says how many"),
+        (["--count", "-o", "x.json"], "--count only counts them"),
+        (["--count", "--sample", "3"], "--count only counts them"),
+        (["--count", "--limit", "3"], "--count only counts them"),
         (["-o", "x.json", "--format", "csv"], "'x.json' is not the name of a .csv file"),
         (["--where", " "], "the condition is empty"),
     ],
@@ -105,7 +105,7 @@ def test_options_that_do_not_go_together_are_wrong_usage(dse, options, said):
 @pytest.mark.thorough
 def test_an_unknown_suffix_and_an_unknown_set_are_named(dse, tmp_path):
     assert (
-        "cannot tell the format of 'out.xlsx'"
+        "cannot determine the format of 'out.xlsx'"
         in dse("enumerate", "acc_vehicle", "-o", str(tmp_path / "out.xlsx")).stderr
     )
     assert "has no constraint set 'budgets'" in dse("enumerate", "acc_vehicle", "--off", "budgets").stderr

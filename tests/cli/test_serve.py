@@ -99,7 +99,7 @@ def test_a_running_study_is_watched_stopped_and_its_points_are_simulated(serve, 
         assert {row[2]: row[5] for row in tried["metrics"] if row[2]} == {"R1": "pass", "R2": "pass"}
         assert len(tried["figures"][0]["time"]) == len(tried["figures"][0]["values"]) > 100
         assert fetched(address, "/stop?study=out/long", {})[0] == 200
-        assert b"the same command goes on from there" in explorer.communicate(timeout=120)[1]
+        assert b"the same command resumes from there" in explorer.communicate(timeout=120)[1]
         assert explorer.returncode == 130
         deadline = time.monotonic() + 120
         while (state := json.loads(fetched(address, "/progress?study=out/long")[1])["state"]) == "running":

@@ -75,7 +75,7 @@ def test_an_error_nobody_foresaw_is_one_message_and_its_story_a_file(tmp_path):
     assert done.returncode == 1
     what, hint = done.stderr.splitlines()
     assert what == "KeyError: 'wrong' (<string>:6): this is a mistake in dse"
-    assert hint == f"    hint: please report it with what stands in {tmp_path / 'mistake.txt'}"
+    assert hint == f"    hint: please report it with the content of {tmp_path / 'mistake.txt'}"
     story = (tmp_path / "mistake.txt").read_text(encoding="utf-8")
     assert "Traceback (most recent call last)" in story
     assert "['dse', 'fail']" in story

@@ -99,10 +99,10 @@ def test_an_fmu_that_cannot_stop_where_a_clock_ticks(workshop: Workshop):
 def test_intervals_that_no_clock_can_have(workshop: Workshop):
     for timing in (COUNTDOWN, 'intervalVariability="fixed"'):
         failure = failed(system_of({"a": ticker(workshop, timing)}, (), {"a.mode": NEGATIVE, "a.kind": 4.0}, RECORD))
-        assert str(failure) == "a.tick: its FMU tells -1 s for its ticks in the initialization"
+        assert str(failure) == "a.tick: its FMU gives -1 s for its ticks in the initialization"
         assert (failure.call, failure.element) == ("", "a")
     failure = failed(system_of({"a": ticker(workshop, 'intervalVariability="tunable"')}, (), {"a.period": 0.0}, RECORD))
-    assert str(failure) == "a.tick: its FMU tells 0 s for its ticks in the initialization"
+    assert str(failure) == "a.tick: its FMU gives 0 s for its ticks in the initialization"
 
 
 def test_a_clock_that_never_stops_ticking(workshop: Workshop):
@@ -141,7 +141,7 @@ def test_descriptions_that_say_no_time(workshop: Workshop):
         ('intervalVariability="constant"', "variable 'tick' is a constant clock, but has no interval"),
         ('intervalVariability="constant" intervalDecimal="0"', "variable 'tick' cannot tick every 0 s from 0 s on"),
         ('intervalVariability="hourly"', "intervalVariability"),
-        ("", "variable 'tick' does not say when it ticks: it has no 'intervalVariability'"),
+        ("", "variable 'tick' does not declare when it ticks: it has no 'intervalVariability'"),
     ):
         with pytest.raises(DseError) as error:
             ticker(workshop, timing)

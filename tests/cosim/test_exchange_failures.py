@@ -39,7 +39,7 @@ DERIVATIVE, INDICATOR, REFUSED, ERROR, NO_END, NO_TIME, BOUNDLESS, STATE, NEVER 
         (INDICATOR, "e: event indicator 1 is not a finite number at t = 0.35 s"),
         (NO_END, "e: the event iteration finds no end in 100 passes at t = 0.35 s"),
         (NO_TIME, "e chatters: 32 events with next to no time between them at t = 0.35 s"),
-        (NEVER, "e: the time that it tells for its next event is not a number at t = 0.35 s"),
+        (NEVER, "e: the time of its next event is not a number at t = 0.35 s"),
         (STATE, "e: the state x is not a finite number at t = 0.35 s"),
         (BOUNDLESS, "e: no step of the solver is small enough for the tolerance of 1e-06 at t = 0.35"),
     ],
@@ -78,7 +78,7 @@ def test_chattering_that_gets_on_a_little_fails_after_a_million_steps(folder):
 
 def test_another_number_of_states_than_described_is_told(folder):
     fmu = model("oscillator", 3, folder, "-DCOUNTED_STATES=3")
-    assert failure_of(fmu, {}).what == "e: the FMU has 3 continuous states, which its description does not say"
+    assert failure_of(fmu, {}).what == "e: the FMU has 3 continuous states, which its description does not declare"
 
 
 @BOTH

@@ -250,7 +250,7 @@ def test_a_discrete_loop_that_never_settles_is_named(shelf):
     with Simulator(made, ["a.y"]) as simulator, pytest.raises(RunFailed) as fast:
         simulator.run(stop=1, step=0.5)
     assert str(fast.value) == (
-        "initialization did not settle: the algebraic loop a.y -> b.u, b.y -> a.u goes on changing"
+        "initialization did not settle: the algebraic loop a.y -> b.u, b.y -> a.u keeps changing"
     )
     with pytest.raises(RunFailed) as slow:
         run_reference(made, ["a.y"], stop=1, step=0.5)

@@ -99,7 +99,7 @@ def test_arrays_must_be_told_wholly(shelf):
     row = Variable("row", 0, "Float64", "input", None, shape=(3,))
     system = shelf.system({"a": replace(model, variables={**model.variables, "row": row})}, (), {}, ["a.to_Int32"])
     (a,) = system.elements
-    with pytest.raises(DseError, match=r"a\.row\[1\]: the FMU does not tell the start values of the array"):
+    with pytest.raises(DseError, match=r"a\.row\[1\]: the FMU does not give the start values of the array"):
         Simulator(replace(system, elements=(replace(a, start={"row[2]": 1.0}),)), ["a.to_Int32"])
 
 

@@ -52,7 +52,7 @@ def test_a_reset_known_to_work_is_put_to_the_proof_all_the_same(shelf):
 @pytest.mark.parametrize("question", ["coexists", "renews"])
 def test_two_elements_of_an_fmu_that_bears_one_instance_are_refused_by_name(pair, question):
     known = facts({Question[question.upper()]: "y differs at t = 0.1 s"}, **{question: Answer.NO})
-    with pytest.raises(DseError, match=r"a, b: thing does not bear several instances in one process: y differs"):
+    with pytest.raises(DseError, match=r"a, b: thing does not support several instances in one process: y differs"):
         Simulator(pair, ["b.y"], facts={"a": known, "b": known})
 
 
@@ -70,7 +70,7 @@ def test_coupling_is_refused_where_outputs_are_known_not_to_follow(pair):
 def test_adaptive_steps_are_refused_where_uneven_ones_are_known_to_fail(pair):
     known = facts({Question.VARIES_STEP: "y differs"}, varies_step=Answer.NO)
     (problem,) = refusals(pair, Method(adaptive=Adaptive()), {"a": known})
-    assert problem.what == "a: an adaptive step varies, and thing was seen not to bear that: y differs"
+    assert problem.what == "a: an adaptive step varies, and thing was found not to support that: y differs"
 
 
 def test_one_element_of_it_is_fine(shelf):

@@ -55,7 +55,7 @@ assert content(disk / "study") == content(elsewhere)
 assert len(told) > 2
 for message in told:
     assert "the disk is full" in message or "No space left on device" in message, message
-    assert "the same command goes on" in message, message
+    assert "the same command resumes" in message, message
 """
 
 

@@ -89,7 +89,7 @@ MODEL_EXCHANGE = (
 
 REFUSALS = {
     "the FMU is of the unknown FMI version '4.0'": [('"2.0"', '"4.0"')],
-    "it does not say its fmiVersion": [('fmiVersion="2.0"', "")],
+    "it does not declare its fmiVersion": [('fmiVersion="2.0"', "")],
     "there is neither <CoSimulation> nor <ModelExchange>": [(CO_SIMULATION, ""), (MODEL_EXCHANGE, "")],
     "the FMU is for scheduled execution only, which is not supported": [
         (CO_SIMULATION, '<ScheduledExecution modelIdentifier="m"/>'),

@@ -353,5 +353,5 @@ def test_a_missing_library_is_told_with_what_is_there_instead(maker, refused):
         f"{missing}its folder {folder} holds n{platform.suffix}"
     ]
     assert refused(maker.make(FMI_2, "sources/m.c")) == [
-        f"{missing}it has no libraries at all, and does not say which of its sources are to be compiled"
+        f"{missing}it has no libraries at all, and does not declare which of its sources are to be compiled"
     ]

@@ -209,4 +209,4 @@ def test_options_of_another_compiler_mean_nothing(opened):
 
 def test_sources_that_nobody_lists_are_not_guessed(refused):
     (told,) = refused({"modelDescription.xml": DESCRIPTION_2.format(files=""), "sources/m.c": ""})
-    assert told.endswith("it has no libraries at all, and does not say which of its sources are to be compiled")
+    assert told.endswith("it has no libraries at all, and does not declare which of its sources are to be compiled")

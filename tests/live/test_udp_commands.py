@@ -49,7 +49,7 @@ def test_check_tells_a_right_world_by_its_exit_code(dse):
     with served(World()) as port:
         done = dse("udp", "check", f"127.0.0.1:{port}", "--out", "1", "--back", "2", "--steps", "5", *PATIENT)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "ok        says BUSY to a second client" in done.stdout
+    assert "ok        answers BUSY to a second client" in done.stdout
     assert "median [ms]" in done.stdout
 
 
@@ -140,7 +140,7 @@ def test_a_client_that_never_asks_again_is_told():
 
 
 def test_a_client_whose_time_stands_is_told():
-    assert "is not after that before" in checked_client(time_of=lambda step: 0.5)["time goes on"]
+    assert "is not after that before" in checked_client(time_of=lambda step: 0.5)["time advances"]
 
 
 def test_a_client_that_goes_without_a_word_is_told():

@@ -76,7 +76,7 @@ def test_its_fmu_claims_no_saved_state_and_is_not_fused(cache, port, version):
     model = outside(UdpSource(port), cache, ["u"], ["y"], version=version)
     assert model.is_live
     assert not model.capabilities.can_save_state
-    with pytest.raises(DseError, match="exchanges datagrams with somebody outside, so it cannot be fused"):
+    with pytest.raises(DseError, match="exchanges datagrams with another process, so it cannot be fused"):
         fuse(alone(model), ["it.y"], cache=cache)
 
 

@@ -94,12 +94,12 @@ CASES = [
     ("step of almost nothing", "testbenches/following.yaml", "step: 10 ms", "step: 1e-300 s", "testbenches/following.yaml:9:20", "takes more than 10,000,000 steps", ""),
     ("no duration", "testbenches/following.yaml", "stop: 10 s", "stop: 0 s", "testbenches/following.yaml:9:20", "'stop' must be positive, not 0 s", ""),
     # text
-    ("lone surrogate", "testbenches/following.yaml", "design: car", 'title: "x\\ud800y"\ndesign: car', "testbenches/following.yaml:2:9", "the character U+D800 cannot stand in a text", "remove it"),
-    ("terminal sequence", "testbenches/following.yaml", "design: car", 'title: "\\e[31mred"\ndesign: car', "testbenches/following.yaml:2:9", "the character U+001B cannot stand in a text", ""),
-    ("terminal sequence as it is", "testbenches/following.yaml", "design: car", "title: x\x1b[31m\ndesign: car", "testbenches/following.yaml:2:9", "the character U+001B cannot stand in a text", ""),
-    ("control character of C1", "testbenches/following.yaml", "design: car", 'title: "\\x9b31m"\ndesign: car', "testbenches/following.yaml:2:9", "the character U+009B cannot stand in a text", ""),
-    ("text turned round", "testbenches/following.yaml", "design: car", "title: a\u202eb\ndesign: car", "testbenches/following.yaml:2:8", "the character U+202E cannot stand in a text", ""),
-    ("isolate in a key", "testbenches/following.yaml", "design: car", '"de\\u2066x": car\ndesign: car', "testbenches/following.yaml:2:2", "the character U+2066 cannot stand in a text", ""),
+    ("lone surrogate", "testbenches/following.yaml", "design: car", 'title: "x\\ud800y"\ndesign: car', "testbenches/following.yaml:2:9", "the character U+D800 cannot be used in a text", "remove it"),
+    ("terminal sequence", "testbenches/following.yaml", "design: car", 'title: "\\e[31mred"\ndesign: car', "testbenches/following.yaml:2:9", "the character U+001B cannot be used in a text", ""),
+    ("terminal sequence as it is", "testbenches/following.yaml", "design: car", "title: x\x1b[31m\ndesign: car", "testbenches/following.yaml:2:9", "the character U+001B cannot be used in a text", ""),
+    ("control character of C1", "testbenches/following.yaml", "design: car", 'title: "\\x9b31m"\ndesign: car', "testbenches/following.yaml:2:9", "the character U+009B cannot be used in a text", ""),
+    ("text turned round", "testbenches/following.yaml", "design: car", "title: a\u202eb\ndesign: car", "testbenches/following.yaml:2:8", "the character U+202E cannot be used in a text", ""),
+    ("isolate in a key", "testbenches/following.yaml", "design: car", '"de\\u2066x": car\ndesign: car', "testbenches/following.yaml:2:2", "the character U+2066 cannot be used in a text", ""),
     ("tag on a mapping", "testbenches/following.yaml", "simulation: {", "simulation: !sim {", "testbenches/following.yaml:9:13", "the tag '!sim' is not supported", "plain values"),
     ("tag on a list", "testbenches/following.yaml", "record: [", "record: !!set [", "testbenches/following.yaml:9:47", "the tag 'tag:yaml.org,2002:set' is not supported", "plain values"),
     ("tag on a key", "testbenches/following.yaml", "design: car", "!k design: car", "testbenches/following.yaml:2:1", "the tag '!k' is not supported", "plain values"),
@@ -135,7 +135,7 @@ CASES = [
     ("port called while", "components/road/interfaces.yaml", "{gap: m, speed", "{while: m, gap: m, speed", "components/road/interfaces.yaml:4:15", "'while' is a word of C", "another name"),
     ("item called or", "components/radar/component.yaml", "enum: [near, far]", "enum: [near, or]", "components/radar/component.yaml:7:32", "the item 'or' is a word of the expression language", "another word"),
     # sampling
-    ("slice that repeats", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {full_factorial: {slices: [[controller.kp, controller.kp]]}}", "testbenches/gains.pet.yaml:5:53", "'controller.kp' stands twice in a slice", "remove"),
+    ("slice that repeats", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {full_factorial: {slices: [[controller.kp, controller.kp]]}}", "testbenches/gains.pet.yaml:5:53", "'controller.kp' occurs twice in a slice", "remove"),
     ("empty slice", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {full_factorial: {slices: [[controller.kp], []]}}", "testbenches/gains.pet.yaml:5:54", "a slice names no design variable", "remove"),
     ("nominal outside the range", "testbenches/gains.pet.yaml", "levels: 5}", "levels: 5, nominal: 4}", "testbenches/gains.pet.yaml:4:58", "the nominal value of 'controller.kp' is outside its range 0.1 … 3.0", "widen"),
     # recording
@@ -145,12 +145,12 @@ CASES = [
     ("unknown test component alone", "testbenches/following.yaml", "{component: road}", "{component: rod}", "testbenches/following.yaml:4:22", "unknown component 'rod'", "road"),
     # what lies elsewhere
     ("path for a name", "testbenches/following.yaml", "design: car", "design: /etc/hosts", "testbenches/following.yaml:2:9", "unknown design '/etc/hosts'", ""),
-    ("C file outside the workspace", "components/pd/component.yaml", "[pd.c]", "[pd.c, ../../../secret.c]", "components/pd/component.yaml:3:33", "'../../../secret.c' lies outside the workspace", "copy"),
-    ("absolute C file", "components/pd/component.yaml", "[pd.c]", "[pd.c, /etc/passwd]", "components/pd/component.yaml:3:33", "'/etc/passwd' lies outside the workspace", "copy"),
+    ("C file outside the workspace", "components/pd/component.yaml", "[pd.c]", "[pd.c, ../../../secret.c]", "components/pd/component.yaml:3:33", "'../../../secret.c' is outside the workspace", "copy"),
+    ("absolute C file", "components/pd/component.yaml", "[pd.c]", "[pd.c, /etc/passwd]", "components/pd/component.yaml:3:33", "'/etc/passwd' is outside the workspace", "copy"),
     ("text for C", "components/pd/component.yaml", "[pd.c]", "[pd.c, component.yaml]", "components/pd/component.yaml:3:33", "'component.yaml' must be a .c or .h file", "another"),
     ("C file for a header", "components/pd/component.yaml", "[pd.c]", "[pd.c], header: pd.c", "components/pd/component.yaml:3:42", "'pd.c' must be a .h file", "another"),
     ("file with a name no disk holds", "components/pd/component.yaml", "[pd.c]", f"[pd.c, {'a' * 300}.c]", "components/pd/component.yaml:3:33", "no such file", "relative"),
-    ("include from outside the workspace", "designs/car.yaml", "design: car", "include: [/etc/shadow]\ndesign: car", "designs/car.yaml:1:11", "'/etc/shadow' lies outside the workspace", "copy"),
+    ("include from outside the workspace", "designs/car.yaml", "design: car", "include: [/etc/shadow]\ndesign: car", "designs/car.yaml:1:11", "'/etc/shadow' is outside the workspace", "copy"),
     ("include of another kind of file", "designs/car.yaml", "design: car", "include: [../components/pd/pd.c]\ndesign: car", "designs/car.yaml:1:11", "must be a .yaml or .yml file", "another"),
     ("syntax of a constraint", "designs/car.yaml", "sum(cost) <= 100 EUR", "sum(cost <= 100 EUR", "designs/car.yaml", "", ""),
 ]  # fmt: skip
@@ -180,7 +180,7 @@ def test_a_link_does_not_lead_out_of_the_workspace(files, tmp_path_factory):
     (files.root / "designs/_link.yaml").symlink_to(outside)
     files.edit("designs/car.yaml", "design: car", "include: [_link.yaml]\ndesign: car")
     where, what, _ = one_problem(files.root)
-    assert (where, what) == ("designs/car.yaml:1:11", "'_link.yaml' lies outside the workspace")
+    assert (where, what) == ("designs/car.yaml:1:11", "'_link.yaml' is outside the workspace")
 
 
 def test_a_circle_of_links_is_told(files):

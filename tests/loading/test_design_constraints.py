@@ -239,7 +239,7 @@ def test_components_without_source_and_interface_are_enumerated(design):
 
 REFUSED = [
     # the constraint, what is said, part of the hint; the place is where § stands
-    ("{§a: {because: x}}", "constraint 'a' says nothing", "give one of require"),
+    ("{§a: {because: x}}", "constraint 'a' is empty", "give one of require"),
     ("{§a: {require: tt, range: {sensor.range: [1 m, 2 m]}}}", "constraint 'a' says require and range", "one of"),
     ("{a: {require_with: {if: tt, §than: tt}}}", "unknown key 'than'", "then"),
     ("{a: {§require_with: {if: tt}}}", "'then' is missing", "then"),
@@ -296,7 +296,7 @@ def test_a_property_and_parameter_of_one_name_is_refused_as_a_range(design, tmp_
     path = tmp_path / "components/parts.yaml"
     path.write_text(COMPONENTS.replace("gain: {start: 2, min: 1", "range: {start: 2, min: 1"), encoding="utf-8")
     ((where, what, hint),) = refused(design, "{a: {range: {sensor.range: [1 m, 2 m]}}}")
-    assert (where, what) == ("22:27", "'range' is a property and a parameter of what stands at 'sensor'")
+    assert (where, what) == ("22:27", "'range' is a property and a parameter of what is at 'sensor'")
     assert "sensor.range.min" in hint
 
 

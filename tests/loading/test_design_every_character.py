@@ -98,7 +98,7 @@ CASES = [
     # what is found in unit 7 or its rules, what stands there instead with § at the character to be told, the message
     ("            - lidar\n", "            - §lidra\n", "unknown component 'lidra'"),
     ("            - lidar\n", "            - §pd\n", "different interfaces"),
-    ("            - lidar\n", "            - §radar\n", "stands twice"),
+    ("            - lidar\n", "            - §radar\n", "is listed twice"),
     ("            - lidar\n", "            - §3\n", "expected a component's name"),
     ("            - lidar\n", "           §- lidar\n", "not valid YAML"),
     ("          alternatives:\n            - radar", "          §alternative:\n            - radar", "expected a component or a container"),

@@ -165,7 +165,7 @@ BROKEN = [
     ("f(x = 1, x = 2)", 9, "'x' is given twice"),
     ("a.b(c)", 0, "'a.b' is not a function"),
     ("a b", 2, "found 'b'"),
-    ("a not b", 2, "'not' stands between two values"),
+    ("a not b", 2, "'not' is between two values"),
     ("x between 1 m", 13, "expected 'and'"),
     ("if a then b", 11, "expected 'else'"),
     ("if a b", 5, "expected 'then'"),

@@ -66,7 +66,7 @@ CASES = [
     ("misspelled group", "alternative\n", "alternatives\n", "11:9", "expected a group below feature 'Meal', found 'alternatives'", "did you mean 'alternative'?"),
     ("something after a group", "mandatory\n", "mandatory x\n", "9:19", "unexpected 'x' after 'mandatory'", "line of its own"),
     ("empty group", "        [1..2]", "        or\n        [1..2]", "14:9", "the group 'or' has no features", "indent"),
-    ("feature twice", "            Egg", "            Soup", "16:13", "feature 'Soup' stands twice", "line 12"),
+    ("feature twice", "            Egg", "            Soup", "16:13", "feature 'Soup' is defined twice", "line 12"),
     ("empty range", "[1..2]", "[2..1]", "14:10", "the range [2..1] is empty", "[1..2]"),
     ("range beyond the group", "[1..2]", "[3..4]", "14:9", "[3..4] asks for 3 features of a group of 2", "[2..2]"),
     ("range of no number", "[1..2]", "[1..n]", "14:13", "expected a whole number, found 'n'", "[1..3]"),
@@ -74,7 +74,7 @@ CASES = [
     ("name that starts with a digit", "Salad\n", "2Salad\n", "13:13", "expected a feature's name, found '2'", '"2"'),
     ("two names", "Salad\n", "Green Salad\n", "13:19", "expected the end of the line, found 'Salad'", ""),
     # attributes
-    ("attribute twice", "{Price 2,", "{Price 2, Price 3,", "8:20", "attribute 'Price' stands twice at 'Meal'", "remove"),
+    ("attribute twice", "{Price 2,", "{Price 2, Price 3,", "8:20", "attribute 'Price' is defined twice at 'Meal'", "remove"),
     ("attribute without a comma", "{Price 2,", "{Price 2 Cost 3,", "8:19", "expected ',' or '}', found 'Cost'", ""),
     ("bare word for a value", "City 'Rome'", "City Rome", "8:25", "expected a value, found 'Rome'", "quotes"),
     ("number without bounds", "Price 3", "Price 1e999", "12:25", "beyond the range of numbers", "smaller"),
@@ -88,7 +88,7 @@ CASES = [
     ("foreign sign", "Ham => Salad", "Ham → Salad", "18:9", "'→' is not known here", "write =>"),
     ("double sign", "Ham => Salad", "Ham && Salad", "18:9", "'&&' is not known here", "write &"),
     ("single equals", "< 8", "= 8", "19:16", "'=' is not known here", "write =="),
-    ("text turned round", "'Rome'", "'Ro\u202eme'", "8:28", "the character U+202E cannot stand in a text", "does not show"),
+    ("text turned round", "'Rome'", "'Ro\u202eme'", "8:28", "the character U+202E cannot be used in a text", "does not show"),
     # constraints
     ("unknown feature", "Ham => Salad", "Ham => Sallad", "18:12", "unknown feature 'Sallad'", "did you mean 'Salad'?"),
     ("unknown attribute", "sum(Price) < 8", "Soup.Prize < 8", "19:5", "feature 'Soup' has no attribute 'Prize'", "Price"),

@@ -68,7 +68,7 @@ def test_that_it_needs_a_tool_is_told_of_an_fmu_that_cannot_be_instantiated(fore
     without = ('guid="{', 'guid="{0')
     for changes, ending in (
         ((without,), "fmi2Instantiate returned no instance"),
-        ((without, TOOL), "fmi2Instantiate returned no instance, and the FMU says that it needs another program"),
+        ((without, TOOL), "fmi2Instantiate returned no instance, and the FMU declares that it needs another program"),
     ):
         system = system_of({"world": foreign("Dahlquist", 2, "CoSimulation", *changes)}, record=["world.x"])
         with pytest.raises(RunFailed) as kernel, Simulator(system, ["world.x"]) as simulator:

@@ -65,7 +65,7 @@ def test_the_overview_says_what_was_found_and_opens_the_run_that_is_picked(open_
     table = plane()
     page = opened(open_report(content_of(table)), "overview")
     insight = insight_of(table)
-    assert [each.text for each in insight.told if each.topic != "not told"] == page.locator(
+    assert [each.text for each in insight.told if each.topic != "withheld"] == page.locator(
         "#findings > ul li"
     ).all_inner_texts()
     robust = page.locator(".pick", has_text="Most robust")

@@ -29,7 +29,7 @@ def problems(root: Path) -> list[str]:
         (LEAD_V, None, None),
         ("file: gone.csv, column: v", None, "fed.yaml:4: no such file"),
         ("file: lead.xlsx, column: v", None, "fed.yaml:4: 'lead.xlsx' must be a .csv or .txt"),
-        ("file: ../../lead.csv, column: v", None, "fed.yaml:4: '../../lead.csv' lies outside the workspace"),
+        ("file: ../../lead.csv, column: v", None, "fed.yaml:4: '../../lead.csv' is outside the workspace"),
         ("file: lead.csv", None, "fed.yaml:4: 'column' is missing in 'inputs.part.u'"),
         ("file: lead.csv, column: w", None, "fed.yaml:4: there is no column 'w' | possible: time [s], v [km/h]"),
         ("file: lead.csv, column: 0", None, "fed.yaml:4: columns are counted from 1"),

@@ -173,7 +173,7 @@ def test_what_does_not_fit_the_code_is_told(
 def test_an_input_that_nobody_gives_is_told_unless_it_is_unused(tmp_path: Path, cache: Path) -> None:
     interfaces = "interfaces:\n  lag: {inputs: {u: m/s}, outputs: {y: m/s}}\n"
     text = LAG.replace("on: enable, ", "").replace("n: count, ", "")
-    with pytest.raises(DseError, match="nobody gives the code's input enable"):
+    with pytest.raises(DseError, match="nothing provides the code's input enable"):
         build(component(tmp_path, text % "", texts.whole_program(), interfaces), cache=cache)
     made = component(tmp_path / "other", text % ", unused: [enable]", texts.whole_program(), interfaces)
     assert list(answers(made, cache, {"speed": U}, "filtered")[:, 0]) == [0.0] * 20  # it is off

@@ -168,7 +168,7 @@ def test_a_signal_that_comes_from_zero_rises_once(tmp_path: Path, cache: Path) -
 def test_code_without_comments_is_known_by_its_guard(tmp_path: Path, cache: Path) -> None:
     bare = {name: re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL) for name, text in texts.whole_program().items()}
     assert read_model(written(tmp_path, bare), step=texts.STEP).folder.model == "lag"
-    with pytest.raises(DseError, match="nothing in the code tells how long a step is"):
+    with pytest.raises(DseError, match="nothing in the code gives the length of a step"):
         read_model(tmp_path)
 
 
@@ -228,7 +228,7 @@ def test_rates_that_a_main_program_schedules_are_refused(tmp_path: Path) -> None
     macro = "#define rtmIsSampleHit(rtm, sti, tid) ((rtm)->Timing.sampleHits[(rtm)->Timing.sampleTimeTaskIDPtr[sti]])\n"
     files["lag.h"] = files["lag.h"].replace("typedef struct", macro + "typedef struct", 1)
     files["lag.c"] = files["lag.c"].replace("if (lag_U.enable)", "if (rtmIsSampleHit(lag_M, 1, 0))")
-    with pytest.raises(DseError, match="a main program that is not here says when its rates run"):
+    with pytest.raises(DseError, match="a main program that is not here determines when its rates run"):
         read_model(written(tmp_path, files))
 
 
@@ -262,8 +262,8 @@ def test_headers_that_are_not_there_are_told_with_what_needs_them(header: str, h
     [
         (("0.2s, 0.0s", "0.3s, 0.1s"), None, r"'lag_step1' runs every 0\.3 s, but first at 0\.1 s"),
         (("0.1s, 0.0s", "0.1000001s, 0.0s"), None, r"no step in common: 0\.1 s, 0\.1"),
-        (("0.1s, 0.0s", "-1.0s, 0.0s"), None, "nothing in the code tells how often 'lag_step1' runs"),
-        (("0.1s, 0.0s", "0.2s, 0.0s"), 0.2, r"need a step of 0\.1 s, but 'step' says 0\.2 s"),
+        (("0.1s, 0.0s", "-1.0s, 0.0s"), None, "nothing in the code gives how often 'lag_step1' runs"),
+        (("0.1s, 0.0s", "0.2s, 0.0s"), 0.2, r"need a step of 0\.1 s, but 'step' gives 0\.2 s"),
     ],
 )
 def test_rates_that_cannot_be_run_are_refused(
@@ -282,9 +282,9 @@ def descriptor(folder: Path, *rows: tuple[float, float, int]) -> None:
 
 def test_a_step_that_only_a_comment_tells_has_to_be_said(tmp_path: Path) -> None:
     folder = written(tmp_path, texts.whole_program())
-    with pytest.raises(DseError, match=r"that it steps every 0\.1 s stands only in the comment of its step") as caught:
+    with pytest.raises(DseError, match=r"that it steps every 0\.1 s is only in the comment of its step") as caught:
         read_model(folder)
-    hint = "say how the model is configured, if that is right: step: 0.1 s (import: --step)"
+    hint = "set the model's step, if that is right: step: 0.1 s (import: --step)"
     assert caught.value.problems[0].hint == hint
     assert not read_model(folder, step=0.1).interface.warnings
     descriptor(folder, (0.1, 0.0, 2), (0.0, 0.0, 3))

@@ -147,11 +147,11 @@ def test_the_example_has_no_problems():
     [
         ("sensr.target -> controller.target", "unknown part 'sensr'", "did you mean 'sensor'"),
         ("sensor.targt -> controller.target", "sensor (range_sensor) has no port 'targt'", "did you mean 'target'"),
-        ("sensor -> controller.target", "sensor (range_sensor) stands without a port", "possible"),
+        ("sensor -> controller.target", "sensor (range_sensor) is without a port", "possible"),
         ("controller.target -> sensor.target", "no signal goes this way", "turn the arrow around"),
         ("sensor.status -> controller.target.gap", None, None),
         ("sensor.status -> controller.target", "no signal goes this way", "one side has"),
-        ("sensor.target -> controller", "controller (controller) stands without a port", "possible"),
+        ("sensor.target -> controller", "controller (controller) is without a port", "possible"),
         ("controller.demand -> controller.demand", "no signal goes this way", "one side has"),
         ("powertrain.engine.shaft -> controller.target.gap", "powertrain (powertrain) has no port", "possible"),
     ],

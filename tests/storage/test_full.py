@@ -51,7 +51,7 @@ def test_a_database_that_cannot_grow_says_that_the_disk_is_full_and_loses_nothin
         (pages,) = folder._connection.execute("PRAGMA page_count").fetchone()
         folder._connection.execute(f"PRAGMA max_page_count = {pages}")
         again = replace(runs[0], request=replace(runs[0].request, number=3), problem="x" * 20_000)
-        with pytest.raises(DseError, match=r"the disk is full[\s\S]*what was finished is stored.*same command goes on"):
+        with pytest.raises(DseError, match=r"the disk is full[\s\S]*what was finished is stored.*same command resumes"):
             add(folder, again)
         folder.commit()
     with StudyFolder.resume(stored, definition) as folder:

@@ -29,10 +29,10 @@ FAST = replace(SILENT, experiment=Experiment(1.0, 5.0, 0.01))
             [SILENT],
             None,
             None,
-            (3.0, 0.003, "the package", "1/1000 of the time, as nobody says it"),
+            (3.0, 0.003, "the package", "1/1000 of the time, as none is given"),
         ),
         # The FMUs' step does not divide the time that is asked for.
-        (ExperimentSettings(), [SLOW], 0.7, None, (0.7, 0.0007, "asked for", "1/1000 of the time, as nobody says it")),
+        (ExperimentSettings(), [SLOW], 0.7, None, (0.7, 0.0007, "asked for", "1/1000 of the time, as none is given")),
         # From 0 s on, as long as the FMU's experiment takes.
         (ExperimentSettings(), [FAST], None, None, (4.0, 0.01, "its FMUs", "its FMUs")),
         (ExperimentSettings(start=5.0), [SLOW], 1.0, None, (1.0, 0.5, "asked for", "its FMUs")),
@@ -47,7 +47,7 @@ def test_what_is_asked_for_comes_first_then_the_package_then_its_fmus(said, mode
 @pytest.mark.parametrize(
     ("said", "expected"),
     [
-        (ExperimentSettings(), "neither the package nor its FMUs say how long to simulate"),
+        (ExperimentSettings(), "neither the package nor its FMUs define how long to simulate"),
         (
             ExperimentSettings(start=5.0, stop=9.0),
             "the experiment starts at 5 s; simulations start at 0 s in this version",

@@ -147,4 +147,4 @@ def test_a_good_fmu_has_no_consequences_and_a_bad_one_has_each():
 
 
 def test_of_an_fmu_that_does_not_run_nothing_else_is_said():
-    assert consequences(facts(answers={Question.RUNS: Answer.NO})) == ("cannot be simulated as it stands",)
+    assert consequences(facts(answers={Question.RUNS: Answer.NO})) == ("cannot be simulated as it is",)

@@ -219,5 +219,5 @@ def test_more_than_a_road_can_tell_is_refused(tmp_path: Path) -> None:
     component = the_component(lay_out({**files, "twice/component.yaml": text}, tmp_path))
     kind = kind_of(component)
     assert kind is not None
-    with pytest.raises(DseError, match="9 paths: a road tells at most 8"):
+    with pytest.raises(DseError, match="9 paths: a road has at most 8"):
         kind.check(component, component.source)

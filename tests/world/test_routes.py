@@ -177,7 +177,7 @@ def test_a_route_that_cannot_be_driven_is_refused(route: Route, message: str, tm
 
 def test_a_lane_that_goes_on_elsewhere_is_refused_with_the_line_of_the_road(tmp_path: Path) -> None:
     moved = [part.replace('x="10.0"', 'x="10.4"') for part in _crossing()]
-    with pytest.raises(DseError, match=r"road.xodr:\d+:1: the lane of the path goes on 0.4 m off in this road"):
+    with pytest.raises(DseError, match=r"road.xodr:\d+:1: the lane of the path continues 0.4 m off in this road"):
         road_tables(network(tmp_path, *moved))
 
 

@@ -1,4 +1,4 @@
-"""Benches that somebody can drive: sensible with nobody at the wheel, and whatever somebody does there."""
+"""Benches that somebody can drive: sensible without a driver, and whatever somebody does there."""
 
 from __future__ import annotations
 

@@ -151,7 +151,7 @@ def _condition(name: str, title: str, labels: Sequence[str]) -> DefinedVariable:
 def _add_missing(
     store: StudyFolder, bench: TestBench, drives: Mapping[str, Drive], configurations: Sequence[str], tell: Tell
 ) -> None:
-    """Simulate what *store* has no row of: each configuration with nobody at the wheel, then each drive."""
+    """Simulate what *store* has no row of: each configuration without a driver, then each drive."""
     definition = store.header.definition
     known = kept_drives(definition)
     drivers = _drivers(known)
@@ -176,7 +176,7 @@ def _add_missing(
         if request.number in there or (name != NOBODY and name not in drives):
             continue
         if name == NOBODY:
-            tell(f"{bench.name}: {configuration} with nobody at the wheel")
+            tell(f"{bench.name}: {configuration} without a driver")
             made = alone(bench_study(bench, Selection((configuration,))), 2)[0]
         else:
             tell(f"{bench.name}: drive {name} of {known[name].driver}")

@@ -31,7 +31,7 @@ class View:
         bench = wired.bench
         told = Told(wired.signals, {name: setting.value for name, setting in wired.settings.items()}, bench.figures)
         if not told.is_scene:
-            what = "no part of it tells where a car is: it has no 'motion.x', nor 'position' and 'gap'"
+            what = "no part gives the position of a car: neither 'motion.x' nor 'position' and 'gap'"
             raise fail(f"bench '{bench.name}' cannot be driven: {what}", bench.where)
         self.wanted = told.wanted
         found = _Columns()

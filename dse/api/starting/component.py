@@ -25,7 +25,7 @@ _ELSEWHERE = {
 _C_TYPES = {Kind.REAL: "double", Kind.BOOLEAN: "bool", Kind.INTEGER: "int32_t", Kind.ENUMERATION: "int32_t"}
 _MODELICA_TYPES = {Kind.REAL: "Real", Kind.BOOLEAN: "Boolean", Kind.INTEGER: "Integer"}
 _OWN_INTERFACE = """\
-# What components share that can stand for each other: ports and their units (SI). 'dse docs formats' has all types.
+# Ports and their units (SI) of components that can replace each other. 'dse docs formats' has all types.
 interfaces:
   {name}:
     title: Makes a force of a speed error
@@ -108,7 +108,7 @@ def _yaml(name: str, interface: Interface, source: str, kind: str, *, is_own: bo
     lines = [
         f"component: {name}\n",
         f"title: {name}\n",
-        f"implements: {interface.name}{' ' * 16}# its ports; others that implement it can stand in its place\n",
+        f"implements: {interface.name}{' ' * 16}# its ports; other components that implement it can replace it\n",
         f"source: {source}\n",
     ]
     names = dict.fromkeys(_top(port.name) for port in interface.ports)
@@ -179,7 +179,7 @@ def _code(name: str, interface: Interface, *, is_own: bool) -> str:
         f'#include "{name}.h"\n\n'
         f"/* Before the first step: inputs and parameters have their values. */\n"
         f"void {name}_init({name} *self) {{\n    {name}_step(self);\n}}\n\n"
-        f"/* Every 10 ms, as component.yaml says. No globals, no allocation, nothing from libc but math.h. */\n"
+        f"/* Every 10 ms, as component.yaml defines. No globals, no allocation, nothing from libc but math.h. */\n"
         f"void {name}_step({name} *self) {{\n{work or '    (void)self;' + chr(10)}}}\n"
     )
 

@@ -17,7 +17,7 @@ def merge_into(folders: Sequence[Path], target: Path | None = None) -> tuple[Pat
     DseError if there are no shards, or they are not of one study.
     """
     if target is None and len(folders) > 1:
-        raise fail("several folders are to be merged", hint="say into which: dse merge -o OUT …")
+        raise fail("several folders are to be merged", hint="name the target: dse merge -o OUT …")
     sources = [source for folder in folders for source in (shards_in(folder) or [folder])]
     if sources == [target or folders[0]]:
         what, hint = "there are no shards in it", "dse explore STUDY --shard 1/8 makes one, in out/STUDY"

@@ -78,16 +78,16 @@ def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Sce
     wired = wire_bench(bench, chosen)
     told = Told(wired.signals, {name: setting.value for name, setting in wired.settings.items()}, bench.figures)
     if not told.is_scene:
-        what = "no part of it tells where a car is: there are neither 'motion.x' nor 'position', 'gap' and 'lead.speed'"
+        what = "no part gives the position of a car: neither 'motion.x' nor 'position', 'gap' and 'lead.speed'"
         raise fail(f"run {stored.number} of bench '{bench.name}' is no scene: {what}", Location(bench.name))
     again = replace(bench, simulation=_recording(bench, told.wanted))
     made, _ = alone(bench_study(again, Selection((chosen.id,))), fmi, tell=tell)
     if made.problem and stored.is_done:
         what = f"run {stored.number} failed this time: {made.problem}"
-        raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' tells what changed")
+        raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' lists what changed")
     if made.waveforms is None or not _is_same(made.metrics, stored.metrics):
         what = f"run {stored.number} did not give the same again"
-        raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' tells what changed")
+        raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' lists what changed")
     scene = told_scene(wired, told, made.waveforms.values, made.waveforms.time)
     title = stored.definition.title or stored.definition.study
     return replace(scene, title=title, subtitle=f"run {stored.number}", mark=mark_of(stored))

@@ -19,7 +19,7 @@ def stop(folder: str | Path) -> Writer:
     path = Path(folder)
     writer = writer_of(path)
     if writer is None:
-        raise fail("nobody explores this study at the moment", Location(str(path)))
+        raise fail("no process explores this study at the moment", Location(str(path)))
     host = this_process().rpartition("/")[0]
     if writer.host != host:
         raise _refused(path, writer, f"it is on another machine than this one ({host})", "press Ctrl-C there")
@@ -32,7 +32,7 @@ def stop(folder: str | Path) -> Writer:
     try:
         os.kill(writer.process, number)
     except ProcessLookupError:
-        raise fail("nobody explores this study any more", Location(str(path))) from None
+        raise fail("no process explores this study any more", Location(str(path))) from None
     except PermissionError:
         raise _refused(path, writer, "it belongs to another user", "ask that user") from None
     return writer
@@ -53,9 +53,9 @@ def _require_ours(path: Path, writer: Writer) -> None:
         lock = (path / LOCK).resolve()
         has_lock = any(os.path.realpath(each.path) == str(lock) for each in process.open_files())
     except psutil.NoSuchProcess:
-        raise fail("nobody explores this study any more", Location(str(path))) from None
+        raise fail("no process explores this study any more", Location(str(path))) from None
     except psutil.Error as error:
-        raise _refused(path, writer, f"the system does not tell whether it writes here ({error})", _THERE) from error
+        raise _refused(path, writer, f"the system does not show whether it writes here ({error})", _THERE) from error
     if not has_lock:
         raise _refused(path, writer, f"it does not hold the folder's {LOCK}", _THERE)
 

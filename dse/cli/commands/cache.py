@@ -69,7 +69,7 @@ def verify() -> None:
 @cache_app.command()
 def prune(
     days: Annotated[
-        float | None, typer.Option("--days", min=0, help="Remove what was not used for so long; 90 if nothing is said.")
+        float | None, typer.Option("--days", min=0, help="Remove what was not used for so long; 90 by default.")
     ] = None,
     size: Annotated[
         str | None, typer.Option("--size", metavar="SIZE", help="Remove what was used longest ago, down to '500 MB'.")

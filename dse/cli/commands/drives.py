@@ -81,7 +81,9 @@ def _told(checked: CheckedDrive) -> str:
         parts = [f"in the study: {', '.join(checked.from_study)}"] if checked.from_study else []
         parts += [f"when it was driven: {', '.join(checked.from_driving)}"] if checked.from_driving else []
         return f"not the same as {'; '.join(parts)}"
-    return "the same bit for bit" + ("" if checked.was_noted else ", as far as the study: nobody noted what was driven")
+    return "the same bit for bit" + (
+        "" if checked.was_noted else ", as far as the study: there is no record of the drive"
+    )
 
 
 def _checked_data(checked: CheckedDrive) -> dict[str, object]:

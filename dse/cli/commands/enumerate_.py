@@ -67,7 +67,7 @@ def enumerate_(
     listing = {"--output": target, "--sample": sample, "--limit": limit}
     for option, given in listing.items():
         if count and given is not None:
-            raise typer.BadParameter("lists configurations; --count only says how many", param_hint=option)
+            raise typer.BadParameter("lists configurations; --count only counts them", param_hint=option)
     if target is not None and output is not ListingFormat.TABLE and target.suffix.lower() != f".{output.value}":
         raise typer.BadParameter(f"'{target.name}' is not the name of a .{output.value} file", param_hint="--format")
     part = opened(design, (), where, on, off)
@@ -135,7 +135,7 @@ def _first(part: OpenedSpace, most: int, cut: bool) -> None:
     before = "the static constraints and the condition" if part.where else "the static constraints"
     say(f"the first {most}; {number_text(part.total)} in total before {before}")
     if cut:
-        say("more: --limit N shows N, -o FILE writes all, --count says how many")
+        say("more: --limit N shows N, -o FILE writes all, --count counts them")
 
 
 def _table(sheet: Sheet, rows: Rows) -> None:

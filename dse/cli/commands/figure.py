@@ -97,7 +97,7 @@ def figure(
         tell("reading the runs")
         content = read_content(folder)
         if uses_insight(names):
-            tell("looking at what they tell")
+            tell("computing findings")
             content = replace(content, insight=read_insight(folder))
     view = View(x, y, _configuration(content, configuration), number)
     place = target or folder / "figures"

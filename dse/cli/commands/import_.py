@@ -95,7 +95,7 @@ def import_simulink(
     ] = None,
     model: Annotated[str, typer.Option("--model", metavar="NAME", help="Which model, if there are several.")] = "",
     step: Annotated[
-        str | None, typer.Option("--step", metavar="TIME", help="Its step, where nothing in the code tells it.")
+        str | None, typer.Option("--step", metavar="TIME", help="Its step, if the code does not give it.")
     ] = None,
     sources: Annotated[
         list[Path] | None, typer.Option("--source", metavar="PATH", help="More C that it needs: a file or a folder.")
@@ -131,7 +131,7 @@ def import_simulink(
         say(f"  left out: {plain(what)}")
     reals = [port for port in written.component.interface.ports if port.type.unit.symbol]
     taken = ", ".join(f"{port.name} in {port.type.unit}" for port in reals[:_MOST_SHOWN])
-    say(f"  the code tells no units: {taken or 'its numbers are taken as they are'}; else say so by in_code")
+    say(f"  the code has no units: {taken or 'its numbers are taken as they are'}; otherwise set them with in_code")
     say("next: dse check")
 
 

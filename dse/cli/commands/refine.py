@@ -38,7 +38,7 @@ def refine(
     ways = {Towards.AROUND: around is not None, Towards.FRONT: front, Towards.BOX: box, Towards.BAND: band}
     asked = [way for way, is_asked in ways.items() if is_asked]
     if len(asked) != 1:
-        raise typer.BadParameter("say where to look: one of these", param_hint="--around, --front, --box, --band")
+        raise typer.BadParameter("choose where to look: one of these", param_hint="--around, --front, --box, --band")
     if target is not None and not target.name.endswith(".pet.yaml"):
         raise typer.BadParameter(f"'{target}': a study's file ends in .pet.yaml", param_hint="--output")
     name = target.name.removesuffix(".pet.yaml") if target else f"{folder.name}_next"

@@ -56,7 +56,7 @@ Record = Annotated[
     list[str], typer.Option("--record", metavar="NAME", help="What of a package to record, instead of its outputs.")
 ]
 Tolerance = Annotated[
-    float | None, typer.Option("--tolerance", metavar="NUMBER", help="What a package's FMUs are told, for theirs.")
+    float | None, typer.Option("--tolerance", metavar="NUMBER", help="Parameter values for a package's FMUs.")
 ]
 Word = Annotated[str | None, typer.Option(metavar="WORD", help="For a package, as under 'simulation' in a bench.")]
 

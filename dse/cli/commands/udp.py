@@ -60,7 +60,7 @@ def check(
     sides = _layout(component, layout, out, back)
     sizes = len(sides.out), len(sides.back)
     if bool(world) == bool(listen):
-        raise typer.BadParameter("say either HOST:PORT of a world, or --listen PORT for a client")
+        raise typer.BadParameter("give either HOST:PORT of a world, or --listen PORT for a client")
     if listen:
         with _socket_errors(host, listen), listen_at(host, listen) as line:
             say(f"listening at {host}:{listen} for START, packets of {28 + 8 * sizes[0]} bytes", stderr=True)
@@ -230,7 +230,7 @@ def _layout(component: str | None, file: Path | None, out: int | None, back: int
 
     counts = (out, back) != (None, None)
     if sum((component is not None, file is not None, counts)) != 1:
-        raise typer.BadParameter("say which values there are: --component NAME, --layout FILE, or --out N --back M")
+        raise typer.BadParameter("define the values: --component NAME, --layout FILE, or --out N --back M")
     if file is not None:
         return read_layout(file)
     if component is not None:

@@ -26,7 +26,7 @@ Once = Annotated[bool, typer.Option("--once", help="End after one session: with 
 Free = Annotated[bool, typer.Option("--free", help="Real time by the wall clock, in place of lockstep.")]
 Layout = Annotated[bool, typer.Option("--layout", help="Only print what goes to and fro, byte by byte.")]
 Write = Annotated[
-    Path | None, typer.Option("--write", metavar="DIR", help="Only write a component.yaml that stands for this world.")
+    Path | None, typer.Option("--write", metavar="DIR", help="Only write a component.yaml that represents this world.")
 ]
 
 

@@ -48,7 +48,7 @@ def load(model: FmuModel) -> ctypes.CDLL:
         what = f"{model.identifier}: the FMU's library is gone since the FMU was opened ({model.library})"
         raise fail(what, hint="run the command again: what is missing in the cache is made again")
     if model.is_live and is_inside() and "DSE_LIVE_SOCKET" not in os.environ:
-        what = f"{model.identifier}: it exchanges datagrams with somebody outside, and in a sandbox there is no network"
+        what = f"{model.identifier}: it exchanges datagrams with another process, and a sandbox has no network"
         raise fail(what, hint="leave --sandbox out only if you trust all FMUs of the run")
     path = str(model.library.resolve())
     _bring(model)

@@ -33,7 +33,7 @@ def of_loop(
             by = f"would change values by {value:.3g} of their size" if isfinite(value) else "has no direction"
             what = f"{unsolved} it is nearly singular, the last step of Newton's method {by}"
         case _:
-            what = f"{stage} did not settle: the algebraic loop {loop.described} goes on changing"
+            what = f"{stage} did not settle: the algebraic loop {loop.described} keeps changing"
     first = (*loop.reals, *loop.others)[0]
     return RunFailed(wiring.system.elements[first.element].name, what, time=time)
 
@@ -68,7 +68,7 @@ def of_clock(
             what = f"{clock} ticks more than {MOST_EVENT_ITERATIONS} times {at}"
         case StopReason.BAD_INTERVAL:
             told = "no interval" if isnan(value) else f"{value:.10g} s"
-            what = f"{clock}: its FMU tells {told} for its ticks {at}"
+            what = f"{clock}: its FMU gives {told} for its ticks {at}"
         case _:
             why = f"{clock} ticks" if clock else "there is an event"
             what = (

@@ -31,7 +31,7 @@ def of_call(reason: StopReason, where: str, status: int = 0, *, needs_tool: bool
         case StopReason.BAD_STATUS:
             return f"{where} returned {STATUS[status] if 0 <= status < len(STATUS) else f'the unknown status {status}'}"
         case StopReason.NO_INSTANCE:
-            told = ", and the FMU says that it needs another program" if needs_tool else ""
+            told = ", and the FMU declares that it needs another program" if needs_tool else ""
             return f"{where} returned no instance{told}"
         case StopReason.ENDLESS_EVENTS:
             return f"{where} asked for more than {MOST_EVENT_ITERATIONS} event iterations at one point in time"
@@ -70,7 +70,7 @@ def of_integration(reason: StopReason, element: Element, position: int, status: 
     """What happened to *element*: *position* and *status* as the kernel left them, *time* where its solver stood."""
     if reason is StopReason.COUNT_DIFFERS:
         counted = "event indicators" if position else "continuous states"
-        return f"{element.name}: the FMU has {status} {counted}, which its description does not say"
+        return f"{element.name}: the FMU has {status} {counted}, which its description does not declare"
     return f"{element.name}{_integration(reason, element.model, position)} {moment(time)}"
 
 
@@ -92,7 +92,7 @@ def _integration(reason: StopReason, model: FmuModel, position: int) -> str:
         case StopReason.INDICATOR_NOT_FINITE:
             return f": event indicator {position + 1} is not a finite number"
         case StopReason.EVENT_NEVER:
-            return ": the time that it tells for its next event is not a number"
+            return ": the time of its next event is not a number"
         case _:
             return ": the stiff solver's matrix is singular"
 

@@ -25,7 +25,7 @@ from dse.domain.system import Conversion, Element
 _HALVINGS, _MOST_HALVINGS = 8, 12
 _STEPS, _FEW_STEPS = 1024, 64
 _STRENGTHS = (1.0, 0.05, 0.0)
-_VOUCHING = "; who knows that it is right says 'sampled: TIME' or 'exact: true' in its source"
+_VOUCHING = "; if it is right, set 'sampled: TIME' or 'exact: true' in its source"
 
 
 def probe_numerics(

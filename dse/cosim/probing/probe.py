@@ -111,7 +111,9 @@ class _Probe:
         self._same(Question.RESETS, experiments.reset_run, drive, other, expected)
         self._same(Question.RENEWS, experiments.second_run, drive, other, expected)
         if self.model.capabilities.once_per_process:
-            self._skip("it says that it can be instantiated only once per process", Question.COEXISTS, Question.THREADS)
+            self._skip(
+                "it declares that it can be instantiated only once per process", Question.COEXISTS, Question.THREADS
+            )
             return
         self._same(Question.COEXISTS, experiments.runs_in_turns, drive, other, (expected, expected_other))
         if Answer.NO in (self.answers.get(Question.RENEWS), self.answers.get(Question.COEXISTS)):

@@ -114,7 +114,7 @@ def _described(element: Element, variable: Variable, index: int, asked: bool) ->
 
 def _untold(label: str, variable: Variable) -> Problem:
     return Problem(
-        f"{label}: the FMU does not tell the start values of the array",
+        f"{label}: the FMU does not give the start values of the array",
         hint=f"give a value to each of {variable.labels[0]} to {variable.labels[-1]}",
     )
 

@@ -167,7 +167,7 @@ def _loops(wiring: Wiring) -> Iterable[Problem]:
         if isinstance(step, AlgebraicLoop):
             yield Problem(
                 f"values cannot be propagated round an algebraic loop: {step.described}",
-                hint="use coupling: solve, or FMUs that tell which outputs depend on which inputs",
+                hint="use coupling: solve, or FMUs that declare which outputs depend on which inputs",
             )
 
 

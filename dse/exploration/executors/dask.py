@@ -121,7 +121,7 @@ class _DaskLine:
             return distributed.Client(self._address, timeout=_CONNECT_SECONDS, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
             what = f"the Dask scheduler at {self._address} does not answer: {error or type(error).__name__}"
-            raise fail(what, hint="finished runs are stored: the same command goes on when it does") from error
+            raise fail(what, hint="finished runs are stored: the same command resumes when it does") from error
 
 
 @contextmanager

@@ -163,7 +163,7 @@ class Dispatcher:
             self._last_worker = now
         elif now - self._last_worker > PATIENCE:
             what = f"no worker was there for {PATIENCE / 60:g} minutes"
-            raise fail(what, hint="finished runs are stored: the same command goes on when there are workers")
+            raise fail(what, hint="finished runs are stored: the same command resumes when there are workers")
         return self._slots
 
     def _wait(self) -> None:
@@ -267,7 +267,7 @@ class Dispatcher:
     def _count_fruitless(self, what: str, is_enough: bool = False) -> None:
         self._fruitless += 1
         if is_enough or self._fruitless >= MOST_FRUITLESS:
-            raise fail(what, hint="finished runs are stored: the same command goes on")
+            raise fail(what, hint="finished runs are stored: the same command resumes")
 
     def _parcel(self, load: Load) -> Parcel:
         if self._canary is None:

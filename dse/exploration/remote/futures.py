@@ -57,7 +57,7 @@ class _FuturesLine:
         """Make another executor."""
         if self._make is None:
             what = f"the executor broke when a worker of it ended: {error or type(error).__name__}"
-            hint = "finished runs are stored; give a function that makes executors, and the study goes on by itself"
+            hint = "finished runs are stored; give a function that makes executors, and the study resumes by itself"
             raise fail(what, hint=hint)
         self._workers.shutdown(wait=False, cancel_futures=True)
         self._workers = self._make()

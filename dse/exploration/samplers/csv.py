@@ -139,7 +139,7 @@ def _row(path: Path, number: int, line: Sequence[str], columns: _Columns, proble
             problems.append(Problem(f"'{cell}' is no number for {variable.name}", where, "write 1.5 or 2e-3"))
             continue
         if not variable.low <= value <= variable.high:
-            what = f"{variable.name} = {cell} lies outside of its range"
+            what = f"{variable.name} = {cell} is outside its range"
             problems.append(Problem(what, where, "widen the range in the study, or leave the row out"))
         point.append(value)
     return point

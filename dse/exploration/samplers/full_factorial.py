@@ -69,7 +69,7 @@ class FullFactorial(ValueSampler):
             for j, name in enumerate(names):
                 where = around.place("slices", i, j)
                 if name in names[:j]:
-                    yield Problem(f"'{name}' stands twice in a slice", where, "remove one")
+                    yield Problem(f"'{name}' occurs twice in a slice", where, "remove one")
                 if name not in around.names:
                     yield Problem(f"'{name}' is not a design variable", where, closest(name, around.names))
 

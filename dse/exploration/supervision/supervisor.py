@@ -345,7 +345,7 @@ def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
 
 
 def _broken(why: str) -> DseError:
-    return fail(why, hint="finished runs are stored: the same command goes on when there is room")
+    return fail(why, hint="finished runs are stored: the same command resumes when there is room")
 
 
 def _given_up(cause: str, traces: Traces) -> DseError:
@@ -356,7 +356,7 @@ def _given_up(cause: str, traces: Traces) -> DseError:
             "",
             traces.words,
         ),
-        hint="finished runs are stored: mend what the workers say and give the same command again",
+        hint="finished runs are stored: mend what the workers report and give the same command again",
     )
 
 

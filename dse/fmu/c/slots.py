@@ -143,7 +143,7 @@ def _problems(component: Component, found: Iterable[Slot]) -> Iterable[Problem]:
         first = taken.setdefault(slot.name, slot)
         if first is not slot:
             what = f"component '{component.name}': {first.source} and {slot.source} are both variable '{slot.name}'"
-            yield Problem(what, slot.where, "rename one, or tell them apart under 'map'")
+            yield Problem(what, slot.where, "rename one, or distinguish them under 'map'")
 
 
 _STEP = r"[A-Za-z_]\w*(\[[1-9][0-9]*(,[1-9][0-9]*)*\])?"

@@ -89,7 +89,7 @@ def _common_folder(name: str, listed: Iterable[Path], where: Location | None) ->
     try:
         return Path(os.path.commonpath([path.parent for path in listed]))
     except ValueError as error:
-        raise fail(f"component '{name}': its C files lie on different drives", where) from error
+        raise fail(f"component '{name}': its C files are on different drives", where) from error
 
 
 _MAX_BYTES = 10_000_000
@@ -136,7 +136,7 @@ def _problems(name: str, source: CSource, where: Location | None) -> Iterable[Pr
         if path.suffix not in (".c", ".h"):
             yield Problem(f"component '{name}': {shown(path)} is no .c or .h file", where, "list only C files")
         if not _NAME.fullmatch(path.name):
-            yield Problem(f"component '{name}': the file name {path.name!r} cannot stand in an #include", where)
+            yield Problem(f"component '{name}': the file name {path.name!r} cannot be used in an #include", where)
     for word, text in (("struct", source.struct), ("init", source.init), ("step function", source.step_function)):
         if not _IDENTIFIER.fullmatch(text):
             yield Problem(f"component '{name}': the {word} '{text}' is not a name in C", where)

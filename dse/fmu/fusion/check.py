@@ -18,7 +18,7 @@ def fusion_problems(system: SystemStructure, record: Sequence[str], method: Meth
     """Everything of *system*, *record* and *method* that cannot be compiled into one loop."""
     problems = []
     if not method.is_plain_but_for_order:
-        what = "a fused loop knows only one fixed step, inputs held, no coupling, no bonds"
+        what = "a fused loop supports only one fixed step, inputs held, no coupling, no bonds"
         problems.append(Problem(f"{system.name}: {what}", hint=_PLAIN_ONLY))
     for element in system.elements:
         problems += _element_problems(element)

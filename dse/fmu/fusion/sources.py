@@ -55,7 +55,7 @@ def own_sources(model: FmuModel) -> OwnSources:
     if (model.folder / PARTNER).is_file():
         raise NotOursError("has a process of its own do its work")
     if model.is_live:
-        raise NotOursError("exchanges datagrams with somebody outside")
+        raise NotOursError("exchanges datagrams with another process")
     try:
         table = SlotTable.from_bytes(files[SLOT_TABLE])
     except (ValueError, KeyError, TypeError):

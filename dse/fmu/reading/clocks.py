@@ -24,7 +24,7 @@ def read_timing(element: XmlElement, subject: str, problems: list[Problem]) -> T
     word = element.word("intervalVariability", [kind.value for kind in ClockKind], problems)
     if "intervalVariability" not in element.attributes:
         problems.append(
-            Problem(f"{subject} does not say when it ticks: it has no 'intervalVariability'", element.where)
+            Problem(f"{subject} does not declare when it ticks: it has no 'intervalVariability'", element.where)
         )
     kind = ClockKind(word) if word else ClockKind.TRIGGERED
     has_fractions = element.flag("supportsFraction", problems)

@@ -119,7 +119,9 @@ def _version(root: XmlElement) -> int:
         return 2
     if re.fullmatch(r"3\.\d+(\.\d+)?", text):
         return 3
-    what = f"the FMU is of the unknown FMI version '{shortened(text)}'" if text else "it does not say its fmiVersion"
+    what = (
+        f"the FMU is of the unknown FMI version '{shortened(text)}'" if text else "it does not declare its fmiVersion"
+    )
     raise fail(what, root.where, "export it for FMI 2.0 or 3.0")
 
 

@@ -257,4 +257,4 @@ def _diagnostics(text: str) -> list[Diagnostic]:
 
 def _last_lines(text: str) -> str:
     lines = [line.strip() for line in text.splitlines() if line.strip() and not _ADVICE.match(line)]
-    return "; ".join(lines[-3:]) or "it said nothing"
+    return "; ".join(lines[-3:]) or "it printed nothing"

@@ -73,7 +73,7 @@ def import_code(
     raise_if_any(problems)
     tried = try_model(read, cache=cache)
     if tried.error:
-        raise fail(f"the model says '{tried.error}'", Location(shown(folder)))
+        raise fail(f"the model has '{tried.error}'", Location(shown(folder)))
     variables = tuple(_variables(read, tried.parameters))
     infinite = [
         f"{port.name}: it begins as {value}, and keeps that"
@@ -166,7 +166,7 @@ def _component_yaml(component: Component, path: Path, folder: Path, source: Simu
     head = ""
     if real is not None:
         head = (
-            "# The code tells no units: its numbers are SI, unless the source says otherwise, as in\n"
+            "# The code has no units: its numbers are SI, unless the source sets others, as in\n"
             f"#   in_code: {{{real.name}: {{unit: {str(real.type.unit) or 'm/s'}, min: 0, max: 100}}}}\n"
         )
     return head + write_component(component, write_flow(entries))

@@ -48,7 +48,9 @@ class Catalogue:
             known = (*(port.name for port in component.interface.ports), *(p.name for p in component.parameters))
             self._labels[name] = {component.variable(own): own for own in known}
         elif [v.shape for v in self.models[name].variables.values()] != [v.shape for v in model.variables.values()]:
-            what = f"{element.name}: two uses of its FMU have arrays of different sizes, which a workspace cannot say"
+            what = (
+                f"{element.name}: two uses of its FMU have arrays of different sizes, which a workspace cannot express"
+            )
             raise DseError(Problem(what, place.where))
         return name
 

@@ -66,7 +66,7 @@ def _named(file: PackageFile, element: XmlElement, fmu: Path | None, found: Find
     if element.word("sourceBase", ("SSD", "component"), found.problems, "SSD") == "SSD":
         return file.read(source, element.where, found)
     if fmu is None:
-        raise fail(f"'{shortened(source)}' is to lie in the component, which is no FMU", element.where)
+        raise fail(f"'{shortened(source)}' should be in the component, which is not an FMU", element.where)
     called = file.package.place(PurePosixPath(fmu.relative_to(file.package.folder).as_posix()))
     root = read_xml(_entry(fmu, source, element.where), f"{called}/{source}", found.ignored)
     return own_elements(root, found)

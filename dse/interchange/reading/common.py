@@ -90,7 +90,7 @@ class Findings:
                 self.notes += _extras(child)
             elif child.tag not in children:
                 hint = closest(child.tag, children | EXTRAS)
-                self.add(f"<{child.tag}> cannot stand in <{element.tag}>", child.where, hint)
+                self.add(f"<{child.tag}> is not allowed in <{element.tag}>", child.where, hint)
 
     def listed(self, element: XmlElement, group: str, tag: str) -> Iterator[XmlElement]:
         """The elements called *tag* in each *group* of *element*, which may hold nothing else."""

@@ -80,7 +80,7 @@ class PackageFile:
         name = unquote(text)
         if re.match(r"[A-Za-z][A-Za-z0-9+.\-]*:", name):
             what = f"'{shortened(uri)}' is not in the package"
-            raise fail(what, where, "only files that lie in the package are read; put it into resources/")
+            raise fail(what, where, "only files inside the package are read; put it into resources/")
         if name.startswith("/") or "\\" in name or "\0" in name:
             raise fail(f"'{shortened(uri)}' is no relative path", where, "as resources/part.fmu")
         file = PurePosixPath(posixpath.normpath(self.name.parent / name)) if name else self.name

@@ -74,7 +74,7 @@ def read_mapping(root: XmlElement, values: Mapping[str, ParameterValue], found: 
     for element in root.all("MappingEntry"):
         found.expect(element, {"source", "target", "suppressUnitConversion"}, TRANSFORMATIONS)
         if element.attributes.get("source") == "":
-            found.ignore(f"nothing is said to be the source of '{shortened(element.get('target'))}'", element.where)
+            found.ignore(f"no source is given for '{shortened(element.get('target'))}'", element.where)
             continue
         source, target = element.required("source", found.problems), element.required("target", found.problems)
         if target in targets:

@@ -146,7 +146,7 @@ def _items(source: Mapping[str, int], target: Mapping[str, int]) -> Carry:
     if lost:
         raise ConversionError(
             f"enumerations differ: the source's item '{lost[0]}' is none of {', '.join(target)}; "
-            "an EnumerationMappingTransformation says what it means"
+            "an EnumerationMappingTransformation defines its meaning"
         )
     return Carry(table={value: target[name] for name, value in source.items()})
 
@@ -174,7 +174,7 @@ def _table(source: Form, target: Form, transformation: Transformation) -> dict[i
     if (source.kind, target.kind) != (Kind.ENUMERATION, Kind.ENUMERATION):
         raise ConversionError(f"a table of items is not for {source.kind} and {target.kind}")
     if not source.items or not target.items:
-        raise ConversionError("a table of items needs enumerations whose items are said")
+        raise ConversionError("a table of items needs enumerations with defined items")
     named = dict(transformation.entries)
     for name in named:
         if name not in source.items:

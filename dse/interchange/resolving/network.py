@@ -149,7 +149,7 @@ def _hop(scope: _Scope, connection: SspConnection) -> Hop:
     ends = [(*_placed(scope, connection, end), end.indices) for end in (connection.start, connection.end)]
     (_, start_gives, _), (_, end_gives, _) = ends
     if start_gives is None and end_gives is None:
-        what = f"{connection}: both ends may give and take, so nothing says which way values go"
+        what = f"{connection}: both ends may give and take, so the direction of values is undefined"
         raise fail(what, connection.where, "make one of them an input or an output")
     # A clock that ticks by itself is an input, and gives its ticks to others all the same (FMI-LS-BUS 1.0, 4.2.4).
     start_ticks, end_ticks = (_is_timed(scope.network, node) for node, _, _ in ends)

@@ -30,7 +30,7 @@ def assignments(network: Network, notes: list[Problem], problems: list[Problem])
     given = dict(_assigned(network, (), notes))
     for node, assigned in given.items():
         if assigned.value.rival:
-            what = f"{node} is given two values; the other stands at {assigned.value.rival}"
+            what = f"{node} is given two values; the other one is at {assigned.value.rival}"
             problems.append(Problem(what, assigned.value.where, "remove one of them"))
     return given
 

@@ -35,7 +35,7 @@ def add_values(component: ET.Element, element: Element, version: str) -> None:
         if known == own:
             continue
         if len(known) < len(labels):
-            raise fail(f"{element.name}.{variable.name}: only some of its values are given, which SSP cannot say")
+            raise fail(f"{element.name}.{variable.name}: only some of its values are given, which SSP cannot express")
         lines.append((variable, [known[label] for label in labels]))
     if not lines:
         return

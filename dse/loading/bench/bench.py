@@ -120,7 +120,7 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
             with problems:
                 _check_output(name, components, entry["simulation"]["record"][number].where)
     if bonds and BONDS in {place.split(".")[0] for place in components}:
-        what = f"a part is called '{BONDS}', so bonds cannot be told from its ports"
+        what = f"a part is called '{BONDS}', so bonds cannot be distinguished from its ports"
         problems.add(what, entry["simulation"]["bonds"].key, "rename the part")
     figures = [
         _figure(entry["figures"][name], section, components, unread, problems) for name, section in file.figures.items()

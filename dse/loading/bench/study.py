@@ -133,7 +133,7 @@ def _benches(entry: Entry, named: str | list[str], find_bench: FindBench) -> tup
     if isinstance(named, str):
         return (find_bench(named, entry.where),)
     if not named or len(set(named)) < len(named):
-        raise fail("a bench stands here twice" if named else "there is no bench", entry.where, "name each once")
+        raise fail("a bench is listed here twice" if named else "there is no bench", entry.where, "name each once")
     benches, problems = [], Problems()
     for number, name in enumerate(named):
         with problems:
@@ -170,7 +170,7 @@ def _varied(
     for number, section in enumerate(sections):
         for other in sections[number + 1 :]:
             for name in getattr(file, section).keys() & getattr(file, other).keys():
-                what = f"'{name}' stands under '{section}', too"
+                what = f"'{name}' is under '{section}', too"
                 problems.add(what, entry[other][name].key, "a parameter is varied for one reason")
     if not (file.design_variables or file.conditions or file.uncertain or isinstance(file.testbench, list)):
         problems.add("no design variable", entry["design_variables"].key, "use 'dse run' for a bench without any")

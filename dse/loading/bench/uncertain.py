@@ -102,7 +102,7 @@ def read_correlations(
                     if name not in uncertain:
                         problems.add(f"'{name}' is not uncertain", at.where, closest(name, uncertain))
                 if {(one, other), (other, one)} & found.keys():
-                    problems.add(f"'{one}' and '{other}' stand there twice", at.where, "remove one")
+                    problems.add(f"'{one}' and '{other}' are listed there twice", at.where, "remove one")
                 found[one, other] = float(value)
             case _:
                 problems.add("expected two names and a number between -1 and 1", at.where, "[a.mass, b.mass, 0.6]")

@@ -39,7 +39,7 @@ def condition(entry: Entry, section: ConstraintSection, find: FindParts) -> Pass
     """What the constraint at *entry* asks for. Raises DseError with every problem in it."""
     given = [form for form in FORMS if getattr(section, form) is not None]
     if len(given) != 1:
-        what = "says nothing" if not given else f"says {' and '.join(given)}"
+        what = "is empty" if not given else f"has {' and '.join(given)}"
         raise fail(f"constraint '{entry.name}' {what}", entry.key, f"give one of {', '.join(FORMS)}")
     (form,) = given
     here = entry[form]
@@ -142,7 +142,7 @@ def _range(entry: Entry, ends: list[str | int | float], find: FindParts) -> Pass
     named = written(name, key)
     if own in stated and own in settable:
         advice = f"write require: {name} between … and …, or {name}.min <= … and {name}.max >= …"
-        raise fail(f"'{own}' is a property and a parameter of what stands at '{place}'", key, advice)
+        raise fail(f"'{own}' is a property and a parameter of what is at '{place}'", key, advice)
     if own in stated:
         low, high = _quantities(entry, ends, "")
         return joined(named, added(" between ", low.where), low, added(" and ", high.where), high)

@@ -117,7 +117,7 @@ class _TreeReader:
             if option is None:
                 continue
             if option.name in options:
-                what = f"'{option.name}' stands twice among the alternatives"
+                what = f"'{option.name}' is listed twice among the alternatives"
                 self.problems.add(what, entry[number].where, "remove one")
                 continue
             options[option.name] = option

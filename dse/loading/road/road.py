@@ -107,7 +107,7 @@ def _segment(entry: Entry, section: SegmentSection, now: _Now) -> tuple[Segment,
     """The segment at *entry*, and what holds behind it. Raises DseError."""
     given = [word for word in SHAPES if getattr(section, word) is not None]
     if len(given) != 1:
-        what = "says nothing of its shape" if not given else f"is {' and '.join(given)} at once"
+        what = "does not define its shape" if not given else f"is {' and '.join(given)} at once"
         raise fail(f"the segment {what}", entry.where, f"give one of {', '.join(SHAPES)}")
     (kind,), before = given, now
     problems = Problems()
@@ -134,7 +134,7 @@ def _segment(entry: Entry, section: SegmentSection, now: _Now) -> tuple[Segment,
     whole = sorted((patch.start, patch.end) for patch in slippery if patch.right is None)
     if any(end > start for (_, end), (start, _) in pairwise(whole)):
         what = "patches across the whole road overlap"
-        problems.add(what, entry["friction"].where, "let one end where the other begins, or say what they lie 'across'")
+        problems.add(what, entry["friction"].where, "let one end where the other begins, or set what they are 'across'")
     raise_if_any(problems)
     made = Segment(shape, now.lanes, widening, now.speed_limit, rise, tuple(slippery), entry.where)
     return made, replace(now, is_open=True)
@@ -146,7 +146,7 @@ def _behind_crossing(entry: Entry, section: SegmentSection, shape: Intersection 
         if getattr(section, word) is not None:
             raise fail(f"'{word}' belongs to a stretch of road", entry[word].key, "write it at the segment before")
     if section.friction:
-        what = "friction cannot be said of a crossing"
+        what = "a crossing cannot have a friction"
         raise fail(what, entry["friction"].key, "write it at the segments before and behind")
     if not now.is_open:
         raise fail("a crossing needs a stretch of road that leads there", entry.where, "- straight: 100 m")
@@ -159,7 +159,9 @@ def _behind_crossing(entry: Entry, section: SegmentSection, shape: Intersection 
 
 def _widening(entry: Entry, section: SegmentSection, length: float, before: _Now, after: Lanes) -> float:
     if section.lanes is not None and before.is_first:
-        raise fail("the lanes a road begins with stand above its segments", entry["lanes"].key, "move them there")
+        raise fail(
+            "the lanes that a road begins with are defined above its segments", entry["lanes"].key, "move them there"
+        )
     if before.lanes == after:
         if section.widening is not None:
             raise fail("nothing widens here: the lanes stay as they are", entry["widening"].key, "remove it")
@@ -182,7 +184,7 @@ def _rise(
     if isinstance(shape, Hill) and abs(now.grade) > FLAT:
         raise fail(f"a hill begins level, and the road comes with {now.grade:.2%}", entry.where, LEVEL)
     if len(said) > 1:
-        raise fail("'grade' and 'height' both say how it rises", entry["height"].key, "remove one")
+        raise fail("'grade' and 'height' both define how it rises", entry["height"].key, "remove one")
     if section.rounding is not None and section.grade is None:
         raise fail("'rounding' is that of a change of 'grade'", entry["rounding"].key, "add 'grade: 3 %'")
     if section.grade is not None:
@@ -210,7 +212,7 @@ def _polynomial(entry: Entry, written: list[Plain], length: float, now: _Now) ->
         raise fail("'height' has the factors of s, s² and s³", entry.where, "height: [0, 1e-4, 0]")
     first, second, third = (within(raw, "", entry[number], -1.0, 1.0) for number, raw in enumerate(written))
     if not now.is_first and abs(first - now.grade) > 1e-9:
-        what = f"the road comes with a grade of {now.grade:.9g}, and goes on with {first:.9g}"
+        what = f"the road comes with a grade of {now.grade:.9g}, and continues with {first:.9g}"
         raise fail(what, entry[0].where, f"write {now.grade:.9g}: a road has no kinks")
     grade = first + 2 * second * length + 3 * third * length**2
     if max(abs(first), abs(grade)) > STEEPEST:

@@ -57,7 +57,9 @@ class Cursor:
         token = self.peek()
         found = token.text if token.kind == "end" else token
         if token.kind in ("number", "text") and "name" in expected:
-            advice = f'a name of other signs than letters, digits and _ stands in double quotes: "{token.text}"'
+            advice = (
+                f'a name with characters other than letters, digits and _ is written in double quotes: "{token.text}"'
+            )
         return self.source.error(token.start, f"expected {expected}, found {found}", advice or "look here")
 
 

@@ -271,7 +271,7 @@ class _Writer:
 
     def refused(self, node: Node, what: str) -> DseError:
         advice = "leave the constraint out of the exported design or write it otherwise"
-        return error_in(self.expression, node.span, f"UVL cannot say {what} in a constraint", advice)
+        return error_in(self.expression, node.span, f"UVL cannot express {what} in a constraint", advice)
 
 
 def _states(feature: Outline, name: str) -> bool:

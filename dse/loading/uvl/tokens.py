@@ -99,7 +99,7 @@ def read_source(path: Path) -> Source:
 def split(source: Source) -> list[Line]:
     """The logical lines of *source* that hold anything. What is no token is noted and left out."""
     if unsafe := UNSAFE.search(source.text.translate({0x0C: " ", 0x0D: " "})):
-        what = f"the character U+{ord(unsafe[0]):04X} cannot stand in a text"
+        what = f"the character U+{ord(unsafe[0]):04X} cannot be used in a text"
         raise source.error(unsafe.start(), what, "remove it; it does not show")
     text = source.text
     lines: list[Line] = []
@@ -172,7 +172,9 @@ def _note_foreign(source: Source, text: str, start: int) -> None:
     elif text == '""':
         source.note(start, "a name without letters", "write a name between the quotes")
     else:
-        advice = _FOREIGN_ADVICE.get(text, 'a name with other signs than letters, digits and _ stands in quotes: "A:B"')
+        advice = _FOREIGN_ADVICE.get(
+            text, 'a name with characters other than letters, digits and _ is written in quotes: "A:B"'
+        )
         source.note(start, f"'{text}' is not known here", advice)
 
 

@@ -190,7 +190,7 @@ def _attribute(reader: Cursor, feature: Feature, prefix: str, nesting: int) -> N
         return
     name = f"{prefix}{key.text}"
     if name in feature.numbers or name in feature.others:
-        raise reader.source.error(key.start, f"attribute '{name}' stands twice at '{feature.name}'", "remove one")
+        raise reader.source.error(key.start, f"attribute '{name}' is defined twice at '{feature.name}'", "remove one")
     value = reader.peek()
     negative = reader.is_next("-")
     if negative:
@@ -213,7 +213,7 @@ def _attribute(reader: Cursor, feature: Feature, prefix: str, nesting: int) -> N
         if reader.is_next("true") or reader.is_next("false"):
             reader.take()
         elif not (reader.is_next(",") or reader.is_next("}")):
-            raise reader.unexpected("a value", "text stands in quotes: 'red'")
+            raise reader.unexpected("a value", "text is written in quotes: 'red'")
 
 
 def _vector(reader: Cursor) -> None:
@@ -251,7 +251,7 @@ def _check(source: Source, features: list[Feature]) -> None:
         if known is not feature:
             where = source.location(known.start)
             source.note(
-                feature.start, f"feature '{feature.name}' stands twice", f"it stands first in line {where.line}"
+                feature.start, f"feature '{feature.name}' is defined twice", f"first defined in line {where.line}"
             )
         for group in feature.groups:
             size = len(group.features)

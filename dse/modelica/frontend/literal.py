@@ -48,7 +48,7 @@ def wrapper(model: str, changes: Mapping[str, str], libraries: Iterable[str] = (
         for part in above:
             inner = node.setdefault(part, {})
             if not isinstance(inner, dict):
-                raise TypeError(f"'{path}' lies in what is changed as a whole")
+                raise TypeError(f"'{path}' is in what is changed as a whole")
             node = inner
         node[last] = text
     mentioned = "".join(f"// {library}\n" for library in libraries)

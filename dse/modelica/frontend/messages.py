@@ -61,10 +61,10 @@ def refusal(sources: ModelSources, message: str) -> Problem:
     located = located or model_location(sources)
     hint = said.hint
     if located is None and not hint:
-        hint = "the model's full name, and a file or library that holds it, stand in 'source'"
+        hint = "'source' gives the model's full name and a file or library that contains it"
     first = said.what
     if first == NOT_THERE and (package := _within(sources)):
-        hint = f"the file says 'within {package}', so its full name is {package}.{sources.model.rpartition('.')[2]}"
+        hint = f"the file has 'within {package}', so its full name is {package}.{sources.model.rpartition('.')[2]}"
     missing = re.match(r"unresolved type reference: '(\w+)\.", first)
     if missing is not None and declarations(_texts(sources), missing[1]):
         hint = f"if '{missing[1]}' inherits it: name it where it is declared"
@@ -148,7 +148,7 @@ _WORDINGS = (
     (
         r"Failed to load source root .* has `within (?P<said>[^;`]*);` but expected `within (?P<true>[^;`]*);`",
         Wording(
-            r"the file says 'within \g<said>', but lies in the folder of '\g<true>'",
+            r"the file has 'within \g<said>', but is in the folder of '\g<true>'",
             "correct the line, or move the file",
             r"\b(within)\s+\g<said>\s*;",
         ),

@@ -25,7 +25,7 @@ def search_of(table: RunTable, naming: Naming) -> tuple[Search | None, tuple[str
     if not objectives:
         return None, ()
     if len(table) > _MOST_RUNS:
-        return None, (f"best designs: of more than {_MOST_RUNS} runs 'dse best' tells them, which takes its time",)
+        return None, (f"best designs: of more than {_MOST_RUNS} runs 'dse best' computes them, which takes a while",)
     try:
         # Of one objective all feasible designs, to tell when each became the best one.
         ranking = ranked(table, objectives, len(table))

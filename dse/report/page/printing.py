@@ -80,7 +80,7 @@ def print_report(content: ReportContent, target: Path) -> None:
         except OSError as error:
             raise fail(f"cannot be started: {error.strerror or error}", where, _HINT) from error
         if done.returncode or not _is_pdf(printed):
-            said = done.stderr.decode("utf-8", "replace").strip().splitlines()[-1:] or ["it says nothing"]
+            said = done.stderr.decode("utf-8", "replace").strip().splitlines()[-1:] or ["it prints nothing"]
             raise fail(f"the page could not be printed: {said[0][:300]}", where, _HINT)
         with written_whole(target) as path:
             shutil.copyfile(printed, path)

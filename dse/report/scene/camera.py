@@ -69,7 +69,7 @@ def camera_on(page: str, size: tuple[int, int]) -> Iterator[Camera]:
     """
     browser = browser_for("a picture of a scene")
     if not hasattr(os, "posix_spawn"):
-        raise fail("pictures of scenes are not taken on this system: its browsers are told nothing through pipes")
+        raise fail("pictures of scenes are not taken on this system: its browsers cannot be controlled through pipes")
     with ScratchFolder() as scratch:
         file = Path(scratch, "scene.html")
         file.write_text(page, encoding="utf-8")
@@ -143,7 +143,7 @@ class _Pipe:
                 raise ConnectionError("it has ended")
             self._read += part
             if len(self._read) > _MOST_ANSWER:
-                raise ValueError("it says too much")
+                raise ValueError("it prints too much")
         message, _, self._read = self._read.partition(b"\0")
         return message
 

@@ -155,4 +155,4 @@ def _encode(frames: Iterable[bytes], target: Path, rate: float) -> None:
         if process.returncode:
             said.seek(0)
             told = said.read().decode("utf-8", "replace").strip()[-300:]
-            raise fail(f"ffmpeg could not write {target.name}: {told or 'it says nothing'}")
+            raise fail(f"ffmpeg could not write {target.name}: {told or 'it prints nothing'}")

@@ -254,7 +254,7 @@ def _end(connection: Connection, text: str, scope: PlacedPart) -> _End | None:
     if not found:
         owner = ".".join(steps[:taken]) or "this compound"
         known = {".".join(port.name.split(".")[: i + 1]) for port in place.interface.ports for i in range(9)}
-        what = f"has no port '{name}'" if name else "stands without a port"
+        what = f"has no port '{name}'" if name else "is without a port"
         if taken == 0:
             known |= set(scope.parts)
         shown = f"{connection}: {owner} ({place.interface.name}) {what}"

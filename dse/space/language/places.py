@@ -69,7 +69,7 @@ class Places:
             raise error_in(expression, _last(node.span, name), what, closest(name, stated))
         for site, component in components:
             if name not in component.properties:
-                what = f"'{site.name}', which can stand at '{place}', does not state '{name}'"
+                what = f"'{site.name}', which can be at '{place}', does not state '{name}'"
                 raise error_in(expression, node.span, what, f"add it to the properties{_file_of(component)}")
         return self._with_sort(expression, node, components, name)
 
@@ -120,7 +120,7 @@ class Places:
             value = _end_of(parameter, end) if parameter else None
             if parameter is None or value is None:
                 lacks = f"number '{name}.{end}'" if parameter else f"parameter '{name}'"
-                what = f"'{site.name}', which can stand at '{place}', has no {lacks}"
+                what = f"'{site.name}', which can be at '{place}', has no {lacks}"
                 raise error_in(expression, node.span, what, f"add it to the parameters{_file_of(component)}")
             units.setdefault(parameter.type.unit.dimension, component)
             entries.append((site, value))

@@ -141,7 +141,7 @@ class Entangled:
     def shares(self) -> Shares:
         """The share of valid rows that take each value, exactly. Raises EmptyError, DseError if it cannot be known."""
         if self.graph is None:
-            return listed.shares(self.flat, self._searched("tell how often each alternative occurs"))
+            return listed.shares(self.flat, self._searched("compute how often each alternative occurs"))
         total = queries.count(self.graph)
         if not total:
             raise EmptyError

@@ -50,7 +50,9 @@ def kept_choices(
             path, _, listed = (piece.strip() for piece in text.partition("="))
             if not listed:
                 problems.append(
-                    Problem(f"'{text}' says nothing is {'kept' if is_kept else 'dropped'}", None, "write place=a,b")
+                    Problem(
+                        f"'{text}' means that nothing is {'kept' if is_kept else 'dropped'}", None, "write place=a,b"
+                    )
                 )
                 continue
             named = {choice.strip() for choice in listed.split(",") if choice.strip()}

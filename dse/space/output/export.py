@@ -100,7 +100,7 @@ def writer_of(target: Path) -> Write:
     writer = WRITERS.get(target.suffix.lower().removeprefix("."))
     if writer is None:
         known = ", ".join(f".{suffix}" for suffix in WRITERS)
-        raise fail(f"cannot tell the format of '{target.name}'", None, f"end its name in one of {known}")
+        raise fail(f"cannot determine the format of '{target.name}'", None, f"end its name in one of {known}")
     return writer
 
 

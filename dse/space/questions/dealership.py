@@ -41,7 +41,7 @@ class Dealership:
     def __init__(self, space: DesignSpace, engine: Engine) -> None:
         if engine.expanded is None:
             hint = f"choose step by step: dse enumerate {space.name} --interactive"
-            raise fail(f"'{space.name}' is too large to tell at once what can be chosen", space.where, hint)
+            raise fail(f"'{space.name}' is too large to compute at once what can be chosen", space.where, hint)
         self.space = space
         self._diagram: Diagram = engine.expanded
         self._variables = engine.flat.variables
@@ -141,7 +141,7 @@ class Dealership:
         parents = {parent for number in at if (parent := self._variables[number].parent) and name in values[number]}
         above = {number for number, _ in parents}
         if len(above) > 1:
-            what = f"'{path}' stands in architectures at different places"
+            what = f"'{path}' is in architectures at different places"
             raise fail(what, self.space.where, f"choose first: {', '.join(self._variables[n].path for n in above)}")
         masks = {number: np.array([*(value == name for value in known), True]) for number, known in values.items()}
         for number in above:

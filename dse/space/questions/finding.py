@@ -48,5 +48,5 @@ def _missing(space: DesignSpace, name: str) -> DseError:
 def _not_among(space: DesignSpace, name: str, looked_at: int) -> DseError:
     what = f"no configuration with the id '{name}' is among the first {looked_at:,} of '{space.name}'"
     if len(name) < LENGTH:
-        what = f"'{name}' may stand for several of the more than {looked_at:,} configurations of '{space.name}'"
+        what = f"'{name}' may mean several of the more than {looked_at:,} configurations of '{space.name}'"
     return fail(what, space.where, "name its choices instead of its id: --choose PLACE=CHOICE for each decision")

@@ -213,7 +213,7 @@ def _check_version(path: Path, connection: sqlite3.Connection) -> None:
         raise fail(f"is not a study folder: {NAME} was written by another program", Location(str(path)), _WHICH)
     if version > VERSION:
         raise fail(
-            f"the study was written by a newer dse (tables of version {version}, this one knows {VERSION})",
+            f"the study was written by a newer dse (tables of version {version}, this one reads {VERSION})",
             Location(str(path)),
             "update dse, or explore again into another folder",
         )

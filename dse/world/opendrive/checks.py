@@ -39,7 +39,7 @@ def road_problems(road: Road) -> Iterator[Problem]:
     for piece in pieces:
         length = curve_of(piece).length
         if not _agree(length, piece.length):
-            yield Problem(f"the curve is {length:g} m long, its <geometry> says {piece.length:g} m", piece.where)
+            yield Problem(f"the curve is {length:g} m long, its <geometry> gives {piece.length:g} m", piece.where)
     for one, other in pairwise(pieces):
         yield from _apart(one, other)
     yield from _unfit(road.elevation, road.length, _HIGHEST, "a height of", "m")

@@ -137,7 +137,7 @@ def _lengths(geometry: Geometry, u: Coefficients, v: Coefficients, last: float) 
         total = float(finer.sums[-1].real)
         slowest = float(np.min(pace(np.linspace(0, last, 8 * cells + 1)).real))
         if not slowest * last > _LEAST_PACE * total:
-            raise fail("the curve stands still somewhere, where it has no direction", geometry.where)
+            raise fail("the curve has no direction at a point where its derivative is zero", geometry.where)
         if abs(total - made.sums[-1].real) <= 1e-11 * total + 1e-12:
             return finer
         cells, made = 2 * cells, finer

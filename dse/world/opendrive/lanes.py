@@ -47,7 +47,7 @@ def read_sections(road: XmlElement, length: float) -> tuple[Section, ...]:
         raise fail(f"the first <laneSection> begins at {raw[0].s:g} m, not at 0", raw[0].where)
     for section in raw:
         if section.s >= length:
-            what = f"the <laneSection> at {section.s:g} m lies behind the end of its road, {length:g} m"
+            what = f"the <laneSection> at {section.s:g} m is beyond the end of its road, {length:g} m"
             raise fail(what, section.where)
     return tuple(_completed(raw, length))
 
@@ -92,7 +92,7 @@ def _side(section: XmlElement, side: str, s: float) -> dict[int, Lane]:
         if lane.id in lanes:
             raise fail(f"there is another lane {lane.id} in this section", element.where)
         if (lane.id > 0) != (side == "left") or lane.id == 0:
-            raise fail(f"lane {lane.id} stands in <{side}>", element.where, "ids are > 0 on the left, < 0 on the right")
+            raise fail(f"lane {lane.id} is in <{side}>", element.where, "ids are > 0 on the left, < 0 on the right")
         lanes[lane.id] = lane
     return dict(sorted(lanes.items(), key=lambda item: abs(item[0])))
 

@@ -69,7 +69,7 @@ def test_elements_of_other_namespaces_are_passed_over_even_where_they_are_called
         "<Elements> is of the namespace 'urn:x'",
         "<y> is of the namespace 'urn:x'",
     ]
-    assert "<y> cannot stand in <System>" in refused(tmp_path, PLAIN + "<ssd:y/>")
+    assert "<y> is not allowed in <System>" in refused(tmp_path, PLAIN + "<ssd:y/>")
 
 
 def test_a_parameter_set_of_an_almost_right_namespace_is_read(tmp_path):
@@ -107,7 +107,7 @@ def test_an_entry_of_a_mapping_without_a_source_sets_nothing(tmp_path):
     rules = mapping(entry("", "y"), entry("a", "k"))
     found = read(tmp_path, gain(parameter_set("a Real 3"), rules))
     assert found.structure.elements[0].start == {"k": 3.0}
-    assert [problem.what for problem in found.ignored] == ["nothing is said to be the source of 'y'"]
+    assert [problem.what for problem in found.ignored] == ["no source is given for 'y'"]
     gone = rules.replace('source="a"', "")
     assert "<MappingEntry> has no 'source'" in refused(tmp_path, gain(parameter_set("a Real 3"), gone))
 
@@ -121,7 +121,7 @@ def test_a_value_that_is_given_twice_counts_once(tmp_path):
 @pytest.mark.parametrize("again", ["k Real 3", "k Integer 2", "k Real 2 m"])
 def test_two_values_for_one_thing_are_refused_only_where_they_would_be_used(tmp_path, again):
     told = refused(tmp_path, gain(parameter_set("k Real 2", again)))
-    assert "gain.k is given two values; the other stands at " in told
+    assert "gain.k is given two values; the other one is at " in told
     unused = again.replace("k", "other", 1)
     assert ignored(tmp_path, gain(parameter_set("k Real 2", "other Real 2", unused))) == [
         "the parameter 'other' is there twice, with another value"

@@ -87,7 +87,7 @@ def test_geometry_says_nothing_and_is_let_pass(tmp_path):
         (description(PLAIN.replace('kind="input"', 'kind="inputt"')), ":4:"),
         (description(PLAIN.replace(' name="u"', "")), "<Connector> has no 'name'"),
         (description(PLAIN.replace("<ssd:Component ", '<ssd:Component sauce="x" ')), "<Component> has no attribute 'sauce'"),
-        (description(PLAIN + "<ssd:Conections/>"), "<Conections> cannot stand in <System>\n    hint: did you mean 'Connections'?"),
+        (description(PLAIN + "<ssd:Conections/>"), "<Conections> is not allowed in <System>\n    hint: did you mean 'Connections'?"),
         (description(PLAIN + connections('<ssd:Connection startElement="gain" endElement="gain"/>')), "has no 'startConnector'"),
         (description(elements(component("gain"), component("gain"))), "two elements are called 'gain'"),
         (description(PLAIN, '<ssd:DefaultExperiment stopTime="soon"/>'), "'stopTime' is 'soon', not a number"),
@@ -140,7 +140,7 @@ def test_all_problems_of_all_files_are_told_at_once(tmp_path):
     assert len(found) == 4
     joined = "\n".join(found)
     assert "resources/values.ssv:1:" in joined
-    assert "<Reel> cannot stand in <Parameter>" in joined
+    assert "<Reel> is not allowed in <Parameter>" in joined
     assert "there is no file 'resources/missing.fmu' in the package" in joined
     assert "is of the type 'x/unknown', which is not supported" in joined
 

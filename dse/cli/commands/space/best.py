@@ -96,7 +96,7 @@ def _print_ranking(found: Ranking) -> None:
     print_table(table)
     if len(differing) > len(shown):
         more = len(differing) - len(shown)
-        say(f"they differ in {more} more places; --format json tells all")
+        say(f"they differ in {more} more places; --format json lists all")
     same = {path: found[0].choices[path] for path in paths if path not in differing}
     if same:
         has = "all have" if len(found) > 1 else "it has"

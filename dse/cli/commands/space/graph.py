@@ -33,7 +33,7 @@ def graph_(
     configuration: Configuration = None,
     choose: Choose = [],
     below: Annotated[
-        str | None, typer.Option("--below", metavar="PLACE", help="Draw only what stands at and below a place.")
+        str | None, typer.Option("--below", metavar="PLACE", help="Draw only a place and what is below it.")
     ] = None,
     on: On = [],
     off: Off = [],

@@ -58,7 +58,7 @@ def space_refine(
 
 def _check(design: str, target: Path | None, *, asked: bool) -> None:
     if not asked:
-        raise typer.BadParameter("say what to keep, drop or choose", param_hint="--keep")
+        raise typer.BadParameter("name what to keep, drop or choose", param_hint="--keep")
     if target is not None and target.suffix != ".yaml":
         raise typer.BadParameter(f"'{target.name}' must end in .yaml", param_hint="--output")
     if Path(design).suffix.lower() == ".uvl":

@@ -37,7 +37,7 @@ def _functions_of_one_name(read: Used, names: list[str]) -> Iterator[Problem]:
         aliased = re.compile(rf"\bimport\s+({re.escape(last)})\s*=")
         places = [where for pattern in (declared, aliased) for _, _, where in occurring(read.texts, pattern)]
         if len(places) > 1:
-            what = f"the function '{name}' may be one of {len(places)}, which the front-end cannot tell apart"
+            what = f"the function '{name}' may be one of {len(places)}, which the front-end cannot distinguish"
             yield Problem(what, places[0], f"call it by its full name; another is declared at {places[1]}")
 
 

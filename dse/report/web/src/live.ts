@@ -76,7 +76,7 @@ export function startLive(store: Store): void {
       asked = Infinity;
     }
     if (!isRunning && !stop.hidden) {
-      said.textContent = now.state === "interrupted" ? "stopped; the same command goes on" : "";
+      said.textContent = now.state === "interrupted" ? "stopped; the same command resumes" : "";
       stop.disabled = false;
     }
     stop.hidden = !isRunning;

@@ -61,7 +61,7 @@ export function buildBoards(mine: string | null = null): HTMLElement {
       const shown = boards.filter(({ scores }) => scores.length).sort((a, b) => Number(has(b)) - Number(has(a)));
       box.replaceChildren(...shown.map((board) => draw(board, mine)));
       if (isThere) return;
-      box.prepend(el("p", { class: "muted", role: "status" }, looks ? "Your drive is simulated again for its score board \u2026" : "Your drive is on no score board; its report says why."));
+      box.prepend(el("p", { class: "muted", role: "status" }, looks ? "Your drive is simulated again for its score board \u2026" : "Your drive is on no score board; its report gives the reason."));
       if (looks && box.isConnected) setTimeout(() => void show(looks - 1), AGAIN);
     } catch (error) {
       box.replaceChildren(el("p", { class: "muted" }, `The score boards cannot be shown: ${(error as Error).message}.`));

@@ -72,7 +72,7 @@ export async function ask<T>(path: string, body?: object): Promise<T> {
   }
   const text = await answer.text();
   if (answer.ok) return JSON.parse(text) as T;
-  throw new Error(problemIn(text) || `the server says ${answer.status}`);
+  throw new Error(problemIn(text) || `the server answered ${answer.status}`);
 }
 
 function problemIn(text: string): string {

@@ -25,7 +25,7 @@ export function createCharts(store: Store): HTMLElement {
   const rows = new Map(Array.from(store.study.number, (run, row) => [run, row]));
   const box = el("div", { class: "charted" });
   for (const figure of store.study.charted) append(box, el("h3", {}, figure.title), content(store, figure, rows));
-  const hint = "Click a point, or move with the arrow keys, to select its run. Bounds and verdicts here are those of the study, whatever the sliders say.";
+  const hint = "Click a point, or move with the arrow keys, to select its run. Bounds and verdicts here are those of the study, independent of the sliders.";
   append(box, el("p", { class: "hint" }, hint));
   return box;
 }

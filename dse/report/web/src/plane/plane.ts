@@ -129,7 +129,7 @@ function makePlane(study: Study, shown: Shown): Plane {
       ? nothingBetween(named)
     : runs.length
       ? "Too few runs of this plane have been made: only the runs are shown, no boundaries."
-      : `No run of configuration ${study.configurations[configuration]?.id ?? ""} lies in this plane.`;
+      : `No run of configuration ${study.configurations[configuration]?.id ?? ""} is in this plane.`;
   return { ...base, on: runs, fields: null, note: why };
 }
 

@@ -61,7 +61,7 @@ function plotCard(store: Store): HTMLElement {
     const { on, beside } = plot.plane();
     const selected = store.points().first(store.state.selected);
     const away = store.state.selected >= 0 && !on.includes(selected) && !beside.includes(selected);
-    const hint = away ? "The selected run lies outside this plane." : `Click a ${store.points().noun}, or move with the arrow keys; with Shift a click pins and a drag brushes.`;
+    const hint = away ? "The selected run is outside this plane." : `Click a ${store.points().noun}, or move with the arrow keys; with Shift a click pins and a drag brushes.`;
     note.textContent = `${plot.plane().note} ${hint}`;
   };
   const saved = {

@@ -35,7 +35,7 @@ export function createAlternatives(model: Model): HTMLElement {
     if (["boxes", "among", "criteria", "demand", "thresholds", "brushes"].some((key) => changed.has(key as "boxes"))) draw();
   });
   draw();
-  const hint = "Box: the middle half of the designs, with the median; whiskers: the least and the greatest. Other choices differ too: it tells what goes along with an alternative, not what it does by itself.";
+  const hint = "Box: the middle half of the designs, with the median; whiskers: the least and the greatest. Other choices differ too: the plot shows association with an alternative, not its own effect.";
   return el("div", { class: "alternatives" }, el("div", { class: "controls" }, el("div", { class: "row" }, field("Boxes of", over), field("Over", among))), box, el("p", { class: "hint" }, hint));
 }
 

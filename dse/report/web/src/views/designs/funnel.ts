@@ -24,7 +24,7 @@ export function createFunnel(study: Study, funnel: Funnel): HTMLElement {
     "div",
     { class: "waterfall" },
     el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "What static constraints leave" }, table),
-    el("p", { class: "hint" }, few ? "Bars are logarithmic. " : "", el("code", {}, `dse space constraints ${funnel.design}`), " tells what each constraint excludes by itself, and what dropping it would win; ", el("code", {}, `dse space explain ${funnel.design} --choose PLACE=ALTERNATIVE`), " why a configuration is not there."),
+    el("p", { class: "hint" }, few ? "Bars are logarithmic. " : "", el("code", {}, `dse space constraints ${funnel.design}`), " lists what each constraint excludes by itself, and what removing it would gain; ", el("code", {}, `dse space explain ${funnel.design} --choose PLACE=ALTERNATIVE`), " why a configuration is not there."),
     ...absentOf(funnel),
   );
 }

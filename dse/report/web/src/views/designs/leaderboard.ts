@@ -202,7 +202,7 @@ function noteOf(model: Model, shown: number): string {
   const parts = [
     choices.criteria.length ? "Feasible designs first. Score: TOPSIS over the feasible designs shown (Hwang and Yoon 1981), criteria in vector normalisation, weights by their share." : "Designs by the number of requirements that they meet, equal ones by their least margin; those that failed to run last. Choose a criterion for a score.",
     several ? "Values are means over what is uncertain at the worst condition; a design has to meet every requirement in all its runs, and be shown to in one at least." : "",
-    shown < grouping.size ? `${grouping.size - shown} designs lie outside of the brushes.` : "",
+    shown < grouping.size ? `${grouping.size - shown} designs are outside the brushes.` : "",
     "A row selects the run that decides; tick up to five to compare.",
   ];
   return parts.filter(Boolean).join(" ");

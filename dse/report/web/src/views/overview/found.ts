@@ -6,7 +6,7 @@ import { studyThresholds, type Store } from "../../store";
 import { isAsStudied } from "../shared/thresholds";
 import { planeName } from "../shared/planes";
 
-const WITHHELD = "not told";
+const WITHHELD = "withheld";
 
 export function createFound(store: Store): HTMLElement {
   const { study } = store;
@@ -26,7 +26,7 @@ export function createFound(store: Store): HTMLElement {
   }
   const box = el("div", { id: "findings" }, note);
   if (drawn) box.append(el("p", { class: "hint" }, `Of ${group(drawn)} runs drawn from all ${group(study.size)}: counts are theirs.`));
-  if (!told.length) box.append(el("p", { class: "sentence" }, study.size ? "The runs tell nothing about requirements: the bench has none." : "There are no runs yet."));
+  if (!told.length) box.append(el("p", { class: "sentence" }, study.size ? "The bench has no requirements." : "There are no runs yet."));
   for (const those of planes.values()) {
     if (those[0]!.plane.length) box.append(el("h3", { class: "plane" }, `${planeName(study, those[0]!.plane)}; all else held`));
     box.append(...topics(those.filter(({ topic }) => topic !== WITHHELD), those[0]!.plane.length ? "h4" : "h3"));
@@ -34,7 +34,7 @@ export function createFound(store: Store): HTMLElement {
   const silent = [...told.filter(({ topic }) => topic === WITHHELD).map(({ text }) => text), ...withheld];
   if (silent.length) {
     const list = el("ul", { class: "sentences" }, ...[...new Set(silent)].map((text) => el("li", {}, text)));
-    box.append(el("details", { id: "withheld" }, el("summary", {}, `What the runs do not tell, and why (${new Set(silent).size})`), list));
+    box.append(el("details", { id: "withheld" }, el("summary", {}, `Withheld findings and reasons (${new Set(silent).size})`), list));
   }
   return box;
 }

@@ -17,6 +17,6 @@ export function createSources(study: Study): HTMLElement {
         el("pre", { tabindex: 0, role: "region", "aria-label": `${kind} ${file}`, dir: "ltr" }, text),
       ),
     ),
-    el("p", { class: "hint" }, "As they were when the study was last explored. Components are told by the hashes of their FMUs, below."),
+    el("p", { class: "hint" }, "As they were when the study was last explored. Components are identified by the hashes of their FMUs, below."),
   );
 }

@@ -126,7 +126,7 @@ function atEdge(study: Study): Warning[] {
     const place = (values[run]! - low) / (high - low);
     return place < 1e-6 ? [`lower end of ${title}`] : place > 1 - 1e-6 ? [`upper end of ${title}`] : [];
   });
-  return ends.length ? [{ level: "warn", text: `The best design lies at the ${ends.join(" and the ")}: a better one may lie beyond the range.`, run }] : [];
+  return ends.length ? [{ level: "warn", text: `The best design is at the ${ends.join(" and the ")}: there may be a better one beyond the range.`, run }] : [];
 }
 
 function moved(store: Store): Warning[] {

@@ -25,7 +25,7 @@ export function createChances(store: Store): HTMLElement {
     {},
     el("p", { class: "hint" }, "Colour is the probability that the requirement is met, by a Gaussian process through the runs at the study\u2019s own thresholds. The boundary itself is drawn in the constraint plot alone, which interpolates between the runs. Dashed: the band in which the verdict is another than the likeliest with more than 5 %. The frame is what may change at once around the robust centre."),
     el("div", { class: "minis maps" }, ...chances.map((map, index) => chanceFigure(store, map, `chances-${index}`, store.study.requirements[map.requirement]!.title))),
-    ...withheld.filter((text) => text.startsWith("chances of ")).map((text) => el("p", { class: "hint withheld" }, `Not told: ${text}.`)),
+    ...withheld.filter((text) => text.startsWith("chances of ")).map((text) => el("p", { class: "hint withheld" }, `Withheld: ${text}.`)),
   );
 }
 

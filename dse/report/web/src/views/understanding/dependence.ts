@@ -19,7 +19,7 @@ export function createDependence(store: Store, part: Part, response: Response): 
   return el(
     "div",
     {},
-    ...response.withheld.map((text) => el("p", { class: "hint withheld" }, `Not told: ${text}.`)),
+    ...response.withheld.map((text) => el("p", { class: "hint withheld" }, `Withheld: ${text}.`)),
     ...shares.elements,
     effects.length > 0 && el("h3", { class: "minor" }, "Mean along each, with its 95 % interval"),
     el("div", { class: "minis" }, ...effects.slice(0, MOST_FACTORS).map((effect) => mini(store, part, response, effect, ends(effects)))),

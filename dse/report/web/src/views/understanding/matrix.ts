@@ -58,10 +58,10 @@ export function createMatrix(store: Store): HTMLElement {
 }
 
 function note(study: Study): string {
-  if (study.sampler === "scattered") return "Runs of the configuration shown. They lie anywhere in the other variables: a picture is a shadow of all of them, not a plane.";
+  if (study.sampler === "scattered") return "Runs of the configuration shown. The other variables differ between them: each picture is a projection, not a plane.";
   return study.sampler === "sliced"
-    ? "Only runs that lie in the plane, all other variables at the values held; runs of other planes are not mixed in."
-    : "Only runs that lie in the plane through the selected run; runs elsewhere are not mixed in.";
+    ? "Only runs in the plane, all other variables at the values held; runs of other planes are not mixed in."
+    : "Only runs in the plane through the selected run; runs elsewhere are not mixed in.";
 }
 
 function chooser(store: Store): HTMLElement {
