@@ -122,7 +122,10 @@ REFUSED: dict[str, tuple[Code, str]] = {
     ),
     "a syntax error in the header": (in_header("extern int ;;; )"), r"bad_ert_rtw/bad.h:\d+:\d+: expected"),
     "a binary": ({**GOOD, "bad.h": b"Code generated for Simulink model 'bad' step(\0\0\xff\xfe" * 9}, r"bad.h:1:1: "),
-    "no step": (changed("bad.c", "/* Sample time: [0.1s, 0.0s] */", ""), "nothing in the code tells how long a step"),
+    "no step": (
+        changed("bad.c", "/* Sample time: [0.1s, 0.0s] */", ""),
+        "nothing in the code gives the length of a step",
+    ),
     "no function": (changed("bad.h", "bad_step(void)", "bad_stop(void)"), "'bad' has no function 'bad_step'|no model"),
 }
 """What `dse check` says of them, at the workspace's file."""

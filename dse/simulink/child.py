@@ -14,7 +14,7 @@ import sys
 
 
 def main() -> None:
-    """Tell the parameters' values, and what the model says of an error after its start and steps."""
+    """Tell the parameters' values, and what the model reports of an error after its start and steps."""
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8", newline="\n")
     os.dup2(2, 1)
     path, *counts = sys.argv[1:]

@@ -155,7 +155,7 @@ def test_no_value_in_a_head_is_more_than_damage(tmp_path):
 @pytest.mark.parametrize(
     ("columns", "head", "told"),
     [
-        (COLUMNS, None, "nothing in it says so"),
+        (COLUMNS, None, "it has no mark of one"),
         (COLUMNS, b"{", "damaged"),
         (COLUMNS, b"[" * 100_000, "damaged"),
         (COLUMNS, {**HEAD, "version": 2}, "version 2"),

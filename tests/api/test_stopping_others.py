@@ -88,7 +88,7 @@ def test_what_would_not_tidy_up_is_not_ended(study: Path) -> None:
 
 
 def test_where_nobody_writes_nobody_is_stopped(study: Path) -> None:
-    with pytest.raises(DseError, match="nobody explores this study"):
+    with pytest.raises(DseError, match="no process explores this study"):
         stop(study)
 
 

@@ -117,7 +117,7 @@ def test_a_name_that_is_taken_elsewhere_in_the_workspace_is_refused(dse_in, tmp_
         ("component bad-name", "'bad-name' cannot be a name"),
         ("component ../out", "cannot be a name"),
         ("component double", "a word of C"),
-        ("component absent", "says whether a part is there"),
+        ("component absent", "tests whether a part is present"),
         ("component x --kind python", "possible: c, modelica"),
         ("component x --kind fmu", "dse import fmu"),
         ("component x --implements brakes", "did you mean 'brake'?"),

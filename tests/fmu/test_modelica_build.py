@@ -237,7 +237,7 @@ MISFITS: list[tuple[dict[str, Any], tuple[str, ...]]] = [
     ({"parameters": (parameter("hidden", real()),)}, ("'hidden' of Lib.Lag is protected",)),
     ({"parameters": (parameter("celsius", real()),)}, ("'celsius' of Lib.Lag is no parameter",)),
     ({"parameters": (parameter("gain", real("N")),)}, ("'gain' of Lib.Lag is in N.m/rad", "Lib.mo:5:")),
-    ({"parameters": (parameter("stages", real()),)}, ("say tunable: false",)),
+    ({"parameters": (parameter("stages", real()),)}, ("set tunable: false",)),
     ({"parameters": (parameter("stages", real(), tunable=False),)}, ("'stages' of Lib.Lag is Integer", "type: int")),
     ({"parameters": (parameter("is_on", real(), tunable=False),)}, ("'is_on' of Lib.Lag is Boolean", "type: bool")),
     ({"parameters": (Parameter("T", real("s"), 0.5, -1.0),)}, ("'T' goes down to -1, 'T' of Lib.Lag to 0",)),

@@ -347,5 +347,5 @@ def test_a_byte_order_mark_is_no_part_of_the_text(tmp_path: Path) -> None:
 
 def test_a_file_within_another_package_than_its_folder_is_told(tmp_path: Path) -> None:
     written(tmp_path, {**LIBRARY, "Lib/C.mo": "within Other;\nmodel C\nend C;\n"})
-    with pytest.raises(DseError, match=r"C\.mo:1:1: .*says 'within Other', but is in the folder of 'Lib'"):
+    with pytest.raises(DseError, match=r"C\.mo:1:1: .*has 'within Other', but is in the folder of 'Lib'"):
         compile_model(read_sources("part", "Lib.C", [tmp_path / "Lib"]))

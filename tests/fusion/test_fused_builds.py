@@ -97,7 +97,7 @@ def test_all_that_is_no_component_of_ours_is_told_by_name(workshop):
 )
 def test_a_method_other_than_the_plain_ones_is_refused(workshop, method):
     (what,) = refused(pair(workshop), method=method)
-    assert what.startswith("tested: a fused loop knows only one fixed step")
+    assert what.startswith("tested: a fused loop supports only one fixed step")
 
 
 def test_conversions_and_arrays_are_refused_by_name(workshop):

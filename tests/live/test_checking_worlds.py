@@ -59,7 +59,7 @@ def test_a_port_where_nobody_listens_is_told_as_such():
         pass
     with connected_line("127.0.0.1", port).socket as opened:
         found = check_world(CountedLine(opened), TRIAL)
-    assert "nobody listens" in wrong(found)["answers a START"]
+    assert "no process listens" in wrong(found)["answers a START"]
     assert not found.is_right
 
 

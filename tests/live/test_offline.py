@@ -169,8 +169,8 @@ def test_a_table_holds_what_changes_and_has_the_same_name_for_the_same_drive(ben
         (lambda d: replace(d, configuration="abc"), "the drive was with abc, not with"),
         (lambda d: replace(d, step=0.02), r"the drive was made in steps of 0.02 s, not of 0.01 s"),
         (lambda d: replace(d, time=d.time[:1]), "has no step, or columns of different lengths"),
-        (lambda d: replace(d, inputs={**d.inputs, "tune.sink.age": d.time}), "nobody takes, tune.sink.age"),
-        (lambda d: replace(d, inputs={"cruise": d.inputs["cruise"]}), "does not say accelerator, gap, steering"),
+        (lambda d: replace(d, inputs={**d.inputs, "tune.sink.age": d.time}), "without a receiver, tune.sink.age"),
+        (lambda d: replace(d, inputs={"cruise": d.inputs["cruise"]}), "does not give accelerator, gap, steering"),
     ],
 )
 def test_a_drive_of_something_else_is_refused(bench: TestBench, tmp_path: Path, change, what: str) -> None:

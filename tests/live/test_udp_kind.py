@@ -83,7 +83,7 @@ def test_its_fmu_claims_no_saved_state_and_is_not_fused(cache, port, version):
 def test_it_is_refused_in_a_sandbox_unless_it_is_given_a_socket(cache, port, monkeypatch):
     model = outside(UdpSource(port), cache, ["u"], ["y"])
     monkeypatch.setattr(library, "is_inside", lambda: True)
-    with pytest.raises(DseError, match="in a sandbox there is no network"):
+    with pytest.raises(DseError, match="a sandbox has no network"):
         library.load(model)
     monkeypatch.setenv("DSE_LIVE_SOCKET", "3")
     library.load(model)

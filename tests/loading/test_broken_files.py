@@ -70,7 +70,7 @@ CASES = [
     ("unknown source kind", "components/pd/component.yaml", "kind: c", "kind: cpp", "components/pd/component.yaml:3:16", "unknown component kind 'cpp'", "c"),
     ("missing source file", "components/pd/component.yaml", "[pd.c]", "[pe.c]", "components/pd/component.yaml:3:27", "no such file: components/pd/pe.c", "relative to"),
     ("enumeration item", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: 40 m, sensor.setting: close}", "testbenches/following.yaml:8:56", "'close' is not one of enum[near, far]", "near"),
-    ("constraint that says two things", "designs/car.yaml", "because: target price", "forbid: [sensor is radar]", "designs/car.yaml:9:3", "constraint 'budget' says require and forbid", "one of"),
+    ("constraint that says two things", "designs/car.yaml", "because: target price", "forbid: [sensor is radar]", "designs/car.yaml:9:3", "constraint 'budget' has require and forbid", "one of"),
     ("text for a list", "testbenches/following.yaml", "record: [world.gap]", "record: world.gap", "testbenches/following.yaml:9:47", "'simulation.record': expected a list, found 'world.gap'", "[a, b]"),
     ("yes is text in YAML 1.2", "components/pd/component.yaml", "unit: 1/s", "unit: 1/s, tunable: yes", "components/pd/component.yaml:5:56", "'parameters.kp.tunable': expected true or false, found 'yes'", "YAML 1.2"),
     ("port without a unit", "components/road/interfaces.yaml", "gap: m, speed", "gap: [m], speed", "components/road/interfaces.yaml:4:20", "port 'gap' needs a unit or a type", "m/s"),
@@ -115,7 +115,7 @@ CASES = [
     ("scale nobody has", "testbenches/gains.pet.yaml", "range: [0.1, 3.0]", "range: [0.1, 3.0], scale: cubic", "testbenches/gains.pet.yaml:4:45", "input should be 'linear' or 'log', found 'cubic'", ""),
     ("derived with a range", "testbenches/gains.pet.yaml", "range: [0.1, 3.0]", "range: [0.1, 3.0], derived: 2 1/s", "testbenches/gains.pet.yaml:4:3", "'controller.kp' is derived: it has no levels and range", "leave it out"),
     ("condition without levels", "testbenches/gains.pet.yaml", "design_variables:", "conditions:\n  controller.set_gap: {range: [30 m, 40 m]}\ndesign_variables:", "testbenches/gains.pet.yaml:4:3", "the condition 'controller.set_gap' needs values, or levels", "levels: 3"),
-    ("varied for two reasons", "testbenches/gains.pet.yaml", "sampler:", "conditions:\n  controller.kp: {values: [1]}\nsampler:", "testbenches/gains.pet.yaml:6:3", "'controller.kp' stands under 'design_variables', too", "one reason"),
+    ("varied for two reasons", "testbenches/gains.pet.yaml", "sampler:", "conditions:\n  controller.kp: {values: [1]}\nsampler:", "testbenches/gains.pet.yaml:6:3", "'controller.kp' is under 'design_variables', too", "one reason"),
     ("two distributions", "testbenches/gains.pet.yaml", "sampler:", "uncertain:\n  controller.set_gap: {uniform: {low: 30 m, high: 40 m}, normal: {mean: 30 m, sd: 1 m}}\nsampler:", "testbenches/gains.pet.yaml:6:3", "give 'controller.set_gap' exactly one distribution", "normal:"),
     ("no deviation", "testbenches/gains.pet.yaml", "sampler:", "uncertain:\n  controller.set_gap: {normal: {mean: 30 m, sd: 0 m}}\nsampler: {sobol: {samples: 2}}\n#", "testbenches/gains.pet.yaml:6:32", "its standard deviation must be above 0", ""),
     ("correlation of one", "testbenches/gains.pet.yaml", "sampler:", "correlations: [[controller.kp, 0.5]]\nsampler:", "testbenches/gains.pet.yaml:5:16", "expected two names and a number between -1 and 1", ""),
@@ -375,7 +375,7 @@ def test_a_constraint_in_both_files_is_refused(files):
     files.write("designs/more.yaml", "constraints:\n  budget: {require: sum(cost) <= 1 EUR}\n")
     where, what, hint = one_problem(files.root)
     assert where == "designs/more.yaml:2:3"
-    assert "stands in an including file too" in what
+    assert "is defined in an including file too" in what
     assert "designs/car.yaml:10:3" in hint
 
 

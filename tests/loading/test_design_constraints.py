@@ -240,7 +240,7 @@ def test_components_without_source_and_interface_are_enumerated(design):
 REFUSED = [
     # the constraint, what is said, part of the hint; the place is where § stands
     ("{§a: {because: x}}", "constraint 'a' is empty", "give one of require"),
-    ("{§a: {require: tt, range: {sensor.range: [1 m, 2 m]}}}", "constraint 'a' says require and range", "one of"),
+    ("{§a: {require: tt, range: {sensor.range: [1 m, 2 m]}}}", "constraint 'a' has require and range", "one of"),
     ("{a: {require_with: {if: tt, §than: tt}}}", "unknown key 'than'", "then"),
     ("{a: {§require_with: {if: tt}}}", "'then' is missing", "then"),
     ("{a: {require_with: {if: tt, then: [tt, sensor §= radar]}}}", "'=' gives an option", "=="),

@@ -86,7 +86,7 @@ T = "t,v [m/s]\n"
     ("text", "arguments", "place", "said"),
     [
         (T + "0,0\n1,x\n", {}, "s.csv:3:1", "'x' in 'v [m/s]' is not a number"),
-        (T + "0,0\n1,\n", {}, "s.csv:3:1", "no value of 'v [m/s]' in this row | say 'missing: skip'"),
+        (T + "0,0\n1,\n", {}, "s.csv:3:1", "no value of 'v [m/s]' in this row | set 'missing: skip'"),
         (T + "0,0\n,1\n", {}, "s.csv:3:1", "no value of 't' in this row"),
         (T + "0,0\n1,nan\n2,nan\n", {}, "s.csv:3:1", "in this row, as in 1 more"),
         (T + "0,0\n1,1e999\n", {}, "s.csv:3:1", "'v [m/s]' is infinite"),
@@ -98,11 +98,11 @@ T = "t,v [m/s]\n"
         (T, {}, "bench.yaml:7:9", "has no row below its headings"),
         ("", {}, "bench.yaml:7:9", "is empty"),
         (T + "0,0\n1,2,3\n", {"separator": ","}, "s.csv:3:1", "3 values, but 2 columns"),
-        (T + "0,0\n1,2,3\n", {}, "bench.yaml:7:9", "are separated cannot be told | say 'separator"),
-        ("t;v\n0,5;1.5\n1,5;2.5\n", {}, "s.csv:2:1", "'0,5' has a comma, other numbers have a point | say 'decimal"),
+        (T + "0,0\n1,2,3\n", {}, "bench.yaml:7:9", "are separated is not clear | set 'separator"),
+        ("t;v\n0,5;1.5\n1,5;2.5\n", {}, "s.csv:2:1", "'0,5' has a comma, other numbers have a point | set 'decimal"),
         ("t;v\n0;1,500\n1;2,500\n", {}, "s.csv:2:1", "the comma in '1,500' may mark decimals or thousands"),
         ("0,1 2,5\n0,2 2,5\n", {"column": 2, "time": 1}, "bench.yaml:7:9", "no unit is given for 'column 2' is"),
-        ("0,0\n1,2\n", {}, "bench.yaml:7:9", "the column of the time is not clear | say it, as 'time"),
+        ("0,0\n1,2\n", {}, "bench.yaml:7:9", "the column of the time is not clear | name it, as 'time"),
         ("0,0\n1,2\n", {"time": 1}, "bench.yaml:7:9", "the file has no headings | give the number of the column"),
         ("0,0\n1,2\n", {"time": 1, "column": 2}, "bench.yaml:7:9", "state it, as 'column: 2 [m/s]'"),
         ("0,0\n1,2\n", {"time": 1, "column": 3}, "bench.yaml:7:9", "there is no column 3: the file has 2"),
@@ -126,7 +126,7 @@ T = "t,v [m/s]\n"
             "bench.yaml:7:9",
             "the run from 0 s on never meets",
         ),
-        (T + "0,0\n1,1\n", {"offset": 1.0}, "bench.yaml:7:9", "the run from 1 s on never meets it | say where the run"),
+        (T + "0,0\n1,1\n", {"offset": 1.0}, "bench.yaml:7:9", "the run from 1 s on never meets it | set where the run"),
         (T + "0,0\n1,1\n", {"outside": Outside.ERROR}, "bench.yaml:7:9", "the run from 0 s to 2 s, and 'outside' is"),
         (T + "1e9,0\n1.1e9,1\n", {"stop": None}, "bench.yaml:7:9", "the run from 0 s on never meets it"),
     ],
@@ -243,7 +243,7 @@ def test_a_channel_of_mdf_has_its_times_and_its_unit(tmp_path):
     assert read(file, "raw").values.tolist() == [1, 3, 5]
     assert read(file, "v2", group=2).values.tolist() == [3, 2, 1]
     for arguments, said in [
-        ({"column": "v2"}, "several channels are called 'v2', in the groups 1, 2 | say 'group"),
+        ({"column": "v2"}, "several channels are called 'v2', in the groups 1, 2 | set 'group"),
         ({"column": "v2", "group": 0}, "the group 0 has no channel 'v2'"),
         ({"column": "formula"}, "converted by a formula in the file, which is not evaluated"),
         ({"column": "w"}, "there is no channel 'w'"),

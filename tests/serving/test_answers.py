@@ -183,7 +183,7 @@ def test_while_one_point_is_simulated_another_one_waits_and_the_end_of_the_serve
 def test_nobody_is_stopped_where_nobody_explores(client) -> None:
     answer = client.post("/stop?study=out/first", {})
     assert answer.status == 409
-    assert "nobody explores this study" in answer.text
+    assert "no process explores this study" in answer.text
 
 
 def test_studies_can_have_any_name(tmp_path: Path, served) -> None:

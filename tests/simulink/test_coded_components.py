@@ -140,7 +140,7 @@ def test_what_the_model_says_of_an_error_ends_the_run(tmp_path: Path, cache: Pat
     told: list[str] = []
     with pytest.raises(FMICallException):
         answers(made, cache, {"speed": [1e6] * 20, "enable": [True] * 20}, "filtered", told=told)
-    assert "the model says 'over the top'" in told[0]
+    assert "the model reports 'over the top'" in told[0]
 
 
 @pytest.mark.parametrize(

@@ -306,7 +306,7 @@ def test_the_main_program_of_a_model_tells_its_base_rate(tmp_path: Path, said: s
     timing = read_model(written(tmp_path, files)).timing
     assert (timing.step, timing.source) == (0.02, "its main program")
     other = {**files, "lag.h": files["lag.h"], "ert_main.c": files["ert_main.c"].replace('"lag.h"', '"other.h"')}
-    with pytest.raises(DseError, match="stands only in the comment of its step"):
+    with pytest.raises(DseError, match="is only in the comment of its step"):
         read_model(written(tmp_path / "other", other))
 
 

@@ -79,7 +79,7 @@ def test_code_that_does_not_come_back_or_says_an_error_is_no_component(
     files = dict(texts.whole_program())
     for name, line, what in (
         ("dies", "__builtin_trap();", r"'lag' crashed \(SIG"),
-        ("says", 'lag_M->errorStatus = "no";', "the model says 'no'"),
+        ("says", 'lag_M->errorStatus = "no";', "the model reports 'no'"),
     ):
         broken = {**files, "lag.c": files["lag.c"].replace("  lag_Y.count++;", f"  lag_Y.count++;\n  {line}")}
         with pytest.raises(DseError, match=what):

@@ -168,7 +168,7 @@ def test_a_search_for_an_id_ends_and_says_how_far_it_got():
     with pytest.raises(DseError, match=r"among the first [\d,]+ of 'car'") as caught:
         find(huge, Engine.of(huge), "zzzzzzzzzz", most=1000)
     assert "--choose" in str(caught.value)
-    with pytest.raises(DseError, match="may stand for several"):
+    with pytest.raises(DseError, match="may mean several"):
         find(huge, Engine.of(huge), first.id[:8], most=1000)
 
 

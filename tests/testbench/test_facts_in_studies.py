@@ -118,7 +118,7 @@ def test_a_system_its_fmus_do_not_bear_is_refused_before_the_first_run(workspace
     bench, cache = workspace.bench("two"), tmp_path / "cache"
     study = bench_study(bench)
     know(prepare_study(study, cache=cache), cache, {Question.COEXISTS: Answer.NO})
-    with pytest.raises(DseError, match=r"two\.yaml.*head, tail: fragile does not bear several instances"):
+    with pytest.raises(DseError, match=r"two\.yaml.*head, tail: fragile does not support several instances"):
         prepare_study(study, cache=cache)
 
 

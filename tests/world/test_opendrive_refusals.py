@@ -92,7 +92,7 @@ REFUSED = {
         "the <laneSection> at 100 m is beyond the end of its road, 100 m",
     ),
     "two lanes of one id": (_with(section(0.0, "", lane(-1) * 2)), "there is another lane -1 in this section"),
-    "a lane on the wrong side": (_with(section(0.0, lane(-1))), "lane -1 stands in <left>"),
+    "a lane on the wrong side": (_with(section(0.0, lane(-1))), "lane -1 is in <left>"),
     "a lane without width": (_with(section(0.0, "", lane(-1, "<a/>"))), "lane -1 has neither <width> nor <border>"),
     "a width that begins late": (
         _with(section(0.0, "", lane(-1, f'<width sOffset="3"{factors(3.5)}/>'))),
@@ -111,7 +111,7 @@ REFUSED = {
                 lane(-1, f'<border sOffset="0"{factors(-3.5)}/>') + lane(-2, f'<border sOffset="0"{factors(-3.0)}/>'),
             )
         ),
-        "lane -2 lies up to 0.5 m inside the lanes beside it",
+        "lane -2 is up to 0.5 m inside the lanes beside it",
     ),
     "a lane linked to none": (
         _with(section(0.0, "", lane(-1, after=-3)) + section(50.0, "", lane(-1, before=-1))),

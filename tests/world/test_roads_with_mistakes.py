@@ -28,7 +28,7 @@ CASES = [
     ("  - {straight: 50 m, height: [0.1, 0, 0]}\n  - {straight: 50 m, height: [0, 0, 0]}", "4:31", "grade of 0.1, and continues with 0", "write 0.1: a road has no kinks"),
     ("  - {straight: 50 m, height: [0.1, 0]}", "3:30", "the factors of s, s² and s³", "height: ["),
     ("  - {straight: 50 m, rounding: 1 km}", "3:22", "'rounding' is that of a change", "add 'grade"),
-    ("  - {straight: 50 m, lanes: 2}", "3:22", "stand above its segments", "move them there"),
+    ("  - {straight: 50 m, lanes: 2}", "3:22", "are defined above its segments", "move them there"),
     ("  - straight: 50 m\n  - {straight: 50 m, lanes: 2}", "4:22", "but not within which length", "add 'widening"),
     ("  - straight: 50 m\n  - {straight: 50 m, lanes: 2, widening: 60 m}", "4:42", "'widening' cannot be 60 m", "from 1 m to 50 m"),
     ("  - straight: 50 m\n  - {straight: 50 m, widening: 60 m}", "4:22", "nothing widens here", "remove it"),

@@ -90,7 +90,7 @@ ANIMALS: Mapping[str, Animal] = {
     ),
     "needs_a_tool": Animal(
         {"instantiate": "free(a); return NULL;"},
-        ("head: fmi2Instantiate", "says that it needs another program"),
+        ("head: fmi2Instantiate", "declares that it needs another program"),
         every=True,
         needs_tool=True,
     ),

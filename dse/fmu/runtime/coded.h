@@ -192,7 +192,7 @@ static bool dse_coded_renew(struct dse_coded *coded, char *said) {
 
 static bool dse_coded_is_well(const char *error, char *said) {
     if (error && *error) {
-        snprintf(said, DSE_CODED_LONGEST, "the model says '%.300s'", error);
+        snprintf(said, DSE_CODED_LONGEST, "the model reports '%.300s'", error);
         return false;
     }
     return true;

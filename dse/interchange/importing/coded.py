@@ -73,7 +73,7 @@ def import_code(
     raise_if_any(problems)
     tried = try_model(read, cache=cache)
     if tried.error:
-        raise fail(f"the model has '{tried.error}'", Location(shown(folder)))
+        raise fail(f"the model reports '{tried.error}'", Location(shown(folder)))
     variables = tuple(_variables(read, tried.parameters))
     infinite = [
         f"{port.name}: it begins as {value}, and keeps that"
