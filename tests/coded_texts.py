@@ -6,6 +6,7 @@ equation. Nothing here was generated; only names, comments and the order of call
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 
 STEP = 0.1
@@ -319,6 +320,11 @@ void {name}_initialize(void)
 }}
 """
     return files_of(name, header, source)
+
+
+def uncommented_rates() -> Files:
+    """The same without the comments that tell how long the steps are."""
+    return {file: re.sub(r"/\* Sample time.*?\*/", "", text) for file, text in two_rates().items()}
 
 
 def scheduled(name: str = "lag") -> Files:

@@ -116,6 +116,14 @@ Plot = Annotated[
     typer.Option("--plot", metavar="FILE", callback=_picture, help="Draw the bench's figures (.png, .svg or .pdf)."),
 ]
 FmiVersion = Annotated[int, typer.Option("--fmi", min=2, max=3, help="FMI version of the FMUs that are built.")]
+Platforms = Annotated[
+    list[str],
+    typer.Option(
+        "--platform",
+        metavar="NAME",
+        help="The FMUs get a library for this platform, too: win64, darwin. Can be repeated.",
+    ),
+]
 CheckStep = Annotated[
     bool,
     typer.Option(

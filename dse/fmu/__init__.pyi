@@ -7,6 +7,7 @@ from .c.describe import (
     xml_text as xml_text,
 )
 from .fusion.fuse import Wanted as Wanted, fuse_all as fuse_all
+from .other_platforms import with_platforms as with_platforms
 from .parallel import Tell as Tell, in_parallel as in_parallel
 from .reading.description import read_description as read_description
 from .reading.units import BASE_UNITS as BASE_UNITS, base_unit as base_unit
@@ -30,5 +31,9 @@ from .toolchain.compiler import (
     find_compiler as find_compiler,
     with_compiler as with_compiler,
 )
-from .toolchain.platforms import this_platform as this_platform
+from .toolchain.platforms import (
+    Platform as Platform,
+    platforms_named as platforms_named,
+    this_platform as this_platform,
+)
 from .unpack import open_component as open_component, open_fmu as open_fmu

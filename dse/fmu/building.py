@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 from dse.domain.component import Component
 from dse.errors import fail
+from dse.fmu.other_platforms import with_platforms
 from dse.fmu.parallel import in_parallel
+from dse.fmu.toolchain.platforms import Platform
 from dse.loading import KINDS, kind_of
 
 
@@ -31,10 +33,21 @@ def build(component: Component, *, version: int = 2, cache: Path | None = None) 
     return kind.build(component, source, version=version, cache=cache)
 
 
-def build_all(components: Iterable[Component], *, version: int = 2, cache: Path | None = None) -> dict[str, Path]:
-    """The archives of all *components* by name, several built at a time.
+def build_all(
+    components: Iterable[Component],
+    *,
+    version: int = 2,
+    cache: Path | None = None,
+    platforms: Collection[Platform] = (),
+) -> dict[str, Path]:
+    """The archives of all *components* by name, several built at a time; with libraries for other *platforms*, too.
 
     Raises one DseError with the problems of all that cannot be built.
     """
     wanted = {component.name: component for component in components}
-    return in_parallel(wanted, lambda name: build(wanted[name], version=version, cache=cache))
+
+    def make(name: str) -> Path:
+        archive = build(wanted[name], version=version, cache=cache)
+        return with_platforms(name, archive, platforms, cache=cache) if platforms else archive
+
+    return in_parallel(wanted, make)

@@ -17,9 +17,8 @@ from dse.errors import Location, fail
 from dse.fmu.reading.description import Description
 from dse.fmu.toolchain.compilation import CompilationError, compile_library, compile_program, options
 from dse.fmu.toolchain.compiler import Compiler, find_windows_compiler, with_compiler
-from dse.fmu.toolchain.platforms import Platform, this_platform
+from dse.fmu.toolchain.platforms import WINDOWS, this_platform
 
-_WINDOWS = Platform("x86_64-windows", "win64", ".dll")
 _SOURCES = Path(__file__).parent / "bridge"
 _WINES = ("wine64", "wine", "/usr/lib/wine/wine64")  # the last is Debian's, which puts it on no PATH
 _LONGEST = 600
@@ -30,7 +29,7 @@ def windows_library(folder: Path, description: Description) -> Path | None:
     """The library for 64-bit Windows in the unpacked FMU in *folder*, if this machine could run it in wine at all."""
     if this_platform().name != "x86_64-linux" or description.version == 1:
         return None
-    paths = (folder / path for path in _WINDOWS.candidates(description.version, description.identifier))
+    paths = (folder / path for path in WINDOWS.candidates(description.version, description.identifier))
     return next((path for path in paths if path.is_file()), None)
 
 
@@ -40,7 +39,7 @@ def needed_for_wine(folder: Path, description: Description) -> str:
         return ""
     if description.version == 1:
         return ", or in FMI 2.0 or 3.0 (wine is used for those only)"
-    return f", or for {_WINDOWS.short_name} (wine is used for 64-bit libraries of its modelIdentifier only)"
+    return f", or for {WINDOWS.short_name} (wine is used for 64-bit libraries of its modelIdentifier only)"
 
 
 def bridge_to(library: Path, identifier: str, where: Location, cache: Path | None) -> tuple[Path, Host]:

@@ -30,6 +30,7 @@ class SimulinkSection(SourceSection):
     model: str = ""
     sources: list[str] = []
     step: Plain | None = None
+    steps: dict[str, Plain] = {}
     outputs_at: str = "end"
     unused: list[str] = []
     in_code: dict[str, NumberSection] = {}
@@ -39,6 +40,7 @@ class SimulinkSection(SourceSection):
 class SimulinkSource(Source):
     """*folder* is what the coder wrote of *model*, if there are several; *step* in s where the code does not tell.
 
+    *steps* are those of its functions, by name, where it has one for each rate.
     *sources* are more files and folders of C that it needs. *is_raw*: outputs are as the code leaves them, also at the
     last minor step of its solver. Inputs that are *unused* keep what the model begins with. *meanings* are of ports
     and parameters, or arrays of them, by the component's names.
@@ -51,6 +53,7 @@ class SimulinkSource(Source):
     model: str = ""
     sources: tuple[Path, ...] = ()
     step: float | None = None
+    steps: tuple[tuple[str, float], ...] = ()
     is_raw: bool = False
     unused: tuple[str, ...] = ()
     meanings: tuple[tuple[str, Meaning], ...] = ()
@@ -59,16 +62,22 @@ class SimulinkSource(Source):
     @property
     def sample_time(self) -> float | None:
         """The *step*, if it is given, else what the code tells; None where it cannot be read, as its build will say."""
-        return self.step or _step_of(self.folder, self.model, self.sources, _stamps(self.folder))
+        return self.step or _step_of(self.folder, self.model, self.sources, self.steps, _stamps(self.folder))
 
 
 @lru_cache(maxsize=64)
-def _step_of(folder: Path, model: str, sources: tuple[Path, ...], _stamps: tuple[object, ...]) -> float | None:
+def _step_of(
+    folder: Path,
+    model: str,
+    sources: tuple[Path, ...],
+    steps: tuple[tuple[str, float], ...],
+    _stamps: tuple[object, ...],
+) -> float | None:
     """In s. Benches ask for it in every configuration, and a large model takes a second to read."""
     from dse.simulink import read_model
 
     try:
-        return read_model(folder, model, sources=sources).timing.step
+        return read_model(folder, model, rates=dict(steps), sources=sources).timing.step
     except DseError:
         return None
 
@@ -93,6 +102,14 @@ class SimulinkKind(ComponentKind[SimulinkSection, SimulinkSource]):
         step = None if section.step is None else place.number(section.step, "s", "step")
         if step is not None and step <= 0:
             raise fail(f"the step must be positive, not {section.step}", place.at("step"))
+        steps = {name: place.number(each, "s", "steps", name) for name, each in section.steps.items()}
+        raise_if_any(
+            [
+                Problem(f"the step of '{name}' must be positive, not {section.steps[name]}", place.at("steps", name))
+                for name, each in steps.items()
+                if each <= 0
+            ]
+        )
         if section.outputs_at not in ("end", "raw"):
             raise fail(f"'{section.outputs_at}' is neither 'end' nor 'raw'", place.at("outputs_at"))
         return SimulinkSource(
@@ -100,6 +117,7 @@ class SimulinkKind(ComponentKind[SimulinkSection, SimulinkSource]):
             section.model,
             tuple(place.path(name, "sources", n) for n, name in enumerate(section.sources)),
             step,
+            tuple(steps.items()),
             section.outputs_at == "raw",
             tuple(section.unused),
             tuple((name, read_meaning(name, each, place)) for name, each in section.in_code.items()),
@@ -137,7 +155,7 @@ def _chosen(component: Component, source: SimulinkSource) -> tuple[CodedModel, d
     """The model with the component's ports and parameters in its order, and their numbers. Raises DseError."""
     from dse.simulink import Chosen, read_model
 
-    model = read_model(source.folder, source.model, step=source.step, sources=source.sources)
+    model = read_model(source.folder, source.model, step=source.step, rates=dict(source.steps), sources=source.sources)
     made = model.interface
     problems: list[Problem] = []
     found: dict[str, Port] = {}

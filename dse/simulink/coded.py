@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 
 from dse.cache import cache_folder, content_key, keep_content
 from dse.errors import DseError, Location, Problem, fail
@@ -40,9 +41,17 @@ _THIRTY_TWO = re.compile(r"ULONG_MAX\s*!=\s*\(0xFFFFFFFFU?L?\)")
 _MOST_TOLD = 5
 
 
-def read_model(path: Path, name: str = "", *, step: float | None = None, sources: tuple[Path, ...] = ()) -> CodedModel:
+def read_model(
+    path: Path,
+    name: str = "",
+    *,
+    step: float | None = None,
+    rates: Mapping[str, float] = MappingProxyType({}),
+    sources: tuple[Path, ...] = (),
+) -> CodedModel:
     """The model *name* in the folder at *path*, or the one there is. *step* (s) is believed where it is given.
 
+    *rates* has that (s) for each function, by name, of code with one for each rate.
     *sources* are files and folders of the user's that belong to it. Raises DseError: it is none, it needs what only
     MathWorks has, or nothing tells its step.
     """
@@ -63,7 +72,9 @@ def read_model(path: Path, name: str = "", *, step: float | None = None, sources
     if not made.inputs and not made.outputs:
         made.warnings.append("it has no ports at its top: nothing can be connected to it")
     steps = list(made.steps)
-    told = timing(path, folder.own_text, folder.main, steps, is_rated=made.is_rated, given=step, where=where)
+    told = timing(
+        path, folder.own_text, folder.main, steps, is_rated=made.is_rated, given=step, rates=rates, where=where
+    )
     if told.is_only_commented:
         said = f"that it steps every {told.step:g} s is only in {told.source}"
         if not made.is_rated:  # it may be the comment of a slower block

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import re
 import sqlite3
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from dse.errors import Location, fail
+from dse.errors import Location, closest, fail
 
 _SAMPLED = 2
 """The timing mode of what runs periodically."""
@@ -53,15 +53,29 @@ class Timing:
 
 
 def timing(
-    folder: Path, text: str, main: str, steps: Sequence[str], *, is_rated: bool, given: float | None, where: Location
+    folder: Path,
+    text: str,
+    main: str,
+    steps: Sequence[str],
+    *,
+    is_rated: bool,
+    given: float | None,
+    rates: Mapping[str, float],
+    where: Location,
 ) -> Timing:
     """When the functions *steps* run, from the files in *folder*, the *text* of the model's own and of its *main*.
 
-    *given* is what the user says, who is believed. Raises DseError if nothing tells it, or not everything the same.
+    *given* is what the user says, who is believed; *rates* is that for functions of a rate, by name. Raises DseError if
+    nothing tells it, or not everything the same.
     """
     described = _descriptor(folder / "codedescriptor.dmr")
+    for name in rates:
+        if not is_rated:
+            raise fail(f"the code has no function of its own for each rate, so '{name}' has no step", where, _GIVE)
+        if name not in steps:
+            raise fail(f"'{name}' is not a function of a rate in the code", where, closest(name, steps))
     if is_rated:
-        return _rated(text, steps, given, described, where)
+        return _rated(text, steps, given, rates, described, where)
     once = (1,) * len(steps)
     if given is not None:
         return Timing(given, "'step'", once)
@@ -137,26 +151,42 @@ def _ticked(text: str, where: Location) -> float | None:
     return bases.pop() if bases else None
 
 
-def _rated(text: str, steps: Sequence[str], given: float | None, described: float | None, where: Location) -> Timing:
+def _rated(
+    text: str,
+    steps: Sequence[str],
+    given: float | None,
+    rates: Mapping[str, float],
+    described: float | None,
+    where: Location,
+) -> Timing:
     periods: list[float] = []
     for name in steps:
         found = re.search(rf"{re.escape(name)}\s*\([^;{{()]*\)\s*(?:/\*|//)\s*{_PERIOD}", text)
-        period = _number(found[1]) if found else 0.0
-        if found is None or period <= 0:
-            raise fail(f"nothing in the code gives how often '{name}' runs", where)
-        if _number(found[2] or "0") != 0:
+        told = _number(found[1]) if found else 0.0
+        period = rates.get(name, told)
+        if period <= 0:
+            each = [f"{step}: {f'{rates[step]:g} s' if step in rates else 'TIME'}" for step in steps]
+            hint = f"give them, as the model is configured: steps: {{{', '.join(each)}}} (import: --step {name}=10ms)"
+            raise fail(f"nothing in the code gives how often '{name}' runs", where, hint)
+        if told > 0 and not math.isclose(told, period, rel_tol=1e-6):
+            what = f"its comment needs a step of {told:g} s for '{name}', but 'steps' gives {period:g} s"
+            raise fail(what, where, "correct 'steps', or generate the code again")
+        if found and _number(found[2] or "0") != 0:
             raise fail(
                 f"'{name}' runs every {found[1]} s, but first at {found[2]} s", where, "generate it without offsets"
             )
         periods.append(period)
     base = _common(periods)
-    rates = tuple(round(period / base) for period in periods)
-    if max(rates) > _MOST_TICKS:
-        told = ", ".join(f"{period:g} s" for period in periods)
-        raise fail(f"its rates have no step in common: {told}", where, "generate it with one task")
+    ticks = tuple(round(period / base) for period in periods)
+    if max(ticks) > _MOST_TICKS:
+        listed = ", ".join(f"{period:g} s" for period in periods)
+        raise fail(f"its rates have no step in common: {listed}", where, "generate it with one task")
     for source, step in (("codedescriptor.dmr gives", described), ("'step' gives", given)):
         if step is not None and not math.isclose(step, base, rel_tol=1e-6):
-            raise fail(f"the comments of its functions need a step of {base:g} s, but {source} {step:g} s", where)
+            by = "'steps'" if rates else "the comments of its functions"
+            raise fail(f"{by} need a step of {base:g} s, but {source} {step:g} s", where)
     if described is not None:
-        return Timing(base, "codedescriptor.dmr", rates)
-    return Timing(base, "the comments of its steps", rates, is_only_commented=given is None)
+        return Timing(base, "codedescriptor.dmr", ticks)
+    if rates.keys() >= set(steps):
+        return Timing(base, "'steps'", ticks)
+    return Timing(base, "the comments of its steps", ticks, is_only_commented=given is None)

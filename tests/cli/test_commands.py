@@ -214,6 +214,7 @@ def test_init_never_overwrites(dse, example):
         (["results", "missing"], "missing"),
         (["replay", "missing", "1"], "missing"),
         (["build", "pd_ac"], "did you mean 'pd_acc'?"),
+        (["build", "pd_acc", "--platform", "win46"], "did you mean 'win64'?"),
     ],
 )
 def test_what_is_not_there_is_named_without_a_traceback(dse, arguments, words):

@@ -35,6 +35,7 @@ def test_build_fuse_makes_the_library_of_a_configuration(dse, tmp_path):
 def test_build_takes_components_or_a_bench(dse):
     for arguments, said in (
         (["pd_acc", "--fuse", "acc_following"], "either components or a test bench"),
+        (["--fuse", "acc_following", "--platform", "win64"], "a fused library is for this machine only"),
         (["--configuration", "x"], "this is for a test bench"),
     ):
         done = dse("build", *arguments)

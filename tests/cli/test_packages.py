@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import csv
+import importlib.util
 import json
 import re
 import zipfile
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -192,6 +194,21 @@ def test_import_and_export_again_gives_the_same_bytes(package, dse_in, imported,
     done = dse_in(imported, "export", "ssp", "ramped", "-o", str(tmp_path / "again.ssp"))
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "again.ssp").read_bytes() == package.read_bytes()
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="the ziglang wheel is not installed")
+def test_a_package_for_other_platforms_differs_by_their_libraries_only(package, workspace, dse_in):
+    done = dse_in(workspace, "export", "ssp", "ramped", "-o", "others.ssp", "--platform", "win64")
+    assert done.returncode == 0, done.stderr
+    plain, others = (zipfile.ZipFile(workspace / name) for name in ("ramped.ssp", "others.ssp"))
+    assert plain.namelist() == others.namelist()
+    for name in plain.namelist():
+        if name.endswith(".fmu"):
+            before, after = (set(zipfile.ZipFile(BytesIO(each.read(name))).namelist()) for each in (plain, others))
+            assert after - before == {f"binaries/win64/{Path(name).stem}.dll"}
+        else:
+            assert plain.read(name) == others.read(name)
 
 
 @pytest.mark.thorough

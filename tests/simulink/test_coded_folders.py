@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sqlite3
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import coded_texts as texts
@@ -271,6 +271,41 @@ def test_rates_that_cannot_be_run_are_refused(
 ) -> None:
     with pytest.raises(DseError, match=told):
         read_model(written(tmp_path, rated(*periods)), step=step)
+
+
+def test_functions_without_comments_run_at_the_steps_that_are_given(tmp_path: Path, cache: Path) -> None:
+    model = read_model(written(tmp_path, texts.uncommented_rates()), rates={"lag_step0": 0.02, "lag_step1": 0.05})
+    assert (model.timing.step, model.timing.rates, model.timing.source) == (0.01, (2, 5), "'steps'")
+    assert not model.interface.warnings
+    copy = Copy(model, build_library(model, cache=cache), tmp_path / "copy.so")
+    copy.start()
+    found = [copy.step(speed=1.0) for _ in range(11)]
+    assert [each["quick"] for each in found] == [1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6]
+    assert [each["slow"] for each in found] == [1, 1, 1, 1, 1, 3, 3, 3, 3, 3, 6]
+
+
+@pytest.mark.parametrize(
+    ("files", "rates", "told"),
+    [
+        (
+            texts.uncommented_rates,
+            {"lag_step0": 0.02},
+            r"'lag_step1' runs\n.*steps: {lag_step0: 0\.02 s, lag_step1: TIME} ",
+        ),
+        (
+            texts.uncommented_rates,
+            {"lag_step0": 0.02, "lag_stpe1": 0.05},
+            r"'lag_stpe1' is not a .*\n.*did you mean 'lag_step1'",
+        ),
+        (texts.two_rates, {"lag_step0": 0.02}, r"a step of 0\.1 s for 'lag_step0', but 'steps' gives 0\.02 s"),
+        (texts.whole_program, {"lag_step": 0.02}, "no function of its own for each rate, so 'lag_step' has no step"),
+    ],
+)
+def test_steps_that_do_not_fit_the_functions_are_refused_by_name(
+    files: Callable[[], Mapping[str, str]], rates: Mapping[str, float], told: str, tmp_path: Path
+) -> None:
+    with pytest.raises(DseError, match=told):
+        read_model(written(tmp_path, files()), rates=rates)
 
 
 def descriptor(folder: Path, *rows: tuple[float, float, int]) -> None:

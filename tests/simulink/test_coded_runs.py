@@ -14,8 +14,11 @@ from numpy.typing import NDArray
 from dse.cosim.simulator import Simulator
 from dse.domain.fmu import FmuModel
 from dse.domain.system import Element, SystemStructure
+from dse.errors import DseError
 from dse.fmu.building import build
 from dse.fmu.fusion.fuse import fuse
+from dse.fmu.other_platforms import with_platforms
+from dse.fmu.toolchain.platforms import platforms_named
 from dse.fmu.unpack import open_fmu
 from dse.testing.kinds import lay_out, the_component
 
@@ -102,6 +105,12 @@ def test_a_fused_model_is_new_in_every_run_too(style: str, made: Made) -> None:
             assert one.tobytes() == other.tobytes()
             assert one[-1].tolist() == pytest.approx([texts.lag([u] * 20)[-1] for u in (2.0, -3.0)], rel=1e-12)
         assert quick.fused_steps > 0
+
+
+def test_libraries_for_other_platforms_are_refused_by_name(made: Made) -> None:
+    model = made.of(texts.gain("lag"), 'u: "1"', 'y: "1"')
+    with pytest.raises(DseError, match="cannot be built for x86_64-windows: it contains code from Simulink as a libr"):
+        with_platforms("lag", model.archive, platforms_named(["win64"]), cache=made.cache)
 
 
 def test_outputs_that_follow_inputs_at_once_do_so_at_the_start(made: Made) -> None:

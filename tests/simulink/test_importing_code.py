@@ -6,10 +6,12 @@ from pathlib import Path
 
 import coded_texts as texts
 import pytest
+from command_line import run_dse
 from workspaces import written
 
 from dse.errors import DseError
 from dse.interchange import import_code
+from dse.kinds import SimulinkSource
 from dse.loading import Workspace
 
 pytest.importorskip("clang.cindex")
@@ -85,3 +87,22 @@ def test_code_that_does_not_come_back_or_says_an_error_is_no_component(
         with pytest.raises(DseError, match=what):
             import_code(written(tmp_path / name, broken), tmp_path, step=texts.STEP, cache=cache)
     assert not (tmp_path / "components").exists()
+
+
+@pytest.mark.thorough
+def test_each_function_of_a_rate_is_imported_with_its_step(tmp_path: Path, cache: Path) -> None:
+    code = written(tmp_path / "lag_ert_rtw", texts.uncommented_rates())
+    doubled = ("--step", "lag_step0=1ms", "--step", "lag_step0=2ms")
+    twice = run_dse(tmp_path, "import", "simulink", code.name, *doubled, cache=cache)
+    assert (twice.returncode, "a step is given twice" in twice.stderr) == (2, True)
+    steps = ("--step", "lag_step0=20ms", "--step", "lag_step1=0.05")
+    done = run_dse(tmp_path, "import", "simulink", code.name, *steps, cache=cache)
+    assert done.returncode == 0, done.stderr
+    assert "every 0.01 s by 'steps'" in done.stdout
+    source = Workspace(tmp_path).component("lag").source
+    assert isinstance(source, SimulinkSource)
+    assert source.steps == (("lag_step0", 0.02), ("lag_step1", 0.05))
+    yaml = tmp_path / "components" / "lag" / "component.yaml"
+    yaml.write_text(yaml.read_text("utf-8").replace("lag_step1: 0.05 s", "lag_step1: -1 s"), "utf-8")
+    with pytest.raises(DseError, match=r"component\.yaml:\d+:\d+: the step of 'lag_step1' must be positive"):
+        Workspace(tmp_path).component("lag")

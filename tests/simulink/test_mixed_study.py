@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from acc_texts import STEP, Acc, AccReplica, acc_files, sampled
 from chromium import started_chromium
-from coded_texts import scheduled
+from coded_texts import scheduled, uncommented_rates
 from command_line import run_dse
 from reference_fmus.build import build as build_reference
 from workspaces import written
@@ -392,5 +392,10 @@ def test_a_bench_knows_the_step_that_the_code_tells(tmp_path: Path) -> None:
     for name, text in scheduled().items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     assert SimulinkSource(tmp_path).sample_time == 0.1
+    for name, text in uncommented_rates().items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    assert SimulinkSource(tmp_path).sample_time is None
+    steps = (("lag_step0", 0.02), ("lag_step1", 0.05))
+    assert SimulinkSource(tmp_path, steps=steps).sample_time == 0.01
     (tmp_path / "lag.h").unlink()  # its build will say what is wrong
     assert SimulinkSource(tmp_path).sample_time is None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -63,19 +63,34 @@ def fused_libraries(
 
 
 def write_package(
-    bench: TestBench, configuration: str | None, settings: Mapping[str, Raw], target: Path, *, fmi: int = 2
+    bench: TestBench,
+    configuration: str | None,
+    settings: Mapping[str, Raw],
+    target: Path,
+    *,
+    fmi: int = 2,
+    platforms: Sequence[str] = (),
 ) -> tuple[Configuration, int]:
-    """Write the configuration as `simulate_once` has it as an SSP package; returns it and how many elements it has."""
+    """Write the configuration as `simulate_once` has it as an SSP package; returns it and how many elements it has.
+
+    Its FMUs get libraries for *platforms*, too, which FMI names: ``win64``, ``aarch64-darwin``.
+    """
+    from dse.fmu import in_parallel, platforms_named, with_platforms
     from dse.interchange import ExperimentSettings, write_ssp
     from dse.testbench import prepare_bench
 
     study = _single(bench, configuration, settings)
     chosen = one_configuration(bench.design, *study.selection.ids)
     prepared = prepare_bench(study.bench, [chosen], version=fmi)[chosen.id]
-    simulation = prepared.simulation
+    system, simulation, others = prepared.system, prepared.simulation, platforms_named(platforms)
+    if others:
+        archives = {element.model.archive: element.name for element in system.elements}
+        made = in_parallel(archives, lambda archive: with_platforms(archives[archive], archive, others))
+        elements = (replace(e, model=replace(e.model, archive=made[e.model.archive])) for e in system.elements)
+        system = replace(system, elements=tuple(elements))
     times = ExperimentSettings(0.0, simulation.stop, simulation.step, simulation.record_every, simulation.tolerance)
-    write_ssp(target, bench.name, prepared.system, times)
-    return chosen, len(prepared.system.elements)
+    write_ssp(target, bench.name, system, times)
+    return chosen, len(system.elements)
 
 
 def recorded_units(planned: PreparedStudy) -> dict[str, str]:

@@ -11,7 +11,7 @@ import typer
 
 from dse.api import workspace_of
 from dse.cli.app import app
-from dse.cli.arguments import Configuration, FmiVersion
+from dse.cli.arguments import Configuration, FmiVersion, Platforms
 from dse.cli.completing import benches, components
 from dse.cli.terminal import console, say
 from dse.errors import DseError, Location, Problem
@@ -26,6 +26,7 @@ def build(
     ] = None,
     folder: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Copy the FMUs here.")] = None,
     version: FmiVersion = 2,
+    platform: Platforms = [],
     validate: Annotated[bool, typer.Option("--validate", help="Check each FMU with FMPy's validation.")] = False,
     bench: Annotated[
         str | None,
@@ -48,11 +49,13 @@ def build(
     if bench is None and configuration is not None:
         raise typer.BadParameter("this is for a test bench: --fuse BENCH", param_hint="--configuration")
     if bench is not None:
+        if platform:
+            raise typer.BadParameter("a fused library is for this machine only", param_hint="--platform")
         if names or validate:
             raise typer.BadParameter("name either components or a test bench", param_hint="--fuse")
         built = _fused(bench, configuration, version, workspace)
     else:
-        built = _fmus(names, version, workspace)
+        built = _fmus(names, version, platform, workspace)
         if validate:
             _validate(built)
     for name, path in sorted(built.items()):
@@ -64,15 +67,15 @@ def build(
         say(f"{name}: {target}")
 
 
-def _fmus(names: list[str] | None, version: int, workspace: Path) -> dict[str, Path]:
-    from dse.fmu import build_all
+def _fmus(names: list[str] | None, version: int, platforms: list[str], workspace: Path) -> dict[str, Path]:
+    from dse.fmu import build_all, platforms_named
     from dse.loading import Workspace, kind_of
 
     space = Workspace.around(workspace)
     found = [space.component(name) for name in names or space.component_files]
     if not names:
         found = [component for component in found if kind_of(component) is not None]
-    return build_all(found, version=version)
+    return build_all(found, version=version, platforms=platforms_named(platforms))
 
 
 def _fused(bench: str, configuration: str | None, version: int, workspace: Path) -> dict[str, Path]:

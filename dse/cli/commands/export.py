@@ -10,7 +10,19 @@ import typer
 
 from dse.api import opened, space_of, workspace_of
 from dse.cli.app import group
-from dse.cli.arguments import Bench, Choose, Configuration, Design, FmiVersion, Off, On, RoadName, Settings, Where
+from dse.cli.arguments import (
+    Bench,
+    Choose,
+    Configuration,
+    Design,
+    FmiVersion,
+    Off,
+    On,
+    Platforms,
+    RoadName,
+    Settings,
+    Where,
+)
 from dse.cli.terminal import console, say
 
 if TYPE_CHECKING:
@@ -58,6 +70,7 @@ def export_ssp(
     configuration: Configuration = None,
     settings: Settings = [],
     version: FmiVersion = 2,
+    platform: Platforms = [],
 ) -> None:
     """Write a configuration on its test bench as an SSP package.
 
@@ -72,7 +85,9 @@ def export_ssp(
         raise typer.BadParameter(f"'{target.name}' must end in .ssp", param_hint="--output")
     tested, screen = workspace_of(bench).bench(bench), console(stderr=True)
     with screen.status("building FMUs"):
-        chosen, elements = write_package(tested, configuration, read_settings(settings), target, fmi=version)
+        chosen, elements = write_package(
+            tested, configuration, read_settings(settings), target, fmi=version, platforms=platform
+        )
     for what in _left_behind(tested):
         screen.print(f"note: the package lacks {what}, for which SSP has no place", soft_wrap=True)
     say(f"{target}: configuration {chosen.id} of {tested.name}, {elements} components")

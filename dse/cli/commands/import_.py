@@ -95,8 +95,13 @@ def import_simulink(
     ] = None,
     model: Annotated[str, typer.Option("--model", metavar="NAME", help="Which model, if there are several.")] = "",
     step: Annotated[
-        str | None, typer.Option("--step", metavar="TIME", help="Its step, if the code does not give it.")
-    ] = None,
+        list[str],
+        typer.Option(
+            "--step",
+            metavar="[NAME=]TIME",
+            help="Its step, if the code does not give it; with NAME, that of one function of several.",
+        ),
+    ] = [],
     sources: Annotated[
         list[Path] | None, typer.Option("--source", metavar="PATH", help="More C that it needs: a file or a folder.")
     ] = None,
@@ -110,8 +115,12 @@ def import_simulink(
     from dse.interchange import import_code
     from dse.simulink import block_of, systems
 
+    steps = {function: seconds("--step", time) or 0.0 for function, _, time in (each.rpartition("=") for each in step)}
+    whole = steps.pop("", None)
+    if len(steps) + (whole is not None) < len(step):
+        raise typer.BadParameter("a step is given twice", param_hint="--step")
     written = import_code(
-        code, _target(folder), name, model=model, step=seconds("--step", step), sources=(*(sources or ()),)
+        code, _target(folder), name, model=model, step=whole, steps=steps, sources=(*(sources or ()),)
     )
     made, timing = written.model.interface, written.model.timing
     known = systems(written.model.folder.texts[written.model.folder.header])

@@ -55,33 +55,38 @@ class CompilationError(Exception):
 
 
 def options(compiler: Compiler) -> tuple[str, ...]:
-    """All options but the names of files, for this platform. They belong in the cache key."""
-    return (*_compile_options(), *_link_options(compiler))
+    """All options but the names of files. They belong in the cache key."""
+    return (*_compile_options(compiler), *_link_options(compiler))
 
 
-def _compile_options() -> tuple[str, ...]:
+def _compile_options(compiler: Compiler) -> tuple[str, ...]:
     checks = (f"-Werror={check}" for check in _CHECKS)
     common = (*LANGUAGE_OPTIONS, "-fvisibility=hidden", *checks)
-    return common if sys.platform == "win32" else (*common, "-fPIC")
+    return common if compiler.system == "win32" else (*common, "-fPIC")
 
 
 def _link_options(compiler: Compiler) -> tuple[str, ...]:
     common = ("-shared", *compiler.link_options)
-    if sys.platform == "win32":
+    if compiler.system == "win32":
         return (*common, "-s")
     # Without "defs", a function that is nowhere defined would only be missed when the FMU is loaded.
-    return common if sys.platform == "darwin" else (*common, "-s", "-Wl,-z,defs")
+    return common if compiler.system == "darwin" else (*common, "-s", "-Wl,-z,defs")
 
 
 def compile_library(
-    compiler: Compiler, files: Mapping[str, bytes], units: Iterable[str], include_folder: str, library: str
+    compiler: Compiler,
+    files: Mapping[str, bytes],
+    units: Iterable[str],
+    include_folder: str,
+    library: str,
+    extra: Iterable[str] = (),
 ) -> bytes:
     """The shared library *library* made of *units*, which see no other files than *files* and the system's headers.
 
-    Same input, same bytes: paths are relative. Raises CompilationError.
+    *extra* are further options. Same input, same bytes: paths are relative. Raises CompilationError.
     """
-    arguments = [*options(compiler), f"-I{include_folder}", *units]
-    return _made(compiler, files, arguments, library, _libraries())
+    arguments = [*options(compiler), *extra, f"-I{include_folder}", *units]
+    return _made(compiler, files, arguments, library, _libraries(compiler))
 
 
 def compile_object(compiler: Compiler, files: Mapping[str, bytes], unit: str, extra: Iterable[str] = ()) -> bytes:
@@ -89,18 +94,18 @@ def compile_object(compiler: Compiler, files: Mapping[str, bytes], unit: str, ex
 
     *extra* are further options. Same input, same bytes: paths are relative. Raises CompilationError.
     """
-    return _made(compiler, files, [*_compile_options(), *extra, "-c", unit], "unit.o", ())
+    return _made(compiler, files, [*_compile_options(compiler), *extra, "-c", unit], "unit.o", ())
 
 
 def compile_assembly(compiler: Compiler, files: Mapping[str, bytes], unit: str, extra: Iterable[str] = ()) -> str:
     """The assembler text of *unit*, not optimized: to see which names it defines. Raises CompilationError."""
-    made = _made(compiler, files, [*_compile_options(), *extra, "-O0", "-S", unit], "unit.s", ())
+    made = _made(compiler, files, [*_compile_options(compiler), *extra, "-O0", "-S", unit], "unit.s", ())
     return made.decode("utf-8", "replace")
 
 
 def link_library(compiler: Compiler, objects: Mapping[str, bytes], library: str) -> bytes:
     """The shared library *library* made of *objects* by file name. Raises CompilationError."""
-    return _made(compiler, objects, [*_link_options(compiler), *objects], library, _libraries())
+    return _made(compiler, objects, [*_link_options(compiler), *objects], library, _libraries(compiler))
 
 
 def compile_program(compiler: Compiler, files: Mapping[str, bytes], unit: str, program: str) -> bytes:
@@ -126,8 +131,8 @@ def compile_foreign(
     *libraries* are linked besides the mathematical one, with the options *link*. Same input, same bytes: paths are
     relative. Raises CompilationError with the diagnostics of all units.
     """
-    common = (*_FOREIGN_OPTIONS, *(() if sys.platform == "win32" else ("-fPIC",)))
-    linked = (*_libraries(), *(f"-l{name}" for name in libraries))
+    common = (*_FOREIGN_OPTIONS, *(() if compiler.system == "win32" else ("-fPIC",)))
+    linked = (*_libraries(compiler), *(f"-l{name}" for name in libraries))
     with _scratch() as scratch:
         objects = {f"{number}.o": unit for number, unit in enumerate(units)}
 
@@ -158,13 +163,12 @@ def foreign_options(compiler: Compiler) -> tuple[str, ...]:
 
 def _link_foreign(compiler: Compiler) -> tuple[str, ...]:
     """A function of an FMU must not be replaced by one of the same name elsewhere in the process."""
-    return (
-        _link_options(compiler) if sys.platform in ("win32", "darwin") else (*_link_options(compiler), "-Wl,-Bsymbolic")
-    )
+    own = _link_options(compiler)
+    return own if compiler.system in ("win32", "darwin") else (*own, "-Wl,-Bsymbolic")
 
 
-def _libraries() -> tuple[str, ...]:
-    return () if sys.platform == "win32" else ("-lm",)
+def _libraries(compiler: Compiler) -> tuple[str, ...]:
+    return () if compiler.system == "win32" else ("-lm",)
 
 
 def _made(

@@ -20,12 +20,14 @@ from typing import TypeVar
 
 from dse.cache import cache_folder, content_key, keep_content, recent_entries
 from dse.errors import DseError, Problem, fail
+from dse.fmu.toolchain.platforms import WINDOWS, Platform, this_platform
 
 T = TypeVar("T")
 
 _NAMES = ("cc", "gcc", "clang")
 _MINGW = "x86_64-w64-mingw32-gcc"
-_INSTALL = "install a C compiler (gcc or clang), or run: pip install 'dse-workbench[toolchain]'"
+_ZIGLANG = "pip install 'dse-workbench[toolchain]'"
+_INSTALL = f"install a C compiler (gcc or clang), or run: {_ZIGLANG}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +36,13 @@ class Compiler:
 
     *command* starts it; it is empty if the compiler is not here, but made what is in the cache. *identity* says its
     name, version and target; it holds no path, so that it may stand in a cache key. *link_options* are what its linker
-    needs to write the same bytes twice.
+    needs to write the same bytes twice. *system* is what the code is for: linux, darwin or win32.
     """
 
     command: tuple[str, ...]
     identity: str
     link_options: tuple[str, ...] = ()
+    system: str = sys.platform
 
 
 class NoCompilerError(DseError):
@@ -65,8 +68,16 @@ def find_compiler() -> Compiler:
         if path and identity:
             return Compiler((path,), identity, _without_timestamp(identity))
     if importlib.util.find_spec("ziglang") is not None:
-        return _zig(_zig_target())
+        return _zig(this_platform())
     raise no_compiler()
+
+
+def find_compiler_for(target: Platform) -> Compiler:
+    """The one in the ziglang wheel, which compiles for any *target*. Raises NoCompilerError if it is not here."""
+    if importlib.util.find_spec("ziglang") is None:
+        what = f"the ziglang package, which compiles for {target.name}, is not installed"
+        raise NoCompilerError(Problem(what, hint=f"run: {_ZIGLANG}"))
+    return _zig(target)
 
 
 def find_windows_compiler() -> Compiler:
@@ -77,11 +88,11 @@ def find_windows_compiler() -> Compiler:
     path = shutil.which(_MINGW)
     identity = _identify((path,)) if path else None
     if path and identity:
-        return Compiler((path,), identity, _without_timestamp(identity))
+        return Compiler((path,), identity, _without_timestamp(identity), "win32")
     if importlib.util.find_spec("ziglang") is not None:
-        return _zig("x86_64-windows-gnu")
+        return _zig(WINDOWS)
     what = "there is no compiler for Windows programs on this machine"
-    raise NoCompilerError(Problem(what, hint=f"run: pip install 'dse-workbench[toolchain]', or install {_MINGW}"))
+    raise NoCompilerError(Problem(what, hint=f"run: {_ZIGLANG}, or install {_MINGW}"))
 
 
 def with_compiler(cache: Path | None, work: Callable[[Compiler], T]) -> T:
@@ -171,17 +182,14 @@ def _without_timestamp(identity: str) -> tuple[str, ...]:
     return ("-Wl,/Brepro",) if "windows-msvc" in identity else ()
 
 
-def _zig(target: str) -> Compiler:
-    # A named target takes the baseline processor and an old glibc, so that the library runs elsewhere too.
-    command = (sys.executable, "-m", "ziglang", "cc", "-target", target)
-    return Compiler(command, f"ziglang {importlib.metadata.version('ziglang')}; {target}")
-
-
-def _zig_target() -> str:
-    machine = platform.machine().lower()
-    architecture = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
-    if sys.platform == "win32":
-        return f"{architecture}-windows-gnu"
-    if sys.platform == "darwin":
-        return f"{architecture}-macos"
-    return f"{architecture}-linux-gnu.2.17" if platform.libc_ver()[0] == "glibc" else f"{architecture}-linux-musl"
+def _zig(target: Platform) -> Compiler:
+    # A named target takes the baseline processor, and an old glibc or macOS, so that the library runs elsewhere too.
+    architecture, _, system = target.name.partition("-")
+    is_musl = target == this_platform() and platform.libc_ver()[0] != "glibc"
+    linux = "linux-musl" if is_musl else "linux-gnu.2.17"
+    triple = f"{architecture}-{ {'windows': 'windows-gnu', 'darwin': 'macos.11.0'}.get(system, linux) }"
+    command = (sys.executable, "-m", "ziglang", "cc", "-target", triple)
+    identity = f"ziglang {importlib.metadata.version('ziglang')}; {triple}"
+    # Its linker for macOS writes where the objects were, unless it strips.
+    stripped = ("-s",) if system == "darwin" else ()
+    return Compiler(command, identity, stripped, {"windows": "win32"}.get(system, system))

@@ -1,11 +1,14 @@
-"""What FMI calls the machine this runs on, and where an FMU keeps the library for it."""
+"""What FMI calls the machine this runs on, and others, and where an FMU keeps the library for each."""
 
 from __future__ import annotations
 
 import platform
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import PurePosixPath
+
+from dse.errors import closest, fail
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +28,26 @@ class Platform:
         """Where to look for the library in an FMU of this FMI version; some older FMUs use FMI 3.0's names."""
         folders = (self.name,) if version == 3 else (self.short_name, self.name)
         return tuple(PurePosixPath("binaries", folder, identifier + self.suffix) for folder in folders)
+
+
+WINDOWS = Platform("x86_64-windows", "win64", ".dll")
+_DARWIN = tuple(Platform(f"{architecture}-darwin", "darwin64", ".dylib") for architecture in ("x86_64", "aarch64"))
+_LINUX = Platform("x86_64-linux", "linux64", ".so")
+_NAMED = {
+    **{each.name: (each,) for each in (WINDOWS, *_DARWIN, _LINUX)},
+    **{each.short_name: (each,) for each in (WINDOWS, _LINUX)},
+    **dict.fromkeys(("darwin", "darwin64"), _DARWIN),
+}
+
+
+def platforms_named(names: Iterable[str]) -> tuple[Platform, ...]:
+    """The platforms that *names* of FMI 2 or 3 stand for; ``darwin`` is both kinds of Mac. Raises DseError."""
+    found: dict[Platform, None] = {}
+    for name in names:
+        if name not in _NAMED:
+            raise fail(f"'{name}' is not a platform that FMUs can be built for", hint=closest(name, _NAMED))
+        found |= dict.fromkeys(_NAMED[name])
+    return tuple(found)
 
 
 def this_platform() -> Platform:

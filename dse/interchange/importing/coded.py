@@ -6,9 +6,10 @@ import math
 import os
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 
 from dse.domain.component import Component, Kind
 from dse.domain.fmu import FmuModel, Variable
@@ -52,6 +53,7 @@ def import_code(
     *,
     model: str = "",
     step: float | None = None,
+    steps: Mapping[str, float] = MappingProxyType({}),
     sources: tuple[Path, ...] = (),
     cache: Path | None = None,
 ) -> ImportedCode:
@@ -59,11 +61,12 @@ def import_code(
 
     Its parameters begin with what the code has. It implements that interface of the workspace whose ports it has by
     name and kind, else one of its own; numbers of the code are taken as SI. *step* (s) is for code that tells none,
-    *sources* are files and folders of C that it needs besides.
+    *steps* for its functions by name, if it has one for each rate; *sources* are files and folders of C that it needs
+    besides.
     Raises DseError: no code that can be read, compiled and run for a while, a component that is there already. Nothing
     is written then.
     """
-    read = read_model(folder, model, step=step, sources=sources)
+    read = read_model(folder, model, step=step, rates=steps, sources=sources)
     own = name if name is not None else name_of(Path(read.folder.model))
     problems: list[Problem] = []
     check_choice(own, Location(shown(folder)), problems)
@@ -80,7 +83,7 @@ def import_code(
         for port, value in zip(read.interface.parameters, tried.parameters, strict=True)
         if not math.isfinite(value)
     ]
-    source = SimulinkSource(folder, model, sources, step)
+    source = SimulinkSource(folder, model, sources, step, tuple(steps.items()))
     offered = offer(own, _as_read(read, variables), source)
     known = interfaces_of(workspace)
     fitting = implementing(offered, known.values(), has_units=False)
@@ -162,6 +165,8 @@ def _component_yaml(component: Component, path: Path, folder: Path, source: Simu
     entries |= {"sources": f"[{', '.join(map(near, source.sources))}]"} if source.sources else {}
     entries |= {"model": write_text(source.model)} if source.model else {}
     entries |= {"step": f"{source.step!r} s"} if source.step is not None else {}
+    each = ", ".join(f"{name}: {step!r} s" for name, step in source.steps)
+    entries |= {"steps": f"{{{each}}}"} if each else {}
     real = next((port for port in component.interface.ports if port.type.kind is Kind.REAL), None)
     head = ""
     if real is not None:

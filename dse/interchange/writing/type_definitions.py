@@ -59,20 +59,15 @@ class Definitions:
         return variable.unit if self.units.setdefault(variable.unit, meant) == meant else ""
 
     def enumeration(self, variable: Variable, component: str) -> str:
-        """The name of the variable's enumeration in the file."""
+        """The name of the variable's enumeration in the file: of *component*, in a file for several."""
         same = next((name for name, items in self.enumerations.items() if items == variable.items), None)
-        name = same or f"{component}.{variable.name}"
+        name = same or (f"{component}.{variable.name}" if component else variable.name)
         self.enumerations[name] = variable.items
         return name
 
     def add_to(self, root: ET.Element) -> None:
         """Write them down."""
-        if self.enumerations:
-            group = ET.SubElement(root, "ssd:Enumerations")
-            for name, items in sorted(self.enumerations.items()):
-                entry = ET.SubElement(group, "ssc:Enumeration", name=name)
-                for item, value in items.items():
-                    ET.SubElement(entry, "ssc:Item", name=item, value=str(value))
+        self.add_enumerations(root, "ssd")
         if self.units:
             group = ET.SubElement(root, "ssd:Units")
             for name, unit in sorted(self.units.items()):
@@ -83,6 +78,15 @@ class Definitions:
                 if unit.offset != 0:
                     said["offset"] = repr(unit.offset)
                 ET.SubElement(entry, "ssc:BaseUnit", said)
+
+    def add_enumerations(self, root: ET.Element, prefix: str) -> None:
+        """Write the enumerations down in a file whose own elements have this *prefix*."""
+        if self.enumerations:
+            group = ET.SubElement(root, f"{prefix}:Enumerations")
+            for name, items in sorted(self.enumerations.items()):
+                entry = ET.SubElement(group, "ssc:Enumeration", name=name)
+                for item, value in items.items():
+                    ET.SubElement(entry, "ssc:Item", name=item, value=str(value))
 
 
 def add_connector(

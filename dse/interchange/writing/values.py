@@ -12,6 +12,7 @@ from dse.domain.system import Element
 from dse.errors import fail
 from dse.formats import flag_of, real_of
 from dse.interchange.resolving.carry import Carry
+from dse.interchange.writing.type_definitions import Definitions
 
 Inside = float | str | bytes
 
@@ -44,9 +45,11 @@ def add_values(component: ET.Element, element: Element, version: str) -> None:
     inline = ET.SubElement(binding, "ssd:ParameterValues")
     written = ET.SubElement(inline, "ssv:ParameterSet", version=version, name=_SET)
     parameters = ET.SubElement(written, "ssv:Parameters")
+    definitions = Definitions(version)
     for variable, own_values in lines:
         entry = ET.SubElement(parameters, "ssv:Parameter", name=variable.name)
-        _add_value(entry, variable, own_values, version)
+        _add_value(entry, variable, own_values, definitions)
+    definitions.add_enumerations(written, "ssv")
 
 
 def starts(variable: Variable) -> dict[str, Inside]:
@@ -95,23 +98,26 @@ def inside(element: Element, variable: Variable, value: Inside) -> Inside:
     return number
 
 
-def _add_value(entry: ET.Element, variable: Variable, values: Sequence[Inside], version: str) -> None:
+def _add_value(entry: ET.Element, variable: Variable, values: Sequence[Inside], definitions: Definitions) -> None:
+    version = definitions.version
     word = variable.fmi_type
-    texts = [_text(value, variable) for value in values]
+    texts, named = [_text(value, variable) for value in values], {}
     if variable.kind is Kind.ENUMERATION:
         # By their names, as other programs may number items otherwise; a number that no item has stays one.
         names = {float(number): name for name, number in reversed([*variable.items.items()])}
         is_named = all(value in names for value in values)
         word = "Enumeration" if is_named else "Integer" if version == "1.0" else "Int64"
-        texts = [names[value] for value in values if isinstance(value, float | int)] if is_named else texts
+        if is_named:
+            texts = [names[value] for value in values if isinstance(value, float | int)]
+            named = {"name": definitions.enumeration(variable, "")}
     elif version == "1.0":
         word = {"Float64": "Real", "Int32": "Integer"}.get(word, word)
     if word in ("String", "Binary", "Enumeration") and variable.shape:
-        typed = ET.SubElement(entry, f"ssv:{word}")
+        typed = ET.SubElement(entry, f"ssv:{word}", named)
         for text in texts:
             ET.SubElement(typed, "ssv:Value", value=text)
     else:
-        ET.SubElement(entry, f"ssv:{word}", value=" ".join(texts))
+        ET.SubElement(entry, f"ssv:{word}", {"value": " ".join(texts), **named})
     for size in variable.shape:
         ET.SubElement(entry, "ssc:Dimension", size=str(size))
 

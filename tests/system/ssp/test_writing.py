@@ -135,6 +135,10 @@ def test_enumerations_start_with_the_names_of_their_items_arrays_too(tmp_path):
     tags = {name: etree.QName(each[0]).localname for name, each in found.items()}
     assert tags == {"state": "Enumeration", "each": "Enumeration", "odd": "Int64"}
     assert found["state"][0].get("value") == "on"
+    assert found["state"][0].get("name") == found["each"][0].get("name")
+    (definition,) = root.find(".//{*}ParameterSet/{*}Enumerations")
+    assert definition.get("name") == found["state"][0].get("name")
+    assert {item.get("name"): int(item.get("value")) for item in definition} == ITEMS
     assert [value.get("value") for value in found["each"][0]] == ["on", "off"]
     assert read_again(tmp_path, path, one).element("a").start == start
 
