@@ -163,7 +163,7 @@ def row(case: Case, costs: Costs) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-_TIMES = ("case", "runs", "a run", "workers", "takes", "workers busy", "coordinator", "loads", "lost runs")
+_TIMES = ("case", "runs", "a run", "workers", "takes", "workers busy", "coordinator", "batches", "lost runs")
 _COLUMNS = (*_TIMES, "traffic + FMUs", "rows", "waveforms")
 
 HEAD = f"| {' | '.join(_COLUMNS)} |\n|{'---|' * len(_COLUMNS)}"

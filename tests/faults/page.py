@@ -13,7 +13,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "trust.md"
 FAILS = {
     "write": "writing to a file",
     "rename": "renaming a file",
-    "fsync": "forcing a file to the disk",
+    "fsync": "flushing a file to disk",
     "mmap": "mapping memory",
     "malloc": "allocating 64 KiB or more",
     "open": "opening a file to write, making a folder",
@@ -22,7 +22,7 @@ FAILS = {
 }
 WHERE = {"coordinator": "the command", "worker": "a worker", "compiler": "a compiler"}
 
-_HEADS = ("what fails", "in", "tried", "ended well", "said so, ended well the next time", "otherwise")
+_HEADS = ("failing call", "process", "tests", "succeeded", "stopped with a message, then succeeded", "other")
 
 
 def table_of_faults(lines: Iterable[dict[str, Any]]) -> list[str]:
@@ -32,7 +32,7 @@ def table_of_faults(lines: Iterable[dict[str, Any]]) -> list[str]:
     counts: dict[tuple[str, str], list[int]] = defaultdict(lambda: [0, 0, 0, 0])
     for line in sorted(lines, key=_row):
         fault = line["fault"]
-        stays = ", from then on each time" if fault["stays"] else ""
+        stays = ", this and all later calls" if fault["stays"] else ""
         row = counts[f"{FAILS[fault['kind']]} (`{fault['error']}`{stays})", WHERE[fault["role"]]]
         row[0] += 1
         row[3 if line["wrong"] else 1 if line["code"] == 0 else 2] += 1

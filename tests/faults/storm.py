@@ -201,8 +201,8 @@ def main() -> None:
         studies = Studies(Path(scratch), shim.build(Path(scratch)))
         told = storm(studies, options.signals, options.seed, time.monotonic() + 60 * options.minutes)
     said = (
-        f"{told.sent} signals, {told.commands} commands until {told.studies} studies were done; "
-        f"{told.repeats} runs begun in vain or made once more; {len(told.wrong)} findings."
+        f"{told.sent} signals, {told.commands} commands until {told.studies} studies were complete; "
+        f"{told.repeats} additional attempts of runs; {len(told.wrong)} violations."
     )
     print("\n".join([said, *page.table_of_signals(told.signals), *told.wrong]))
     if options.write:
