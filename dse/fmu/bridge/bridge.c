@@ -298,7 +298,9 @@ static Head returned(void)
             return head;
         if (head.kind == CRASHED)
             crash(signal_of(head.value));
-        const Callbacks to = known[head.number]; /* what it calls may make another instance */
+        Callbacks to = known[head.number < n_known ? head.number : 0]; /* what it calls may make another instance */
+        if (head.number >= n_known)
+            to.fmi2.environment = NULL; /* the FMU passed another one than it was given */
         if (head.kind == LOGGED)
             log_line(&to, &head);
         else if (head.kind == BETWEEN)
