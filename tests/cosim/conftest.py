@@ -40,6 +40,7 @@ VARIABLES = {
     "counter": {"enable": TRUTH, "increment": WHOLE, "count": WHOLE, "odd": TRUTH},
     "liar": {"u": REAL, "y": REAL},
     "told": {"y": REAL},
+    "writer": {"y": REAL},
     "stepper": dict.fromkeys(("mode", "most", "u", "y", "steps", "sum"), REAL),
     "eventful": {
         **dict.fromkeys(("u",), REAL),

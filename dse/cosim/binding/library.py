@@ -166,17 +166,6 @@ def lifecycle(model: FmuModel, library: ctypes.CDLL) -> dict[Call, int]:
     return found
 
 
-def resources(model: FmuModel) -> str:
-    """The FMU's resources as its standard wants them.
-
-    A file URI in FMI 2, a path ending in a separator in FMI 3; FMI 1 is told the folder of the FMU itself, as a URI.
-    """
-    folder = model.folder.resolve()
-    if model.version == 1:
-        return folder.as_uri()
-    return (folder / "resources").as_uri() if model.version == 2 else str(folder / "resources") + os.sep  # FMI 2
-
-
 def _prefix(model: FmuModel) -> str:
     return model.prefix or (f"{model.identifier}_" if model.version == 1 else "")
 
