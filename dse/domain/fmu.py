@@ -215,6 +215,8 @@ class Special(StrEnum):
 
     NO_EVENT_MODE = "no_event_mode"
     """Co-simulation of FMI 3 without event mode, although the FMU says that it has it."""
+    ISOLATED = "isolated"
+    """A process of its own for each instance."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from dse.cache import cache_folder, keep_folder
 from dse.domain.component import Component
 from dse.domain.fmu import FmiInterface, FmuModel, Host, Special
 from dse.errors import DseError, Location, Problem, fail
+from dse.fmu.isolation import isolated
 from dse.fmu.reading.build_description import has_recipe
 from dse.fmu.reading.description import Description, read_description
 from dse.fmu.slot_table import LIVE, PARTNER
@@ -65,7 +66,7 @@ def _without_events(model: FmuModel, where: Location, _: Path | None) -> FmuMode
     return replace(model, capabilities=able, special=model.special | {Special.NO_EVENT_MODE})
 
 
-_WAYS = {Special.NO_EVENT_MODE: _without_events}
+_WAYS = {Special.NO_EVENT_MODE: _without_events, Special.ISOLATED: isolated}
 
 
 def _of_component(component: Component, archive: Path, cache: Path | None) -> FmuModel:

@@ -22,6 +22,7 @@ class FmuSection(SourceSection):
     sampled: Plain | None = None
     exact: bool = False
     event_mode: Literal["on", "off"] | None = None
+    isolate: bool = False
 
 
 _INTERFACES = {interface.word: interface for interface in FmiInterface}
@@ -82,7 +83,11 @@ class FmuKind(ComponentKind[FmuSection, FmuSource]):
             sampled = place.number(section.sampled, "s", "sampled")
             if sampled <= 0:
                 raise fail(f"the sample time must be positive, not {section.sampled}", place.at("sampled"))
-        ways = {Special.NO_EVENT_MODE: place.at("event_mode")} if section.event_mode == "off" else {}
+        asked = {
+            Special.NO_EVENT_MODE: ("event_mode", section.event_mode == "off"),
+            Special.ISOLATED: ("isolate", section.isolate),
+        }
+        ways = {special: place.at(key) for special, (key, is_asked) in asked.items() if is_asked}
         if section.interface is None:
             return FmuSource(file, sampled=sampled, exact=section.exact, ways=ways)
         where = place.at("interface")
