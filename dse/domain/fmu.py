@@ -229,8 +229,8 @@ class FmuModel:
     if steps must be whole multiples of it (seconds). *prefix* is what stands before the names of the FMI functions in
     the library (FMI 1.0: the identifier if it is ""). Where there is a *host*, *library* is a bridge to it.
     *special* holds what its component says of how it is simulated, *ignored* what of the archive was passed over. What
-    *is_live* was built here of the kind udp: it exchanges datagrams with somebody outside, so that no two runs of it need
-    be the same.
+    *is_live* was built here of the kind udp: it exchanges datagrams with somebody outside, so that no two runs of it
+    need be the same.
     """
 
     archive: Path

@@ -25,6 +25,7 @@ class FmuSection(SourceSection):
     isolate: bool = False
 
 
+_WAYS = {"event_mode": Special.NO_EVENT_MODE, "isolate": Special.ISOLATED}
 _INTERFACES = {interface.word: interface for interface in FmiInterface}
 
 
@@ -32,7 +33,8 @@ _INTERFACES = {interface.word: interface for interface in FmiInterface}
 class FmuSource(Source):
     """A finished FMU, untouched; *asked* is the interface it is to be simulated by, *asked_at* where that is said.
 
-    *ways* is what is `special`. Its results have no error of their own if it is *sampled* every so many seconds, or *exact*: the user vouches.
+    *ways* are what is `special`, *ways_at* where that is said. Its results have no error of their own if it is
+    *sampled* every so many seconds, or *exact*: the user vouches.
     """
 
     kind = "fmu"
@@ -45,7 +47,8 @@ class FmuSource(Source):
     asked_at: Location | None = field(default=None, compare=False)
     sampled: float | None = None
     exact: bool = False
-    ways: Mapping[str, Location] = field(default_factory=dict)
+    ways: tuple[Special, ...] = ()
+    ways_at: tuple[Location, ...] = field(default=(), compare=False)
 
     @property
     def sample_time(self) -> float | None:
@@ -65,7 +68,7 @@ class FmuSource(Source):
     @property
     def special(self) -> Mapping[str, Location]:
         """What is asked for."""
-        return self.ways
+        return dict(zip(self.ways, self.ways_at, strict=True))
 
 
 class FmuKind(ComponentKind[FmuSection, FmuSource]):
@@ -83,18 +86,16 @@ class FmuKind(ComponentKind[FmuSection, FmuSource]):
             sampled = place.number(section.sampled, "s", "sampled")
             if sampled <= 0:
                 raise fail(f"the sample time must be positive, not {section.sampled}", place.at("sampled"))
-        asked = {
-            Special.NO_EVENT_MODE: ("event_mode", section.event_mode == "off"),
-            Special.ISOLATED: ("isolate", section.isolate),
-        }
-        ways = {special: place.at(key) for special, (key, is_asked) in asked.items() if is_asked}
+        asked = {"event_mode": section.event_mode == "off", "isolate": section.isolate}
+        ways = tuple(_WAYS[key] for key, is_asked in asked.items() if is_asked)
+        ways_at = tuple(place.at(key) for key, is_asked in asked.items() if is_asked)
         if section.interface is None:
-            return FmuSource(file, sampled=sampled, exact=section.exact, ways=ways)
+            return FmuSource(file, sampled=sampled, exact=section.exact, ways=ways, ways_at=ways_at)
         where = place.at("interface")
         if section.interface not in _INTERFACES:
             what = f"'{section.interface}' is none of {', '.join(_INTERFACES)}"
             raise fail(what, where, closest(section.interface, _INTERFACES))
-        return FmuSource(file, _INTERFACES[section.interface], where, sampled, section.exact, ways)
+        return FmuSource(file, _INTERFACES[section.interface], where, sampled, section.exact, ways, ways_at)
 
     def build(self, component: Component, source: FmuSource, *, version: int, cache: Path | None) -> Path:
         """The archive itself. Raises DseError if it is gone."""

@@ -20,7 +20,9 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the FMU that wr
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="writer" guid="the token">
   <CoSimulation modelIdentifier="writer" canHandleVariableCommunicationStepSize="true"/>
-  <ModelVariables><ScalarVariable name="y" valueReference="0" causality="output"><Real/></ScalarVariable></ModelVariables>
+  <ModelVariables>
+    <ScalarVariable name="y" valueReference="0" causality="output"><Real/></ScalarVariable>
+  </ModelVariables>
   <ModelStructure><Outputs><Unknown index="1"/></Outputs></ModelStructure>
 </fmiModelDescription>
 """
@@ -66,9 +68,9 @@ def test_the_next_instance_begins_with_what_the_archive_holds(shelf, unpacked, v
     assert (resources.parent / "modelDescription.xml").read_text(encoding="utf-8") == "<told/>"
     for change in (
         lambda: (resources / "new").write_text("x", encoding="utf-8"),
-        lambda: (resources / "count").unlink(),
+        (resources / "count").unlink,
         lambda: (resources / "deep" / "table").write_text("3 2 1\n", encoding="utf-8"),
-        lambda: (resources.parent / "modelDescription.xml").unlink(),
+        (resources.parent / "modelDescription.xml").unlink,
         lambda: (resources / "deep").rename(resources / "moved"),
     ):
         change()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 
 import pytest
@@ -120,6 +121,25 @@ def test_event_mode_can_be_switched_off(tmp_path):
     without = opened(tmp_path, "ball")
     assert (usual.ticks, without.ticks) == (True, False)
     assert (usual.manner, without.manner) == ("CoSimulation", "CoSimulation-no_event_mode")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="FMUs are isolated on Linux only")
+def test_a_component_has_its_fmu_isolated_with_the_same_result(tmp_path):
+    ends = []
+    for said in ("", ", isolate: true"):
+        folder = tmp_path / f"said{len(said)}"
+        folder.mkdir()
+        ends.append(simulated(laid_out(folder, said, version=2)))
+    assert ends[0] == ends[1]
+    assert opened(folder, "decay").manner == "CoSimulation-isolated"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="FMUs are isolated on Linux only")
+def test_an_fmu_that_cannot_be_isolated_is_refused_where_that_is_asked_for(tmp_path):
+    folder = laid_out(tmp_path, ", isolate: true", fmu="CoSimulation", version=1)
+    (problem,) = check_workspace(Workspace(folder))[0]
+    assert problem.what.endswith("it cannot be isolated: that is supported for FMI 2.0 and 3.0 only")
+    assert FILE in str(problem.where)
 
 
 @pytest.mark.parametrize(("version", "interface"), [(2, ""), (3, ", interface: model_exchange")])

@@ -36,7 +36,7 @@ class InstanceFolder:
     def location(self) -> str:
         """What the FMU is told, as its standard wants it.
 
-        A file URI in FMI 2, a path ending in a separator in FMI 3; FMI 1 is told the folder of the FMU itself, as a URI.
+        A file URI in FMI 2, a path that ends in a separator in FMI 3; in FMI 1 the URI of the FMU's own folder.
         """
         folder = self._own or self._model.folder.resolve()
         if self._model.version == 1:
