@@ -13,6 +13,9 @@ from dse.fmu.toolchain.compiler import Compiler, with_compiler
 from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.windows import bridge_of, bridge_sources
 
+_LIBRARIES = ("-Wl,--no-as-needed", "-lm", "-ldl", "-lpthread")
+"""What Python's process has, too: many FMUs use the mathematical library without naming it."""
+
 
 def isolated(model: FmuModel, where: Location, cache: Path | None) -> FmuModel:
     """*model* with a process of its own for each instance, so that there may be several of any FMU.
@@ -42,12 +45,12 @@ def _not_possible(model: FmuModel) -> str:
 def _compiled(compiler: Compiler, cache: Path | None) -> Path:
     """The folder with the bridge and the host."""
     files = bridge_sources()
-    identity = repr(("isolation", compiler.identity, options(compiler)))
+    identity = repr(("isolation", compiler.identity, options(compiler), _LIBRARIES))
 
     def fill(folder: Path) -> None:
         bridge = compile_library(compiler, files, ["bridge.c"], ".", "bridge.so")
         (folder / "bridge.so").write_bytes(bridge)
-        (folder / "host").write_bytes(compile_program(compiler, files, "host.c", "host", "-ldl", "-lpthread"))
+        (folder / "host").write_bytes(compile_program(compiler, files, "host.c", "host", *_LIBRARIES))
         (folder / "host").chmod(0o755)
 
     key = content_key([*files.items(), ("build", identity.encode())])

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
+import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import psutil
 import pytest
@@ -15,10 +17,12 @@ from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.fmu import Host, Special
 from dse.errors import DseError, Location
 from dse.fmu.isolation import isolated
+from dse.fmu.toolchain.compiler import find_compiler
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="FMUs are isolated on Linux only")
 WHERE = Location("components/part/component.yaml", 4)
 STEP_ERROR, CRASH = 1, 6
+SOURCES = Path(__file__).parent / "fmus"
 
 
 @pytest.fixture(scope="module")
@@ -96,6 +100,15 @@ def test_a_library_that_cannot_be_loaded_is_named_with_the_reason(shelf, cache, 
     model = isolated(replace(shelf.fmu("gain", 2), library=broken), WHERE, cache)
     with pytest.raises(DseError, match=r"cannot be loaded: .*broken.so: file too short"):
         Simulator(shelf.system({"a": model}, record=["a.y"]), ["a.y"])
+
+
+def test_a_library_may_use_mathematics_without_naming_its_library(shelf, cache, tmp_path):
+    model = replace(shelf.fmu("gain", 2), library=tmp_path / "unnamed.so")
+    made = ["-shared", "-fPIC", "-DFMI=2", "-DIDENTIFIER=gain", "-DROOT", str(SOURCES / "gain.c")]
+    subprocess.run([*find_compiler().command, *made, "-o", str(model.library)], check=True)
+    system = shelf.system({"a": isolated(model, WHERE, cache)}, start={"a.u": 9.0}, record=["a.y"])
+    with Simulator(system, ["a.y"]) as simulator:
+        assert simulator.run(stop=1, step=0.5)[-1].tolist() == [3.0]
 
 
 def test_isolation_is_part_of_how_an_fmu_is_known(shelf, cache):
