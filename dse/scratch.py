@@ -25,12 +25,24 @@ class ScratchFolder(tempfile.TemporaryDirectory[str]):
     """A new temporary folder. Raises DseError if none can be made."""
 
     def __init__(self) -> None:
-        try:
-            _sweep(tempfile.gettempdir())
+        with _swept():
             super().__init__(prefix=name_of_mine(), ignore_cleanup_errors=True)
-        except OSError as error:
-            what = f"no temporary folder can be made: {error.strerror or error}"
-            raise fail(what, hint="set TMPDIR to a folder that exists, has space and may be written") from error
+
+
+def new_folder() -> Path:
+    """A new temporary folder that its maker removes. Raises DseError if none can be made."""
+    with _swept():
+        return Path(tempfile.mkdtemp(prefix=name_of_mine())).resolve()
+
+
+@contextmanager
+def _swept() -> Iterator[None]:
+    try:
+        _sweep(tempfile.gettempdir())
+        yield
+    except OSError as error:
+        what = f"no temporary folder can be made: {error.strerror or error}"
+        raise fail(what, hint="set TMPDIR to a folder that exists, has space and may be written") from error
 
 
 def name_of_mine() -> str:

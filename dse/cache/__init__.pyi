@@ -1,3 +1,4 @@
+from .digests import stamp as stamp
 from .entries import (
     CacheWarning as CacheWarning,
     is_damaged as is_damaged,

@@ -247,6 +247,7 @@ class Simulator:
         self._kernel.dse_free(self._system)
         self._given = frozenset()
         self._wear.note()
+        self._tables.elements.renew_folders()
         if self._kernel.dse_instantiate(self._system):
             raise self._failure(0.0)
 

@@ -192,6 +192,11 @@ class Source:
         """How its FMU is to be simulated, as FMI spells it, and where that is said; None for the usual way."""
         return None
 
+    @property
+    def special(self) -> Mapping[str, Location]:
+        """What else is asked for in the way its FMU is simulated (`dse.domain.fmu.Special`), and where that is said."""
+        return {}
+
 
 @dataclass(frozen=True, slots=True)
 class CSource(Source):

@@ -210,6 +210,15 @@ class Host:
     is_wine: bool = False
 
 
+class Special(StrEnum):
+    """What a component may ask for in the way its FMU is simulated."""
+
+    NO_EVENT_MODE = "no_event_mode"
+    """Co-simulation of FMI 3 without event mode, although the FMU says that it has it."""
+    ISOLATED = "isolated"
+    """A process of its own for each instance."""
+
+
 @dataclass(frozen=True, slots=True)
 class FmuModel:
     """An unpacked FMU for this platform.
@@ -219,8 +228,9 @@ class FmuModel:
     depends on all of them. *units* are the FMU's own definitions by the names its variables use. *fixed_step* is set
     if steps must be whole multiples of it (seconds). *prefix* is what stands before the names of the FMI functions in
     the library (FMI 1.0: the identifier if it is ""). Where there is a *host*, *library* is a bridge to it.
-    *ignored* is what of the archive was passed over. What *is_live* was built here of the kind udp: it exchanges
-    datagrams with somebody outside, so that no two runs of it need be the same.
+    *special* holds what its component says of how it is simulated, *ignored* what of the archive was passed over. What
+    *is_live* was built here of the kind udp: it exchanges datagrams with somebody outside, so that no two runs of it
+    need be the same.
     """
 
     archive: Path
@@ -242,6 +252,7 @@ class FmuModel:
     title: str = ""
     prefix: str = ""
     host: Host = field(default_factory=Host)
+    special: frozenset[Special] = frozenset()
     ignored: tuple[Problem, ...] = field(default=(), compare=False)
     is_live: bool = False
     pointers: frozenset[str] = field(default=frozenset(), init=False, compare=False)
@@ -250,6 +261,11 @@ class FmuModel:
     def __post_init__(self) -> None:
         names = frozenset(name for variable in self.variables.values() for name, _ in variable.integers)
         object.__setattr__(self, "pointers", names)
+
+    @property
+    def manner(self) -> str:
+        """How it is simulated: its interface, and what is special."""
+        return "-".join([self.interface, *sorted(self.special)])
 
     @property
     def ticks(self) -> bool:

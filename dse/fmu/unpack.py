@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 import sys
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 from dse.cache import cache_folder, keep_folder
 from dse.domain.component import Component
-from dse.domain.fmu import FmiInterface, FmuModel, Host
+from dse.domain.fmu import FmiInterface, FmuModel, Host, Special
 from dse.errors import DseError, Location, Problem, fail
+from dse.fmu.isolation import isolated
 from dse.fmu.reading.build_description import has_recipe
 from dse.fmu.reading.description import Description, read_description
 from dse.fmu.slot_table import LIVE, PARTNER
@@ -45,10 +46,30 @@ def open_fmu(archive: Path, *, cache: Path | None = None, interface: FmiInterfac
 
 
 def open_component(component: Component, archive: Path, *, cache: Path | None = None) -> FmuModel:
-    """The FMU in *archive*, which was built of *component*, by the interface that its source asks for, if it does.
+    """The FMU in *archive*, which was built of *component*, to be simulated as its source asks for, if it does.
 
-    What is wrong with that interface is told where it is asked for.
+    What is wrong with that is told where it is asked for.
     """
+    model = _of_component(component, archive, cache)
+    for special, where in (component.source.special if component.source else {}).items():
+        model = _WAYS[Special(special)](model, where, cache)
+    return model
+
+
+def _without_events(model: FmuModel, where: Location, _: Path | None) -> FmuModel:
+    if not model.ticks:
+        what = "the FMU has no event mode that could be off"
+        raise fail(
+            f"{model.identifier}: {what}", where, "leave out 'event_mode': co-simulation of FMI 3.0 alone has one"
+        )
+    able = replace(model.capabilities, has_event_mode=False)
+    return replace(model, capabilities=able, special=model.special | {Special.NO_EVENT_MODE})
+
+
+_WAYS = {Special.NO_EVENT_MODE: _without_events, Special.ISOLATED: isolated}
+
+
+def _of_component(component: Component, archive: Path, cache: Path | None) -> FmuModel:
     asked = component.source and component.source.interface
     if not asked:
         return open_fmu(archive, cache=cache)

@@ -58,13 +58,16 @@ def bridge_to(library: Path, identifier: str, where: Location, cache: Path | Non
         made = with_compiler(cache, lambda compiler: _compiled(compiler, _version_of(wine), cache))
     except CompilationError as error:
         raise fail(f"the bridge to wine does not compile: {error.diagnostics[0].message}", where) from error
-    place = PurePosixPath(library.absolute())
+    place = str(PurePosixPath(library.absolute())).replace("/", "\\")
+    command = (wine, str((made / "host.exe").absolute()), f"Z:{place}")
+    return bridge_of(library, identifier, made, cache), Host(command, _settings(prefix), is_wine=True)
+
+
+def bridge_of(library: Path, identifier: str, made: Path, cache: Path | None) -> Path:
+    """A copy of the bridge in the folder *made* for *library* alone: the system loads the same one only once."""
     name, content = f"{identifier}.so", (made / "bridge.so").read_bytes()
-    # A library of its own for each: the system loads the same one only once, and each has one host.
-    key = content_key([("bridge", content), ("library", os.fsencode(place))])
-    bridge = keep_files(cache_folder(cache) / "bridges" / key, lambda: {name: content}) / name
-    command = (wine, str((made / "host.exe").absolute()), "Z:" + str(place).replace("/", "\\"))
-    return bridge, Host(command, _settings(prefix), is_wine=True)
+    key = content_key([("bridge", content), ("library", os.fsencode(library.absolute()))])
+    return keep_files(cache_folder(cache) / "bridges" / key, lambda: {name: content}) / name
 
 
 def find_wine() -> str:
@@ -78,6 +81,11 @@ def folder_of_windows(wine: str, cache: Path | None) -> Path:
     return keep_living_folder(cache_folder(cache).absolute() / "wine" / version, _filler(wine))
 
 
+def bridge_sources() -> dict[str, bytes]:
+    """The sources of bridge and host, by name."""
+    return {path.name: path.read_bytes() for path in sorted(_SOURCES.glob("*.[ch]"))}
+
+
 @once
 def _version_of(wine: str) -> str:
     answer = subprocess.run([wine, "--version"], capture_output=True, text=True, timeout=60, check=False)
@@ -87,7 +95,7 @@ def _version_of(wine: str) -> str:
 def _compiled(compiler: Compiler, version: str, cache: Path | None) -> Path:
     """The folder with the bridge and the host."""
     windows = find_windows_compiler()
-    files = {path.name: path.read_bytes() for path in sorted(_SOURCES.glob("*.[ch]"))}
+    files = bridge_sources()
     told = re.sub(r"[^\w .~()-]", "", version, flags=re.ASCII)
     files["bridge.c"] = f'#define WINE "{told}"\n'.encode() + files["bridge.c"]
     identity = repr((compiler.identity, options(compiler), windows.identity))
@@ -95,7 +103,7 @@ def _compiled(compiler: Compiler, version: str, cache: Path | None) -> Path:
         cache_folder(cache) / "bridges" / content_key([*files.items(), ("build", identity.encode())]),
         lambda: {
             "bridge.so": compile_library(compiler, files, ["bridge.c"], ".", "bridge.so"),
-            "host.exe": compile_program(windows, files, "host.c", "host.exe"),
+            "host.exe": compile_program(windows, files, "host.c", "host.exe", "-municode"),
         },
     )
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from dse.domain.component import Component, Source
-from dse.domain.fmu import FmiInterface
+from dse.domain.fmu import FmiInterface, Special
 from dse.errors import Location, Problem, closest, fail
 from dse.formats import shown
 from dse.loading import ComponentKind, Plain, SourcePlace, SourceSection
@@ -19,8 +21,11 @@ class FmuSection(SourceSection):
     interface: str | None = None
     sampled: Plain | None = None
     exact: bool = False
+    event_mode: Literal["on", "off"] | None = None
+    isolate: bool = False
 
 
+_WAYS = {"event_mode": Special.NO_EVENT_MODE, "isolate": Special.ISOLATED}
 _INTERFACES = {interface.word: interface for interface in FmiInterface}
 
 
@@ -28,7 +33,8 @@ _INTERFACES = {interface.word: interface for interface in FmiInterface}
 class FmuSource(Source):
     """A finished FMU, untouched; *asked* is the interface it is to be simulated by, *asked_at* where that is said.
 
-    Its results have no error of their own if it is *sampled* every so many seconds, or *exact*: the user vouches.
+    *ways* are what is `special`, *ways_at* where that is said. Its results have no error of their own if it is
+    *sampled* every so many seconds, or *exact*: the user vouches.
     """
 
     kind = "fmu"
@@ -41,6 +47,8 @@ class FmuSource(Source):
     asked_at: Location | None = field(default=None, compare=False)
     sampled: float | None = None
     exact: bool = False
+    ways: tuple[Special, ...] = ()
+    ways_at: tuple[Location, ...] = field(default=(), compare=False)
 
     @property
     def sample_time(self) -> float | None:
@@ -56,6 +64,11 @@ class FmuSource(Source):
     def interface(self) -> tuple[str, Location | None] | None:
         """The one that is asked for."""
         return None if self.asked is None else (self.asked, self.asked_at)
+
+    @property
+    def special(self) -> Mapping[str, Location]:
+        """What is asked for."""
+        return dict(zip(self.ways, self.ways_at, strict=True))
 
 
 class FmuKind(ComponentKind[FmuSection, FmuSource]):
@@ -73,13 +86,16 @@ class FmuKind(ComponentKind[FmuSection, FmuSource]):
             sampled = place.number(section.sampled, "s", "sampled")
             if sampled <= 0:
                 raise fail(f"the sample time must be positive, not {section.sampled}", place.at("sampled"))
+        asked = {"event_mode": section.event_mode == "off", "isolate": section.isolate}
+        ways = tuple(_WAYS[key] for key, is_asked in asked.items() if is_asked)
+        ways_at = tuple(place.at(key) for key, is_asked in asked.items() if is_asked)
         if section.interface is None:
-            return FmuSource(file, sampled=sampled, exact=section.exact)
+            return FmuSource(file, sampled=sampled, exact=section.exact, ways=ways, ways_at=ways_at)
         where = place.at("interface")
         if section.interface not in _INTERFACES:
             what = f"'{section.interface}' is none of {', '.join(_INTERFACES)}"
             raise fail(what, where, closest(section.interface, _INTERFACES))
-        return FmuSource(file, _INTERFACES[section.interface], where, sampled, section.exact)
+        return FmuSource(file, _INTERFACES[section.interface], where, sampled, section.exact, ways, ways_at)
 
     def build(self, component: Component, source: FmuSource, *, version: int, cache: Path | None) -> Path:
         """The archive itself. Raises DseError if it is gone."""

@@ -126,7 +126,7 @@ def _variation(variation: Variation) -> dict[str, Any]:
 def _element(element: Element) -> dict[str, Any]:
     return {
         "name": element.name,
-        "fmu": (element.model.content_hash, str(element.model.interface), _compiled(element.model)),
+        "fmu": (element.model.content_hash, element.model.manner, _compiled(element.model)),
         "inputs": sorted(variable.name for variable in element.inputs),
         "outputs": sorted(variable.name for variable in element.outputs),
         "texts": {name: _told(text) for name, text in element.texts.items()},

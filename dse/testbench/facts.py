@@ -19,11 +19,11 @@ from dse.fmu import shares_nothing, this_platform
 
 
 def known_facts(model: FmuModel, *, cache: Path | None = None) -> FmuFacts | None:
-    """What is known of *model* on this platform, simulated by its interface.
+    """What is known of *model* on this platform, simulated in the manner that is asked for.
 
     None if it was not probed by this version of the experiments.
     """
-    file = _file(model.content_hash, this_platform().name, str(model.interface), cache)
+    file = _file(model.content_hash, this_platform().name, model.manner, cache)
     if is_damaged(file):
         return None
     try:
@@ -102,7 +102,7 @@ def _from_json(data: Mapping[str, Any]) -> FmuFacts:
 
 
 def _key(model: FmuModel) -> tuple[str, str]:
-    return model.content_hash, str(model.interface)
+    return model.content_hash, model.manner
 
 
 def _file(content: str, platform: str, interface: str, cache: Path | None) -> Path:

@@ -89,7 +89,7 @@ def numerics_of_element(
         this_platform().name,
         *(sorted(v.name for v in e) for e in (element.inputs, element.outputs)),
     )
-    decides = (PROBE_VERSION, platform, str(model.interface), model.experiment.tolerance, times, is_ours)
+    decides = (PROBE_VERSION, platform, model.manner, model.experiment.tolerance, times, is_ours)
     given = sorted(element.start.items()), sorted((name, repr(text)) for name, text in element.texts.items())
     key = content_key([("numerics", json.dumps([decides, inputs, outputs, given]).encode())])
     file = cache_folder(cache) / "numerics" / f"{model.content_hash[:32]}-{key[:32]}.json"

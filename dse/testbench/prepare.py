@@ -228,7 +228,7 @@ def _crowded(system: SystemStructure) -> list[Problem]:
     for element in system.elements:
         if element.model.capabilities.once_per_process:
             places.setdefault(element.model.library, []).append(element.name)
-    hint = "use it at one place of a configuration only"
+    hint = "`isolate: true` in the source of its component gives each a process of its own"
     return [
         Problem(f"{' and '.join(names)}: {library.stem} can be instantiated only once in a process", hint=hint)
         for library, names in places.items()

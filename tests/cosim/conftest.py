@@ -12,6 +12,7 @@ from dse.domain.component import Kind
 from dse.domain.fmu import Capabilities, FmuModel, Host, Variable
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.errors import Location
+from dse.fmu.isolation import isolated
 from dse.fmu.toolchain.compiler import find_compiler, find_windows_compiler
 from dse.fmu.windows import bridge_to
 
@@ -40,6 +41,7 @@ VARIABLES = {
     "counter": {"enable": TRUTH, "increment": WHOLE, "count": WHOLE, "odd": TRUTH},
     "liar": {"u": REAL, "y": REAL},
     "told": {"y": REAL},
+    "writer": {"y": REAL},
     "stepper": dict.fromkeys(("mode", "most", "u", "y", "steps", "sum"), REAL),
     "eventful": {
         **dict.fromkeys(("u",), REAL),
@@ -69,15 +71,16 @@ OUTPUTS = {"y", "count", "odd", "n", "steps", "sum", "seen", "events", "updates"
 class Shelf:
     """Compiles the FMUs in fmus/ when they are first asked for, and builds systems of them.
 
-    With *wine*, a cache folder, they are for Windows, behind a bridge.
+    With *wine*, a cache folder, they are for Windows, behind a bridge; with *apart*, likewise, each is isolated.
     """
 
     folder: Path
     wine: Path | None = None
+    apart: Path | None = None
 
     def fmu(self, name: str, version: int = 2, *flags: str) -> FmuModel:
-        if self.wine and version == 1:
-            pytest.skip("wine is not used for FMI 1.0")
+        if (self.wine or self.apart) and version == 1:
+            pytest.skip("no FMU of FMI 1.0 is behind a bridge")
         key = "_".join([name, f"fmi{version}", *(flag.strip("-") for flag in flags)])
         is_dll = self.wine is not None or sys.platform == "win32"
         library, host = self.folder / f"{key}{'.dll' if is_dll else '.so'}", Host()
@@ -103,7 +106,7 @@ class Shelf:
             )
         if self.wine:
             library, host = bridge_to(library, name, Location(name), self.wine)
-        return FmuModel(
+        model = FmuModel(
             archive=library,
             folder=self.folder,
             library=library,
@@ -114,6 +117,7 @@ class Shelf:
             host=host,
             capabilities=Capabilities(can_handle_variable_step=True, once_per_process="-DONCE" in flags),
         )
+        return isolated(model, Location(name), self.apart) if self.apart else model
 
     def system(
         self,
@@ -160,19 +164,26 @@ def causality(name: str, variable: str) -> str:
 
 
 OF_WINDOWS = {"test_events", "test_steps", "test_texts"}
-"""What is tested through wine, too."""
+"""What is tested through wine and isolated, too."""
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "shelf" in metafunc.fixturenames and metafunc.module.__name__.rpartition(".")[2] in OF_WINDOWS:
-        places = ["here", pytest.param("wine", marks=pytest.mark.thorough)]
+        places = [
+            "here",
+            pytest.param("apart", marks=pytest.mark.thorough),
+            pytest.param("wine", marks=pytest.mark.thorough),
+        ]
         metafunc.parametrize("shelf", places, indirect=True, scope="session")
 
 
 @pytest.fixture(scope="session")
 def shelf(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Shelf:
-    is_of_windows = getattr(request, "param", "here") == "wine"
-    return Shelf(tmp_path_factory.mktemp("fmus"), request.getfixturevalue("wine_cache") if is_of_windows else None)
+    place, folder = getattr(request, "param", "here"), tmp_path_factory.mktemp("fmus")
+    if place == "apart" and sys.platform != "linux":
+        pytest.skip("FMUs are isolated on Linux only")
+    wine = request.getfixturevalue("wine_cache") if place == "wine" else None
+    return Shelf(folder, wine, folder / "cache" if place == "apart" else None)
 
 
 @pytest.fixture

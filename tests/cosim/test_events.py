@@ -11,6 +11,8 @@ from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.method import Adaptive, Algorithm, Coupling, Extrapolation, Method
 
 FINE, ENDLESS, ENDS, STANDS_STILL = range(4)
+WITHOUT = "(with event mode; `event_mode: off` in the source of its component does without)"
+LINEAR = Method(extrapolation=Extrapolation.LINEAR)
 RECORD = ["e.y", "e.seen", "e.events", "e.updates", "e.steps"]
 EVERY_METHOD = pytest.mark.parametrize(
     "method",
@@ -138,7 +140,18 @@ def test_events_without_an_end_are_a_failure(shelf, mode, message):
         simulator.run(stop=1.0, step=0.25)
     with pytest.raises(RunFailed) as slow:
         run_reference(system, RECORD, stop=1.0, step=0.25)
-    assert str(fast.value) == str(slow.value) == message
+    assert str(fast.value).removesuffix(f" {WITHOUT}") == str(slow.value) == message
+    assert str(fast.value).endswith(WITHOUT) == (mode == ENDLESS)
+
+
+def test_an_fmu_that_refuses_the_event_mode_it_declares_runs_without(shelf):
+    model = shelf.fmu("eventful", 3, "-DREFUSES_EVENTS")
+    eager = replace(model, capabilities=replace(model.capabilities, has_event_mode=True))
+    with Simulator(alone(eager, shelf), ["e.y"]) as simulator, pytest.raises(RunFailed) as failed:
+        simulator.run(stop=1.0, step=0.25)
+    assert str(failed.value) == f"e: fmi3InstantiateCoSimulation returned no instance {WITHOUT}"
+    with Simulator(alone(model, shelf, u=2.0), ["e.y"]) as simulator:
+        assert simulator.run(stop=1.0, step=0.25)[-1].tolist() == [2.0]
 
 
 def ramp(shelf, **able):
@@ -148,17 +161,24 @@ def ramp(shelf, **able):
 
 
 def test_an_fmu_that_asks_within_its_step_is_given_inputs_on_their_way(shelf):
-    linear = Method(extrapolation=Extrapolation.LINEAR)
     for able in ({"has_event_mode": False}, {}):
         system = ramp(shelf, provides_intermediate_update=True, **able)
         # The integral of t over 1 s but for the first step, which is held: 1/2 - 1/32 with steps of 1/4.
-        assert same_bits(system, ["e.y"], linear)[-1, 0] == 1 / 2 - 1 / 32
+        assert same_bits(system, ["e.y"], LINEAR)[-1, 0] == 1 / 2 - 1 / 32
         assert same_bits(system, ["e.y"])[-1, 0] == 3 / 8  # held: the left sum
 
 
+def test_an_fmu_that_asks_for_inputs_with_an_environment_it_was_never_given_is_given_its_own(shelf):
+    astray = shelf.fmu("eventful", 3, "-DASTRAY")
+    system = ramp(shelf, provides_intermediate_update=True)
+    model = replace(astray, capabilities=system.element("e").model.capabilities)
+    elements = tuple(replace(e, model=model) if e.name == "e" else e for e in system.elements)
+    with Simulator(replace(system, elements=elements), ["e.y"], method=LINEAR) as simulator:
+        assert simulator.run(stop=1.0, step=0.25)[-1, 0] == 1 / 2 - 1 / 32
+
+
 def test_an_fmu_that_does_not_ask_is_given_the_middle_of_the_step(shelf):
-    linear = Method(extrapolation=Extrapolation.LINEAR)
-    assert same_bits(ramp(shelf), ["e.y"], linear)[-1, 0] == 1 / 2 - 1 / 32
+    assert same_bits(ramp(shelf), ["e.y"], LINEAR)[-1, 0] == 1 / 2 - 1 / 32
 
 
 def test_an_fmu_that_cannot_save_its_state_is_refused_by_adaptive_steps(shelf):

@@ -40,6 +40,28 @@ def test_a_step_that_fails_is_told_with_element_call_time_and_log(lone):
     assert str(failure) == "world: fmi3DoStep at t = 0.5 s returned error: tyre left the road"
 
 
+@BOTH
+def test_callbacks_with_an_environment_that_was_never_given_are_of_the_element_that_is_called(shelf, version):
+    model = shelf.fmu("faulty", version, "-DASTRAY")
+    system = shelf.system(
+        {"car": shelf.fmu("gain", version), "world": model}, [], {"world.mode": STEP_ERROR}, ["car.y"]
+    )
+    with Simulator(system, ["car.y"]) as simulator, pytest.raises(RunFailed) as failed:
+        simulator.run(stop=1, step=0.1)
+    assert failed.value.log[0].startswith("tyre left the road")
+
+
+def test_a_step_that_is_told_to_be_over_for_an_unknown_environment_is_over(shelf):
+    start = {"e.mode": 7, "e.u": 1.0}  # ALWAYS_CALLS_BACK
+
+    def rows(*flags):
+        system = shelf.system({"e": shelf.fmu("stepper", 2, *flags)}, [], start, ["e.y"])
+        with Simulator(system, ["e.y"]) as simulator:
+            return simulator.run(stop=1, step=0.25).tolist()
+
+    assert rows("-DASTRAY") == rows() == [[0.0], [0.25], [0.5], [0.75], [1.0]]
+
+
 def test_a_failure_survives_the_way_between_processes(lone):
     failure = failure_of(lone(2), mode=STEP_ERROR)
     copy = pickle.loads(pickle.dumps(failure))  # noqa: S301  # our own bytes

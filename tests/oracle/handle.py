@@ -17,7 +17,8 @@ from dse.cosim.binding.calls import (
     function_name,
 )
 from dse.cosim.binding.layout import kernel
-from dse.cosim.binding.library import address, resources
+from dse.cosim.binding.library import address
+from dse.cosim.binding.resources import InstanceFolder
 from dse.cosim.failing.failure import RunFailed
 from dse.cosim.failing.reason import StopReason
 from dse.cosim.failing.words import of_call, place
@@ -62,6 +63,7 @@ class Handle:
         self._library = library
         self._between = between
         self._keep: Any = None
+        self.folder = InstanceFolder(model)
         self._handle = self._instantiate(intermediate)
 
     def __enter__(self) -> Self:
@@ -83,6 +85,7 @@ class Handle:
             free = self._function(function_name(Call.FREE_INSTANCE, self.model.version), (c_void_p,), None)
             free(self._handle)
         self._handle = 0
+        self.folder.remove()
 
     def call(self, name: str, time: float | None, types: tuple[Any, ...] = (), *arguments: Any) -> None:
         """Call the function *name* with the instance and *arguments*; a status worse than a warning is a failure."""
@@ -151,7 +154,7 @@ class Handle:
         return make(*self._words(), False, False, None, at(log))
 
     def _words(self) -> tuple[bytes, bytes, bytes]:
-        return self.name.encode(), self.model.token.encode(), resources(self.model).encode()
+        return self.name.encode(), self.model.token.encode(), self.folder.location.encode()
 
     def _callbacks(self) -> tuple[int | None, ...]:
         log = logger(self._keep_line, self.model.version)

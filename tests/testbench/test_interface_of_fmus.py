@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 
 import pytest
 from reference_fmus import build
 
-from dse.domain.fmu import FmiInterface
+from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.run import RunRequest
 from dse.errors import DseError
+from dse.fmu import build as build_component, open_component
 from dse.interchange.importing.component import import_component
 from dse.loading.workspace import Workspace
 from dse.testbench.check import check_workspace
@@ -41,6 +43,11 @@ def laid_out(
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
     return folder
+
+
+def opened(folder: Path, name: str) -> FmuModel:
+    component = Workspace(folder).component(name)
+    return open_component(component, build_component(component))
 
 
 def simulated(folder: Path):
@@ -104,3 +111,42 @@ def test_a_word_that_is_none_is_refused(tmp_path):
     (problem, *_) = check_workspace(Workspace(folder))[0]
     assert problem.what == "'model_exchang' is none of co_simulation, model_exchange"
     assert "did you mean 'model_exchange'?" in problem.hint
+
+
+def test_event_mode_can_be_switched_off(tmp_path):
+    imported = import_component(build("BouncingBall", 3, None, tmp_path), tmp_path, "ball")
+    usual = opened(tmp_path, "ball")
+    text = imported.path.read_text(encoding="utf-8")
+    imported.path.write_text(text.replace("ball.fmu", "ball.fmu, event_mode: off"), encoding="utf-8")
+    without = opened(tmp_path, "ball")
+    assert (usual.ticks, without.ticks) == (True, False)
+    assert (usual.manner, without.manner) == ("CoSimulation", "CoSimulation-no_event_mode")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="FMUs are isolated on Linux only")
+def test_a_component_has_its_fmu_isolated_with_the_same_result(tmp_path):
+    ends = []
+    for said in ("", ", isolate: true"):
+        folder = tmp_path / f"said{len(said)}"
+        folder.mkdir()
+        ends.append(simulated(laid_out(folder, said, version=2)))
+    assert ends[0] == ends[1]
+    assert opened(folder, "decay").manner == "CoSimulation-isolated"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="FMUs are isolated on Linux only")
+def test_an_fmu_that_cannot_be_isolated_is_refused_where_that_is_asked_for(tmp_path):
+    folder = laid_out(tmp_path, ", isolate: true", fmu="CoSimulation", version=1)
+    (problem,) = check_workspace(Workspace(folder))[0]
+    assert problem.what.endswith("it cannot be isolated: that is supported for FMI 2.0 and 3.0 only")
+    assert FILE in str(problem.where)
+
+
+@pytest.mark.parametrize(("version", "interface"), [(2, ""), (3, ", interface: model_exchange")])
+def test_event_mode_that_there_is_none_of_cannot_be_switched_off(tmp_path, version, interface):
+    folder = laid_out(tmp_path, f"{interface}, event_mode: off", version=version)
+    (problem,) = check_workspace(Workspace(folder))[0]
+    assert problem.what.endswith("the FMU has no event mode that could be off")
+    assert FILE in str(problem.where)
+    with pytest.raises(DseError, match="no event mode that could be off"):
+        simulated(folder)

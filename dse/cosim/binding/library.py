@@ -83,10 +83,13 @@ def _hosted(bridge: _Bridge, model: FmuModel) -> _Bridge:
     error = opening(_texts(model.host.command), _texts(f"{name}={value}" for name, value in environment.items()))
     if error > 0:
         missing = bytes((ctypes.c_char * _LONGEST_NAME).in_dll(bridge, "dse_bridge_missing").value)
+        if not model.host.is_wine:
+            raise OSError(missing.decode("utf-8", "replace"))
         why = f"it needs {missing.decode('ascii', 'replace')}, which is not there" if missing else "no library"
         raise OSError(f"{why} (error {error} of Windows)")
     if error < 0:
-        raise OSError(f"wine ended before it was there (exit code {-1 - error})")
+        host = "wine" if model.host.is_wine else "its process"
+        raise OSError(f"{host} ended before it was there (exit code {-1 - error})")
     return bridge
 
 
@@ -166,17 +169,6 @@ def lifecycle(model: FmuModel, library: ctypes.CDLL) -> dict[Call, int]:
     return found
 
 
-def resources(model: FmuModel) -> str:
-    """The FMU's resources as its standard wants them.
-
-    A file URI in FMI 2, a path ending in a separator in FMI 3; FMI 1 is told the folder of the FMU itself, as a URI.
-    """
-    folder = model.folder.resolve()
-    if model.version == 1:
-        return folder.as_uri()
-    return (folder / "resources").as_uri() if model.version == 2 else str(folder / "resources") + os.sep  # FMI 2
-
-
 def _prefix(model: FmuModel) -> str:
     return model.prefix or (f"{model.identifier}_" if model.version == 1 else "")
 
@@ -187,7 +179,7 @@ def occupy(system: SystemStructure) -> frozenset[Path]:
     raise_if_any(
         Problem(
             f"{library.stem} can be instantiated only once per process",
-            hint="use it in one element and close the simulator before the next one is made",
+            hint="`isolate: true` in the source of its component gives each instance a process of its own",
         )
         for library, count in once.items()
         if count > 1 or library in _occupied

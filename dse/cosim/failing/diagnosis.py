@@ -15,6 +15,8 @@ from dse.cosim.tables.tables import Tables
 from dse.cosim.wiring.dependency import AlgebraicLoop
 from dse.domain.system import Element
 
+_OF_EVENTS = frozenset({Call.INSTANTIATE, Call.ENTER_EVENT_MODE, Call.UPDATE_DISCRETE_STATES, Call.ENTER_STEP_MODE})
+_BLAMED_ON_EVENTS = frozenset({StopReason.NO_INSTANCE, StopReason.BAD_STATUS, StopReason.ENDLESS_EVENTS})
 _OF_STARTS = frozenset({StopReason.UNFIT_START, StopReason.NO_ITEM_START})
 
 
@@ -56,8 +58,15 @@ def failed_call(failure: layout.Failure, element: Element, time: float | None, l
     else:
         needs_tool = element.model.capabilities.needs_tool
         what = words.of_call(reason, words.place(element.name, call, time), failure.status, needs_tool=needs_tool)
+        if reason in _BLAMED_ON_EVENTS and failure.progress.place.call in _OF_EVENTS and _may_do_without(element):
+            what += " (with event mode; `event_mode: off` in the source of its component does without)"
     fatal = reason is StopReason.BAD_STATUS and failure.status == FATAL
     return RunFailed(element.name, what, call, time, log, fatal)
+
+
+def _may_do_without(element: Element) -> bool:
+    """Whether it has an event mode that can be switched off, as nothing of it ticks."""
+    return element.model.ticks and not any(v.timing for v in element.model.variables.values())
 
 
 def _moment_of(failure: layout.Failure, step: float) -> float | None:

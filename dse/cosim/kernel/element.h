@@ -42,13 +42,14 @@ static void finish_fmi1_step(void *instance, int status)
 
 static void finish_fmi2_step(void *environment, int status)
 {
-    if (environment)
-        keep_step_status(environment, status);
+    Element *element = element_of(environment);
+    if (element)
+        keep_step_status(element, status);
 }
 
 static void *instantiate_fmi1(const Element *element)
 {
-    const Fmi1Callbacks callbacks = {keep_fmi1_line, calloc, free, finish_fmi1_step};
+    const Fmi1Callbacks callbacks = {keep_fmi2_line, calloc, free, finish_fmi1_step};
     return ((Fmi1Instantiate)element->instantiate)(element->name, element->token, element->resources,
                                                    "application/x-fmu-sharedlibrary", 0.0, 0, 0, callbacks, 0);
 }
@@ -72,6 +73,7 @@ static bool make_instance(System *system, int64_t e)
 {
     Element *element = &system->elements[e];
     calling = system;
+    lend(system);
     enter_call(system, e, INSTANTIATE);
     element->callbacks = (Fmi2Callbacks){keep_fmi2_line, calloc, free, finish_fmi2_step, element};
     element->system = system;

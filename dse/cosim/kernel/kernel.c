@@ -180,6 +180,7 @@ void dse_free(System *system)
     for (int64_t e = 0; e < system->n_elements; e++)
         free_instance(system, e);
     enter_call(system, 0, IDLE);
+    calling = NULL;
 }
 
 void dse_tell_line(void *environment, const char *name, int status, const char *category, const char *format, ...)

@@ -5,49 +5,73 @@
 #include "kernel.h"
 
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 
-/* Loggers of FMI 1.0 are not told whose line it is: it is the element's this thread is calling. */
-static _Thread_local const System *calling;
+static _Thread_local const System *calling; /* by this thread */
 
 static Log nobodys; /* of lines that come after their element is gone */
 
-static char *next_line(Log *log)
+/* Elements whose addresses FMUs were given, for good: their memory is never given back to the system. */
+typedef struct Lent {
+    const Element *first, *end;
+    struct Lent *before;
+} Lent;
+static Lent *lent;
+
+static void lend(const System *system)
+{
+    Lent *known = __atomic_load_n(&lent, __ATOMIC_ACQUIRE);
+    for (const Lent *each = known; each; each = each->before)
+        if (each->first == system->elements)
+            return;
+    Lent *new = malloc(sizeof *new);
+    if (!new)
+        return; /* then the FMU calls back as one that tells another address */
+    *new = (Lent){system->elements, system->elements + system->n_elements, known};
+    while (!__atomic_compare_exchange_n(&lent, &new->before, new, false, __ATOMIC_RELEASE, __ATOMIC_ACQUIRE))
+        ;
+}
+
+/* Whose callback it is. FMUs pass other things than the environment they were given: their own instance, a constant.
+ * Then, as in FMI 1.0, it is the element's that this thread is calling; NULL if it calls none. */
+static Element *element_of(void *environment)
+{
+    for (const Lent *each = __atomic_load_n(&lent, __ATOMIC_ACQUIRE); each; each = each->before) {
+        const uintptr_t at = (uintptr_t)environment - (uintptr_t)each->first;
+        if ((uintptr_t)environment >= (uintptr_t)each->first && (uintptr_t)environment < (uintptr_t)each->end &&
+            at % sizeof(Element) == 0)
+            return environment;
+    }
+    return calling ? &calling->elements[calling->progress->place.element] : NULL;
+}
+
+static char *next_line(const Element *element)
 {
     /* FMUs log from threads of their own: a line may be overwritten, never the memory beside it. */
-    if (!log)
-        log = &nobodys;
+    Log *log = element && element->log ? element->log : &nobodys;
     return log->lines[__atomic_fetch_add(&log->count, 1, __ATOMIC_RELAXED) % LOG_LINES];
 }
 
-static void keep_fmi1_line(void *instance, const char *name, int status, const char *category, const char *format, ...)
-{
-    (void)instance, (void)name, (void)status, (void)category;
-    if (!calling || !format)
-        return;
-    va_list values;
-    va_start(values, format);
-    vsnprintf(next_line(calling->elements[calling->progress->place.element].log), LOG_WIDTH, format, values);
-    va_end(values);
-}
-
+/* Of FMI 2, whose *environment* comes first, and of FMI 1.0, where the instance does. */
 static void keep_fmi2_line(void *environment, const char *name, int status, const char *category,
                            const char *format, ...)
 {
     (void)name, (void)status, (void)category;
-    if (!environment || !format)
+    if (!format)
         return;
     va_list values;
     va_start(values, format);
-    vsnprintf(next_line(((Element *)environment)->log), LOG_WIDTH, format, values);
+    vsnprintf(next_line(element_of(environment)), LOG_WIDTH, format, values);
     va_end(values);
 }
 
 static void keep_fmi3_line(void *environment, int status, const char *category, const char *message)
 {
     (void)status, (void)category;
-    if (environment && message)
-        snprintf(next_line(((Element *)environment)->log), LOG_WIDTH, "%s", message);
+    if (message)
+        snprintf(next_line(element_of(environment)), LOG_WIDTH, "%s", message);
 }
 
 #endif

@@ -3,6 +3,7 @@
 #define DSE_COSIM_SLOPES_H
 
 #include "access.h"
+#include "log.h"
 
 /* The slope of a value at the end of its wire. */
 static double slope_arriving(const Group *group, int64_t i)
@@ -86,10 +87,10 @@ static void update_between(void *environment, double time, bool set_requested, b
                            bool can_return_early, bool *return_early, double *return_time)
 {
     (void)get_allowed, (void)step_finished, (void)can_return_early, (void)return_time;
-    Element *element = environment;
+    Element *element = element_of(environment);
     if (return_early)
         *return_early = false;
-    if (!set_requested || element->broken)
+    if (!set_requested || !element || element->broken)
         return;
     element->asked++;
     element->broken = !move_inputs(element->system, element, time);

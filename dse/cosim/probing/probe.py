@@ -64,7 +64,7 @@ class _Probe:
     def facts(self) -> FmuFacts:
         model = self.model
         facts = FmuFacts(
-            model.content_hash, self.platform, model.identifier, model.version, str(model.interface),
+            model.content_hash, self.platform, model.identifier, model.version, model.manner,
             self.answers, self.reasons,
         )  # fmt: skip
         found = self._find_drive()

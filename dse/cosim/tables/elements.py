@@ -13,8 +13,9 @@ from dse.cosim.binding.abilities import Ability, abilities_of, takes_slopes
 from dse.cosim.binding.calls import Call
 from dse.cosim.binding.integration import Integration
 from dse.cosim.binding.lasting import borrow, give_back
-from dse.cosim.binding.library import about, lifecycle, load, resources
+from dse.cosim.binding.library import about, lifecycle, load
 from dse.cosim.binding.log import expanded
+from dse.cosim.binding.resources import InstanceFolder
 from dse.cosim.wiring.wiring import VariableGroup
 from dse.domain.fmu import FmiInterface
 from dse.domain.system import Element
@@ -32,6 +33,7 @@ class KernelElements:
         self._libraries = {str(e.model.library): _load(index, e, progress) for index, e in enumerate(elements)}
         self.structures, self._logs = borrow(len(elements))
         self._kept: list[object] = []
+        self._folders: list[InstanceFolder] = []
         for index, (element, structure) in enumerate(zip(elements, self.structures, strict=True)):
             with about(element.name):
                 self._fill(index, element, structure)
@@ -52,8 +54,15 @@ class KernelElements:
         """What an element has logged since the last call into the kernel began."""
         return expanded(self._logs[index].read(), self.elements[index].model)
 
+    def renew_folders(self) -> None:
+        """Before instances are made again: their folders are as they were. Raises DseError if that is not possible."""
+        for folder in self._folders:
+            folder.renew()
+
     def release(self) -> None:
-        """Give back the memory, when there are no instances any more."""
+        """Give back memory and folders, when there are no instances any more."""
+        for folder in self._folders:
+            folder.remove()
         give_back(self.structures, self._logs)
 
     def _fill(self, index: int, element: Element, structure: layout.Element) -> None:
@@ -63,7 +72,8 @@ class KernelElements:
         structure.takes_slopes = takes_slopes(model, able)
         structure.tolerance = model.experiment.tolerance or 0.0
         structure.name, structure.token = element.name.encode(), model.token.encode()
-        structure.resources = os.fsencode(resources(model))
+        self._folders.append(InstanceFolder(model))
+        structure.resources = os.fsencode(self._folders[-1].location)
         for call, where in lifecycle(model, library).items():
             setattr(structure, call.name.lower(), where)
         if model.interface is FmiInterface.MODEL_EXCHANGE:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from dse.cosim.wiring.links import clock_wires
-from dse.domain.fmu import FmiInterface
+from dse.domain.fmu import FmiInterface, Special
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.errors import Problem
 
@@ -25,6 +25,8 @@ def _cannot_tick(element: Element) -> str:
         return ""
     if element.model.interface is not FmiInterface.CO_SIMULATION:
         return "which is supported for co-simulation only"
+    if Special.NO_EVENT_MODE in element.model.special:
+        return "and its component says event_mode: off"
     return "but its FMU has no event mode (hasEventMode) to tick in"
 
 

@@ -1,5 +1,6 @@
-/* The bridge: what a Linux program loads in the place of a Windows FMU's library. It exports FMI's functions and has the
- * host make each call, which it starts in wine, in a process of its own.
+/* The bridge: what a Linux program loads in the place of an FMU's library that needs another process: one for Windows, or
+ * one that is to be isolated. It exports FMI's functions and has the host make each call, which it starts: one host in wine
+ * for all instances, or on Linux a host for each.
  *
  * If the host ends, this process ends in the same way: who runs FMUs has to expect that of any library. */
 #define _GNU_SOURCE
@@ -25,6 +26,7 @@
 #define WINE "" /* who compiles it says which */
 #endif
 OFFERED const char dse_bridge_wine[] = WINE; /* another wine computes other numbers: so this is another library */
+enum { IS_WINE = sizeof dse_bridge_wine > 1 };
 
 typedef struct {
     uint8_t *bytes;
@@ -48,8 +50,15 @@ static uint8_t *added(Room *room, size_t size)
 
 /* ---- the host ---- */
 
-static int to_host = -1, from_host = -1, life = -1; /* which stays open as long as this process wants the host */
-static pid_t warden;
+typedef struct {
+    int to, from, life; /* which stays open as long as this process wants the host */
+    pid_t warden;
+    uint64_t instance; /* the one there, where each has a host */
+} Host;
+
+static Host *host;  /* that is called at present; under *calling* */
+static Host *idle;  /* started, and without an instance */
+static char **host_command, **host_environment;
 static uint8_t exported[N_FUNCTIONS];
 OFFERED char dse_bridge_missing[LONGEST_NAME]; /* a library that the FMU's needs and that is not there, or "" */
 static pthread_mutex_t calling; /* recursive: from within an intermediate update the FMU is called, too */
@@ -59,13 +68,13 @@ static const char *const names[] = {
     FUNCTIONS(NAMED)
 };
 
-static pid_t host; /* known to the warden alone */
+static pid_t watched; /* known to the warden alone */
 
 static void host_ended(int number)
 {
     (void)number;
     int status;
-    if (waitpid(host, &status, WNOHANG) == host)
+    if (waitpid(watched, &status, WNOHANG) == watched)
         _exit(WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status));
 }
 
@@ -81,8 +90,8 @@ static _Noreturn void watch(char *const *command, char *const *environment, int 
     signal(SIGCHLD, host_ended);
     sigset_t none;
     sigemptyset(&none);
-    host = fork();
-    if (host == 0) {
+    watched = fork();
+    if (watched == 0) {
         prctl(PR_SET_PDEATHSIG, SIGKILL);
         signal(SIGCHLD, SIG_DFL);
         sigprocmask(SIG_SETMASK, &none, NULL);
@@ -97,12 +106,12 @@ static _Noreturn void watch(char *const *command, char *const *environment, int 
     while (read(3, &byte, 1) < 0 && errno == EINTR)
         host_ended(0);
     signal(SIGCHLD, SIG_DFL);
-    kill(host, SIGKILL);
-    waitpid(host, NULL, 0);
+    kill(watched, SIGKILL);
+    waitpid(watched, NULL, 0);
     _exit(0);
 }
 
-static bool start(char *const *command, char *const *environment)
+static bool start(Host *new)
 {
     int requests[2], replies[2], lives[2];
     if (pipe2(requests, O_CLOEXEC) || pipe2(replies, O_CLOEXEC) || pipe2(lives, O_CLOEXEC))
@@ -110,17 +119,17 @@ static bool start(char *const *command, char *const *environment)
     sigset_t all, before;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    warden = fork();
-    if (warden == 0)
-        watch(command, environment, requests[0], replies[1], lives[0]);
+    new->warden = fork();
+    if (new->warden == 0)
+        watch(host_command, host_environment, requests[0], replies[1], lives[0]);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     close(requests[0]);
     close(replies[1]);
     close(lives[0]);
-    life = lives[1];
-    to_host = requests[1];
-    from_host = replies[0];
-    return warden > 0;
+    new->life = lives[1];
+    new->to = requests[1];
+    new->from = replies[0];
+    return new->warden > 0;
 }
 
 /* How a process ends on Linux where it does so on Windows (NTSTATUS). */
@@ -149,8 +158,8 @@ static _Noreturn void crash(int number)
 static int ended(void)
 {
     int status;
-    close(to_host);
-    return waitpid(warden, &status, 0) == warden && WIFEXITED(status) ? WEXITSTATUS(status) : 255;
+    close(host->to);
+    return waitpid(host->warden, &status, 0) == host->warden && WIFEXITED(status) ? WEXITSTATUS(status) : 255;
 }
 
 static void end_as_host(void)
@@ -164,7 +173,7 @@ static void end_as_host(void)
 static bool receive(void *to, size_t size)
 {
     for (ssize_t got; size; to = (uint8_t *)to + got, size -= (size_t)got) {
-        got = read(from_host, to, size);
+        got = read(host->from, to, size);
         if (got == 0 || (got < 0 && errno != EINTR))
             return false;
         if (got < 0)
@@ -176,7 +185,7 @@ static bool receive(void *to, size_t size)
 static void send_bytes(const void *bytes, size_t size)
 {
     for (ssize_t put; size; bytes = (const uint8_t *)bytes + put, size -= (size_t)put) {
-        put = write(to_host, bytes, size);
+        put = write(host->to, bytes, size);
         if (put < 0 && errno != EINTR)
             end_as_host();
         if (put < 0)
@@ -184,36 +193,65 @@ static void send_bytes(const void *bytes, size_t size)
     }
 }
 
-/* Start the host by *command* with *environment*. 0 if it has the library, else Windows' error; -1 - code if it ended with
- * that code. */
+/* Start a host, from now on the one that is called. 0 if it has the library, else an error of its system; -1 - code if it
+ * ended with that code. */
+static int64_t open_host(void)
+{
+    Head head;
+    host = calloc(1, sizeof *host);
+    if (!host || !start(host))
+        return -1 - 255;
+    if (!receive(&head, sizeof head))
+        return -1 - ended();
+    if (head.kind == CRASHED)
+        crash(signal_of(head.value));
+    if (!receive(exported, sizeof exported) || !receive(dse_bridge_missing, sizeof dse_bridge_missing))
+        return -1 - ended();
+    return (int64_t)head.value;
+}
+
+static void close_host(Host *old)
+{
+    close(old->life);
+    waitpid(old->warden, NULL, 0);
+    close(old->to);
+    close(old->from);
+    free(old);
+}
+
+static char **copied(char *const *texts)
+{
+    size_t count = 0;
+    while (texts[count])
+        count++;
+    char **copy = calloc(count + 1, sizeof *copy);
+    for (size_t i = 0; copy && i < count; i++)
+        copy[i] = strdup(texts[i]);
+    return copy;
+}
+
+/* Have the host started by *command* with *environment*, once; as open_host. */
 OFFERED int64_t dse_bridge_open(char *const *command, char *const *environment)
 {
     static int64_t came_to;
-    if (warden)
+    if (host_command)
         return came_to;
     pthread_mutexattr_t recursive;
     pthread_mutexattr_init(&recursive);
     pthread_mutexattr_settype(&recursive, PTHREAD_MUTEX_RECURSIVE);
     pthread_mutex_init(&calling, &recursive);
-    Head head;
-    if (!start(command, environment))
-        return came_to = -1 - 255;
-    if (!receive(&head, sizeof head))
-        return came_to = -1 - ended();
-    if (head.kind == CRASHED)
-        crash(signal_of(head.value));
-    if (!receive(exported, sizeof exported) || !receive(dse_bridge_missing, sizeof dse_bridge_missing))
-        return came_to = -1 - ended();
-    return came_to = (int64_t)head.value;
+    host_command = copied(command);
+    host_environment = copied(environment);
+    came_to = host_command && host_environment ? open_host() : -1 - 255;
+    idle = host;
+    return came_to;
 }
 
-/* The host goes with the library. */
+/* The host that waits goes with the library, the others when this process ends. */
 __attribute__((destructor)) static void leave(void)
 {
-    if (warden > 0) {
-        close(life);
-        waitpid(warden, NULL, 0);
-    }
+    if (idle && idle->warden > 0)
+        close_host(idle);
 }
 
 /* Whether the FMU's library has the function *name*. */
@@ -298,7 +336,9 @@ static Head returned(void)
             return head;
         if (head.kind == CRASHED)
             crash(signal_of(head.value));
-        const Callbacks to = known[head.number]; /* what it calls may make another instance */
+        Callbacks to = known[head.number < n_known ? head.number : 0]; /* what it calls may make another instance */
+        if (head.number >= n_known)
+            to.fmi2.environment = NULL; /* the FMU passed another one than it was given */
         if (head.kind == LOGGED)
             log_line(&to, &head);
         else if (head.kind == BETWEEN)
@@ -349,6 +389,8 @@ static uint64_t add_texts(const char *const *given, const size_t *sizes, size_t 
 /* Where wine finds what lies at *place*, a URI or a path. */
 static uint64_t add_place(const char *place)
 {
+    if (!IS_WINE)
+        return add_bytes(place, strlen(place) + 1);
     const bool is_uri = strncmp(place, "file://", 7) == 0;
     const char *path = is_uri ? place + 7 : place, *drive = is_uri ? "file:///Z:" : "Z:";
     const size_t before = strlen(drive), size = strlen(path) + 1;
@@ -496,6 +538,18 @@ static void unpack(const Head *head, const Call *call, const Output *outputs, in
     }
 }
 
+static bool makes(uint32_t function)
+{
+    return function == NUMBER_OF_fmi2Instantiate || function == NUMBER_OF_fmi3InstantiateCoSimulation ||
+           function == NUMBER_OF_fmi3InstantiateModelExchange;
+}
+
+static bool ends(uint32_t function)
+{
+    return function == NUMBER_OF_fmi2FreeInstance || function == NUMBER_OF_fmi3FreeInstance;
+}
+
+/* Where each instance has a host, that is what the caller knows it by. */
 static uint64_t forward(uint32_t function, const char *parameters, const uint64_t *integers, const double *doubles)
 {
     uint64_t given[MOST_PARAMETERS];
@@ -503,10 +557,28 @@ static uint64_t forward(uint32_t function, const char *parameters, const uint64_
     Output outputs[MOST_PARAMETERS];
     sort(parameters, integers, doubles, given);
     pthread_mutex_lock(&calling);
-    const int n_outputs = pack(parameters, given, &call, outputs);
-    send_call(function, &call);
-    const Head head = returned();
-    unpack(&head, &call, outputs, n_outputs);
+    Host *const before = host; /* of the call that this one is made from within */
+    if (IS_WINE)
+        host = idle;
+    else if (makes(function) && !idle && open_host() != 0)
+        host = NULL;
+    else if (makes(function))
+        host = idle ? idle : host, idle = NULL;
+    else
+        host = (Host *)given[0], given[0] = host->instance;
+    Head head = {0};
+    if (host) {
+        const int n_outputs = pack(parameters, given, &call, outputs);
+        send_call(function, &call);
+        head = returned();
+        unpack(&head, &call, outputs, n_outputs);
+    }
+    if (!IS_WINE && makes(function) && head.value) {
+        host->instance = head.value;
+        head.value = (uintptr_t)host;
+    } else if (!IS_WINE && host && (makes(function) || ends(function)))
+        close_host(host);
+    host = before;
     pthread_mutex_unlock(&calling);
     return head.value;
 }

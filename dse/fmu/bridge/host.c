@@ -1,25 +1,38 @@
-/* The host: a program for Windows that loads the library of an FMU and calls it for the bridge, which started it in wine.
+/* The host: a program that loads the library of an FMU and calls it for the bridge, which started it: on Linux by itself,
+ * or a program for Windows, in wine.
  *
- * It knows nothing of FMI's functions but their names: parameters come as the 64 bits they are passed in. */
+ * It knows nothing of FMI's functions but their names and, on Linux, which parameters are doubles: parameters come as the
+ * 64 bits they are passed in. */
+#define _GNU_SOURCE
 #include "frame.h"
 #include "functions.h"
 
-#include <io.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef _WIN32
+#include <io.h>
 #include <windows.h>
-
-static HANDLE from_bridge, to_bridge;
-static CRITICAL_SECTION sending;
+#else
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <unistd.h>
+#endif
 
 static const char *const names[] = {
 #define NAMED(name, parameters) #name,
     FUNCTIONS(NAMED)
 };
-static FARPROC functions[N_FUNCTIONS];
+typedef void (*Function)(void);
+static Function functions[N_FUNCTIONS];
+static size_t take(void *to, size_t size);          /* from the bridge: how many bytes there were, 0 if it is gone */
+static size_t give(const void *bytes, size_t size); /* to the bridge, likewise */
+static _Noreturn void leave(int code);              /* at once */
+static void hold_line(bool begins);                 /* FMUs log from threads of their own */
 
 typedef struct {
     uint8_t *bytes;
@@ -31,7 +44,7 @@ static void *with_room(Room *room, size_t size)
     if (room->room < size) {
         room->bytes = realloc(room->bytes, room->room = 2 * size + 256);
         if (!room->bytes)
-            ExitProcess(ERROR_OUTOFMEMORY);
+            leave(14); /* Windows' number for it */
     }
     return room->bytes;
 }
@@ -40,16 +53,16 @@ static void *with_room(Room *room, size_t size)
 
 static void receive(void *to, size_t size)
 {
-    for (DWORD got; size; to = (uint8_t *)to + got, size -= got)
-        if (!ReadFile(from_bridge, to, size < 1 << 30 ? (DWORD)size : 1 << 30, &got, NULL) || !got)
-            TerminateProcess(GetCurrentProcess(), 0); /* nobody is there any more */
+    for (size_t got; size; to = (uint8_t *)to + got, size -= got)
+        if (!(got = take(to, size)))
+            leave(0); /* nobody is there any more */
 }
 
 static void write_all(const void *bytes, size_t size)
 {
-    for (DWORD put; size; bytes = (const uint8_t *)bytes + put, size -= put)
-        if (!WriteFile(to_bridge, bytes, size < 1 << 30 ? (DWORD)size : 1 << 30, &put, NULL))
-            TerminateProcess(GetCurrentProcess(), 0);
+    for (size_t put; size; bytes = (const uint8_t *)bytes + put, size -= put)
+        if (!(put = give(bytes, size)))
+            leave(0);
 }
 
 /* *room* begins with room for a head. */
@@ -57,9 +70,9 @@ static void send_frame(Room *room, uint32_t kind, uint32_t number, uint64_t valu
 {
     const Head head = {kind, number, size, value};
     memcpy(room->bytes, &head, sizeof head);
-    EnterCriticalSection(&sending); /* FMUs log from threads of their own */
+    hold_line(true);
     write_all(room->bytes, sizeof head + size);
-    LeaveCriticalSection(&sending);
+    hold_line(false);
 }
 
 /* ---- callbacks ---- */
@@ -168,14 +181,39 @@ static double as_double(uint64_t bits)
     return value;
 }
 
+#ifdef _WIN32
 /* Where a function takes a variable number of arguments, doubles are passed as integers, too: so the one call serves every
  * function, whichever of its parameters are doubles, and takes no harm from those that are too many (Microsoft's x64
  * calling convention). */
-static uint64_t call(FARPROC function, const uint64_t *p)
+static uint64_t call(uint32_t number, const uint64_t *p)
 {
-    return ((uint64_t(*)(uint64_t, ...))(void *)function)(p[0], as_double(p[1]), as_double(p[2]), as_double(p[3]), p[4],
-                                                          p[5], p[6], p[7], p[8], p[9], p[10], p[11]);
+    return ((uint64_t(*)(uint64_t, ...))(void *)functions[number])(p[0], as_double(p[1]), as_double(p[2]), as_double(p[3]),
+                                                                   p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11]);
 }
+#else
+static const char *const signatures[] = {
+#define SIGNED(name, parameters) parameters,
+    FUNCTIONS(SIGNED)
+};
+
+/* Integers and addresses go in other registers than doubles, each in their order: the bridge's own functions the other way
+ * round (System V's ABI, and that of Arm). */
+static uint64_t call(uint32_t number, const uint64_t *p)
+{
+    uint64_t i[MOST_PARAMETERS] = {0};
+    double d[3] = {0};
+    int n_integers = 0, n_doubles = 0;
+    for (const char *each = signatures[number]; *each; each += *each == '<' || *each == '>' ? 3 : 1, p++)
+        if (*each == 'd')
+            d[n_doubles++] = as_double(*p);
+        else
+            i[n_integers++] = *p;
+    typedef uint64_t Any(uint64_t, uint64_t, uint64_t, uint64_t, uint64_t, uint64_t, double, double, double, uint64_t,
+                         uint64_t, uint64_t, uint64_t, uint64_t, uint64_t);
+    return ((Any *)functions[number])(i[0], i[1], i[2], i[3], i[4], i[5], d[0], d[1], d[2], i[6], i[7], i[8], i[9], i[10],
+                                      i[11]);
+}
+#endif
 
 /* Add the texts behind what is sent back: size, bytes and a zero each. */
 static size_t add_texts(Room *room, size_t size, const Call *given, const uint8_t *data)
@@ -203,7 +241,7 @@ static void answer(const Head *head, uint8_t *frame, Room *reply)
         uint64_t *at = (uint64_t *)((link->to == TO_DATA_IN_DATA ? data : frame) + link->at);
         *at = linked(link->to, *at, data);
     }
-    const uint64_t value = call(functions[head->number], given->parameters);
+    const uint64_t value = call(head->number, given->parameters);
     const size_t sent = given->data_size - given->out_from;
     size_t size = sizeof(Head) + sent;
     memcpy((uint8_t *)with_room(reply, size) + sizeof(Head), data + given->out_from, sent);
@@ -232,6 +270,53 @@ static Update serve(void)
 }
 
 /* ---- the process ---- */
+
+/* Tell which functions *library* has, and what is *missing* for it; *error* is not 0 if it is not there. */
+static void report(void *library, uint32_t error, const char *missing, Function (*find)(void *, const char *))
+{
+    Room room = {0};
+    uint8_t *has = (uint8_t *)with_room(&room, sizeof(Head) + N_FUNCTIONS + LONGEST_NAME) + sizeof(Head);
+    memset(has, 0, N_FUNCTIONS + LONGEST_NAME);
+    strncpy((char *)has + N_FUNCTIONS, missing, LONGEST_NAME - 1);
+    for (int i = 0; i < N_FUNCTIONS; i++) {
+        functions[i] = library ? find(library, names[i]) : NULL;
+        has[i] = functions[i] != NULL;
+    }
+    send_frame(&room, READY, 0, error, N_FUNCTIONS + LONGEST_NAME);
+    free(room.bytes);
+    if (library)
+        serve();
+}
+
+#ifdef _WIN32
+static HANDLE from_bridge, to_bridge;
+static CRITICAL_SECTION sending;
+
+static size_t take(void *to, size_t size)
+{
+    DWORD got = 0;
+    return ReadFile(from_bridge, to, size < 1 << 30 ? (DWORD)size : 1 << 30, &got, NULL) ? got : 0;
+}
+
+static size_t give(const void *bytes, size_t size)
+{
+    DWORD put = 0;
+    return WriteFile(to_bridge, bytes, size < 1 << 30 ? (DWORD)size : 1 << 30, &put, NULL) ? put : 0;
+}
+
+static _Noreturn void leave(int code)
+{
+    TerminateProcess(GetCurrentProcess(), (UINT)code);
+    abort();
+}
+
+static void hold_line(bool begins)
+{
+    if (begins)
+        EnterCriticalSection(&sending);
+    else
+        LeaveCriticalSection(&sending);
+}
 
 static LONG WINAPI crash(EXCEPTION_POINTERS *what)
 {
@@ -273,6 +358,11 @@ static void find_missing(const wchar_t *path, char *missing)
         }
 }
 
+static Function find(void *library, const char *name)
+{
+    return (Function)(void *)GetProcAddress((HMODULE)library, name);
+}
+
 int wmain(int n, wchar_t **arguments)
 {
     InitializeCriticalSection(&sending);
@@ -281,18 +371,64 @@ int wmain(int n, wchar_t **arguments)
     SetUnhandledExceptionFilter(crash);
     HMODULE library = n == 2 ? LoadLibraryExW(arguments[1], NULL, LOAD_WITH_ALTERED_SEARCH_PATH) : NULL;
     const DWORD error = library ? 0 : GetLastError();
-    Room room = {0};
-    uint8_t *has = (uint8_t *)with_room(&room, sizeof(Head) + N_FUNCTIONS + LONGEST_NAME) + sizeof(Head);
-    memset(has, 0, N_FUNCTIONS + LONGEST_NAME);
+    char missing[LONGEST_NAME] = "";
     if (error == ERROR_MOD_NOT_FOUND)
-        find_missing(arguments[1], (char *)has + N_FUNCTIONS);
-    for (int i = 0; i < N_FUNCTIONS; i++) {
-        functions[i] = library ? GetProcAddress(library, names[i]) : NULL;
-        has[i] = functions[i] != NULL;
-    }
-    send_frame(&room, READY, 0, error, N_FUNCTIONS + LONGEST_NAME);
-    free(room.bytes);
-    if (library)
-        serve();
+        find_missing(arguments[1], missing);
+    report(library, error, missing, find);
     return 0;
 }
+#else
+static int from_bridge, to_bridge;
+static pthread_mutex_t sending = PTHREAD_MUTEX_INITIALIZER;
+
+static size_t take(void *to, size_t size)
+{
+    ssize_t got;
+    do
+        got = read(from_bridge, to, size);
+    while (got < 0 && errno == EINTR);
+    return got < 0 ? 0 : (size_t)got;
+}
+
+static size_t give(const void *bytes, size_t size)
+{
+    ssize_t put;
+    do
+        put = write(to_bridge, bytes, size);
+    while (put < 0 && errno == EINTR);
+    return put < 0 ? 0 : (size_t)put;
+}
+
+static _Noreturn void leave(int code)
+{
+    _exit(code);
+}
+
+static void hold_line(bool begins)
+{
+    if (begins)
+        pthread_mutex_lock(&sending);
+    else
+        pthread_mutex_unlock(&sending);
+}
+
+static Function find(void *library, const char *name)
+{
+    Function found;
+    *(void **)&found = dlsym(library, name);
+    return found;
+}
+
+int main(int n, char **arguments)
+{
+    /* What the FMU prints must not come between the frames, and what it starts must not keep them. */
+    from_bridge = fcntl(0, F_DUPFD_CLOEXEC, 3);
+    to_bridge = fcntl(1, F_DUPFD_CLOEXEC, 3);
+    const int nothing = open("/dev/null", O_RDONLY);
+    dup2(nothing, 0);
+    dup2(2, 1);
+    void *library = n == 2 ? dlopen(arguments[1], RTLD_NOW) : NULL;
+    report(library, library == NULL, library ? "" : dlerror(), find);
+    return 0;
+}
+#endif

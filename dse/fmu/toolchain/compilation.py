@@ -108,12 +108,12 @@ def link_library(compiler: Compiler, objects: Mapping[str, bytes], library: str)
     return _made(compiler, objects, [*_link_options(compiler), *objects], library, _libraries(compiler))
 
 
-def compile_program(compiler: Compiler, files: Mapping[str, bytes], unit: str, program: str) -> bytes:
-    """The Windows program *program* made of *unit* by a *compiler* for Windows, which sees no other files than *files*.
+def compile_program(compiler: Compiler, files: Mapping[str, bytes], unit: str, program: str, *extra: str) -> bytes:
+    """The program *program* made of *unit*, which sees no other files than *files*, with the options *extra* behind it.
 
     Raises CompilationError.
     """
-    arguments = [*LANGUAGE_OPTIONS, "-s", "-municode", *compiler.link_options, unit]
+    arguments = [*LANGUAGE_OPTIONS, "-s", *compiler.link_options, unit, *extra]
     return _made(compiler, files, arguments, program, ())
 
 

@@ -123,6 +123,11 @@ def definition(unit: NamedUnit) -> UnitDefinition:
     return usual if is_usual else written
 
 
+def is_known(unit: NamedUnit) -> bool:
+    """Whether *unit* has a meaning: its file defines it, or its name is usual."""
+    return unit.definition is not None or _usual(unit.name) is not None
+
+
 def _usual(name: str) -> UnitDefinition | None:
     try:
         known = parse_unit(name)

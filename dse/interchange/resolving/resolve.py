@@ -16,6 +16,7 @@ from dse.interchange.resolving.network import Endpoint, Models, Network, Way, ne
 from dse.interchange.resolving.osmp import with_binaries
 from dse.interchange.resolving.routes import Route, carried, forms_along, label_of, routes_to
 from dse.interchange.resolving.signals import Signal, signals_of
+from dse.interchange.resolving.units import take_declared_units
 from dse.interchange.resolving.values import TYPED, Settled, assignments, named, settle
 from dse.interchange.structure import Assignment, ParameterValue, SspSystem
 from dse.system import along_the_flow, resized
@@ -58,10 +59,11 @@ def system_of(
     problems: list[Problem] = []
     notes, ignored = list(ssp.notes), list(ssp.ignored)
     network = network_of(ssp.system, models)
+    given = assignments(network, notes, problems) | _typed(network, settings or {}, problems)
+    notes += take_declared_units(network, given)
     problems += interface_problems(network)
     for way, component in network.components.items():
         ignored += [of_fmu(component, problem) for problem in network.models[way].ignored]
-    given = assignments(network, notes, problems) | _typed(network, settings or {}, problems)
     network.models = _resized(network, given, problems)
     problems += connector_problems(network, given, ignored)
     raise_if_any(problems)

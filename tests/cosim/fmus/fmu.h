@@ -84,11 +84,15 @@ static void say(Model *m, const char *text, int number)
 }
 
 static int alive;
+static const char *resources_told; /* to the instance that is made */
 
 static Model *fresh(Model *m, Logger log, void *environment, const char *token)
 {
     set_defaults(m);
     m->log = log;
+#ifdef ASTRAY
+    environment = (void *)(intptr_t)1; /* as FMUs do that pass their own handle on */
+#endif
     m->environment = environment;
     if (strcmp(token, "the token") != 0) {
         say(m, "wrong token", 7);
@@ -109,6 +113,7 @@ EXPORT void *NAME(InstantiateSlave)(const char *name, const char *token, const c
     (void)visible, (void)logging;
     if (!name || !mime_type || timeout != 0 || interactive || strncmp(location, "file://", 7) != 0)
         return NULL;
+    resources_told = location;
     Model *m = callbacks.allocate(1, sizeof *m);
     m->release = callbacks.release;
     m->finished = callbacks.finished;
@@ -129,6 +134,7 @@ EXPORT void *fmi2Instantiate(const char *name, int type, const char *token, cons
     (void)visible, (void)logging;
     if (!name || type != 1 || strncmp(resources, "file://", 7) != 0)
         return NULL;
+    resources_told = resources;
     Model *m = callbacks->allocate(1, sizeof *m);
     m->release = callbacks->release;
     m->finished = callbacks->finished;
@@ -150,12 +156,13 @@ EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token, co
                                          size_t n_intermediate, void *environment, Logger log, void *update)
 {
     (void)visible, (void)logging, (void)intermediate;
-#ifndef HAS_EVENTS
+#if !defined(HAS_EVENTS) || defined(REFUSES_EVENTS)
     if (events || early)
         return NULL;
 #endif
     if (!name || (n_intermediate && !update) || strchr("/\\", resources[strlen(resources) - 1]) == NULL)
         return NULL;
+    resources_told = resources;
     Model *m = calloc(1, sizeof *m);
     m->release = free;
     m->uses_events = events;

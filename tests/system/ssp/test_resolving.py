@@ -25,7 +25,7 @@ from ssp_packages import (
 )
 
 from dse.domain.component import Kind
-from dse.domain.fmu import FmiInterface
+from dse.domain.fmu import FmiInterface, UnitDefinition
 from dse.errors import DseError
 from dse.interchange.resolving.carry import Carry
 
@@ -105,6 +105,43 @@ def test_units_are_converted_between_fmus(tmp_path):
     # 3.6 km/h is 1 m/s; the factor is rounded once.
     assert math.isclose(wire.factor * 3.6, 1.0, rel_tol=1e-15)
     assert wire.offset == 0.0
+
+
+BRACKETED = {"[m]": UnitDefinition(exponents={"m": 1}), "[mm]": UnitDefinition(1e-3, exponents={"m": 1})}
+IN_METRES = {
+    "m": model("m", variable("u", "input", unit="m"), variable("y", "output", unit="[m]"), units=BRACKETED),
+    "bare": model("bare", variable("u", "input"), variable("y", "output")),
+}
+LEVEL = (
+    '<ssd:Connectors><ssd:Connector name="level" kind="input"><ssc:Real unit="UNIT"/></ssd:Connector></ssd:Connectors>'
+)
+NOTE = "the unit '{}' is not defined in the package: it means what its FMUs declare"
+
+
+def levelled(unit: str) -> str:
+    inner = elements(component("a", "input u", source="resources/m.fmu"))
+    return description(LEVEL.replace("UNIT", unit) + inner + connections(connection(".level", "a.u")))
+
+
+def test_a_unit_that_only_an_fmu_declares_is_taken_and_told(tmp_path):
+    own = bindings(binding(parameter_set("level Real 1500 [mm]")))
+    text = levelled("[m]").replace("</ssd:System>", f"{own}</ssd:System>")
+    found = resolved(tmp_path, text, IN_METRES)
+    assert math.isclose(dict(found.structure.element("a").start)["u"], 1.5, rel_tol=1e-15)
+    assert [note.what for note in found.notes] == [NOTE.format("[m]"), NOTE.format("[mm]")]
+    assert all(".ssd" in str(note.where) for note in found.notes)
+
+
+def test_a_unit_that_nothing_declares_or_two_fmus_mean_differently_is_refused(tmp_path):
+    own = bindings(binding(parameter_set("level Real 1500 m")))
+    text = levelled("[ell]").replace("</ssd:System>", f"{own}</ssd:System>")
+    assert "the unit '[ell]' is defined nowhere" in problems(tmp_path, text, IN_METRES)[0]
+    other = model("other", variable("u", "input"), units={"[m]": UnitDefinition(2.0, exponents={"m": 1})})
+    third = model("third", variable("u", "input", unit="m"))
+    inner = elements(component("m", "input u"), component("other", "input u"), component("third", "input u"))
+    text = description(LEVEL.replace("UNIT", "[m]") + inner + connections(connection(".level", "third.u")) + own)
+    given = IN_METRES | {"other": other, "third": third}
+    assert "the unit '[m]' is defined nowhere" in problems(tmp_path, text, given)[0]
 
 
 def test_suppressing_the_conversion_passes_the_number(tmp_path):
