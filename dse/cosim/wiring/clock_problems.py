@@ -26,7 +26,7 @@ def _cannot_tick(element: Element) -> str:
     if element.model.interface is not FmiInterface.CO_SIMULATION:
         return "which is supported for co-simulation only"
     if Special.NO_EVENT_MODE in element.model.special:
-        return "and its component says event_mode: off"
+        return "and its component has event_mode: off"
     return "but its FMU has no event mode (hasEventMode) to tick in"
 
 
