@@ -16,7 +16,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
-from dse.errors import fail
+from dse.errors import fail, remedy
 
 _NAME = re.compile(r"\.?dse-(?P<place>[0-9a-f]{8})-(?P<process>\d+)-(?P<start>\d+)-")
 
@@ -30,7 +30,8 @@ class ScratchFolder(tempfile.TemporaryDirectory[str]):
             super().__init__(prefix=name_of_mine(), ignore_cleanup_errors=True)
         except OSError as error:
             what = f"no temporary folder can be made: {error.strerror or error}"
-            raise fail(what, hint="set TMPDIR to a folder that exists, has space and may be written") from error
+            hint = remedy(error.errno, "set TMPDIR to a folder that exists, has space and may be written")
+            raise fail(what, hint=hint) from error
 
 
 def name_of_mine() -> str:
@@ -108,7 +109,8 @@ def written_whole(target: Path) -> Iterator[Path]:
         if not is_special:
             aside.replace(real)
     except OSError as error:
-        raise fail(f"cannot write {target}: {error.strerror or error}", hint="choose another place with -o") from error
+        hint = remedy(error.errno, "choose another place with -o")
+        raise fail(f"cannot write {target}: {error.strerror or error}", hint=hint) from error
     finally:
         if not is_special:
             with suppress(OSError):
@@ -121,7 +123,7 @@ def make_folder(path: Path) -> None:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         what = f"cannot make the folder {path}: {error.strerror or error}"
-        raise fail(what, hint="choose another place with -o") from error
+        raise fail(what, hint=remedy(error.errno, "choose another place with -o")) from error
 
 
 def write_whole(target: Path, content: str | bytes) -> None:

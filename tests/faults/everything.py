@@ -90,7 +90,7 @@ def _try(options: argparse.Namespace) -> None:
     with tempfile.TemporaryDirectory() as scratch, options.file.open("a", encoding="utf-8", buffering=1) as lines:
         compiled = Path(scratch, "compiled")
         compiled.mkdir()
-        compile_cache.use(compiled)
+        compile_cache.use(compiled, optimized=True)
         studies = Studies(Path(scratch), shim.build(Path(scratch)))
         for scenario in (SCENARIOS[index] for index in options.scenario):
             counts = studies.counts(scenario)
