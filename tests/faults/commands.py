@@ -11,17 +11,16 @@ import json
 import os
 import re
 import shutil
-import sys
 import tempfile
-import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import asdict, dataclass
+from itertools import product
 from pathlib import Path
 from subprocess import CompletedProcess
 
 import compile_cache
 from command_line import run_dse
-from faults import shim
+from faults import page, shim
 from faults.undisturbed import PATIENCE, WORKSPACE, Case, litter, results_of, wrong_in
 
 from dse.errors import DseError
@@ -90,6 +89,7 @@ class Commands:
         shutil.copytree(WORKSPACE, self._workspace)
         self._expected: dict[str, Mapping[str, bytes]] = {}
         self._left: dict[str, set[str]] = {}
+        self._counts: dict[str, dict[tuple[str, str], int]] = {}
         described = folder / "plugin" / "pool-1.dist-info"
         described.mkdir(parents=True)
         (described / "METADATA").write_text("Metadata-Version: 2.1\nName: pool\nVersion: 1\n")
@@ -101,9 +101,13 @@ class Commands:
 
     def counts(self, name: str) -> dict[tuple[str, str], int]:
         """How many calls there are by role and kind; a few more or less the next time."""
-        self._lay_out(name)
-        self._carry_out(name, None)
-        return shim.told(self._place / "control").counts
+        if name not in self._counts:
+            # The first time the process that carries out commands imports what they need.
+            for _ in range(2):
+                self._lay_out(name)
+                self._carry_out(name, None)
+            self._counts[name] = shim.told(self._place / "control").counts
+        return self._counts[name]
 
     def disturbed(self, name: str, fault: shim.Fault) -> Case:
         """The command *name* with *fault*, and once more without."""
@@ -179,45 +183,42 @@ def _first_difference(found: bytes, expected: bytes) -> str:
     return f"{found[max(0, at - 80) : at + 40]!r} for {expected[at : at + 40]!r}"
 
 
+def tried(commands: Commands, name: str, every: int, first: int, known: Container[str]) -> Iterator[Case]:
+    """What came of n = *first*, *first* + *every* … 300 for each error and process; those *known* are left out."""
+    counts = commands.counts(name)
+    for role, kind in product(shim.ROLES[:2], ERRORS):
+        for nth in range(first, min(LARGEST, counts[role, kind]) + 1, every):
+            fault = shim.Fault(kind, role, ERRORS[kind], nth, shim.EACH)
+            if f"{name}: {fault}" not in known:
+                yield commands.disturbed(name, fault)
+
+
 def main() -> None:
     """Try them."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--command", nargs="*", default=COMMANDS)
-    parser.add_argument("--kind", nargs="*", default=ERRORS)
-    parser.add_argument("--role", nargs="*", default=shim.ROLES[:2])
     parser.add_argument("--every", type=int, default=1)
     parser.add_argument("--first", type=int, default=1)
-    parser.add_argument("--minutes", type=float, default=1e9, help="end after so many")
     parser.add_argument("--file", type=Path, default=Path("out/commands.jsonl"))
+    parser.add_argument("--write", action="store_true", help="put what is in the file into docs/trust.md, too")
     options = parser.parse_args()
     options.file.parent.mkdir(parents=True, exist_ok=True)
     options.file.touch()
-    known = {(line["command"], line["name"]) for line in map(json.loads, options.file.open(encoding="utf-8"))}
-    until = time.monotonic() + 60 * options.minutes
+    known = {line["name"] for line in map(json.loads, options.file.open(encoding="utf-8"))}
     with tempfile.TemporaryDirectory() as scratch, options.file.open("a", encoding="utf-8", buffering=1) as lines:
         compiled = Path(scratch, "compiled")
         compiled.mkdir()
         compile_cache.use(compiled, optimized=True)
         commands = Commands(Path(scratch), shim.build(Path(scratch)))
         for name in options.command:
-            commands.counts(name)
-            counts = commands.counts(name)
-            print(name, {key: n for key, n in counts.items() if key[1] in ERRORS}, flush=True)
-            for role in options.role:
-                for kind in options.kind:
-                    for nth in range(options.first, min(LARGEST, counts[role, kind]) + 1, options.every):
-                        fault = shim.Fault(kind, role, ERRORS[kind], nth, shim.EACH)
-                        if (name, str(fault)) in known:
-                            continue
-                        case = commands.disturbed(name, fault)
-                        if not case.happened:
-                            break
-                        lines.write(json.dumps(asdict(case) | {"command": name, "name": str(fault)}) + "\n")
-                        if case.wrong or case.litter:
-                            print(f"{name}: {fault}: {case.call}\n    {case.wrong} {case.litter}", flush=True)
-                        if time.monotonic() > until:
-                            return
+            for case in tried(commands, name, options.every, options.first, known):
+                told = asdict(case) | {"command": name, "name": f"{name}: {case.fault}"}
+                lines.write(json.dumps(told) + "\n")
+                if case.wrong or case.litter:
+                    print(f"{name}: {case.fault}: {case.call}\n    {case.wrong} {case.litter}", flush=True)
+    if options.write:
+        page.write("commands", page.table_of_commands(map(json.loads, options.file.open(encoding="utf-8"))))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

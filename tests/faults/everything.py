@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Container, Iterable, Iterator
@@ -82,6 +84,7 @@ def main() -> None:
     finally:
         if options.write:
             page.write("faults", page.table_of_faults(map(json.loads, options.file.open(encoding="utf-8"))))
+            subprocess.run([sys.executable, "-m", "faults.commands", "--write"], check=True)
 
 
 def _try(options: argparse.Namespace) -> None:
