@@ -126,7 +126,8 @@ def lay_out(path: Path, header: StudyHeader) -> None:
     except (ValueError, RecursionError) as error:  # the latter while it is written
         raise fail(f"the study cannot be stored: {error}", Location(str(path))) from error
     aside = path / f"{NAME}.part"
-    aside.unlink(missing_ok=True)
+    with located(path):
+        aside.unlink(missing_ok=True)
     with located(path), closing(sqlite3.connect(aside, isolation_level=None)) as connection:
         # A journal beside it, left by a killed process, would be no part of the next one's.
         connection.execute("PRAGMA journal_mode = MEMORY")
