@@ -53,8 +53,9 @@ def commands(tmp_path_factory: pytest.TempPathFactory) -> Commands:
 
 
 SAMPLE = (
-    *product(("report", "merge", "build"), ("coordinator",), ERRORS, (0.2, 0.6)),
-    *product(("explore",), ("coordinator", "worker"), ERRORS, (0.5,)),
+    *product(("report", "merge", "build"), ("coordinator",), ERRORS, (0.4,)),
+    *product(("explore",), ("coordinator",), ERRORS, (0.5,)),
+    *product(("explore",), ("worker",), ("full", "broken"), (0.1,)),
     ("explore, two workers", "worker", "denied", 0.3),
     ("explore, a pool of processes", "coordinator", "full", 0.7),
     ("explore, Dask", "worker", "files", 0.6),

@@ -133,7 +133,7 @@ def _not_started(error: BaseException) -> DseError:
     while cause is not None and not isinstance(cause, OSError):
         cause = cause.__cause__ or cause.__context__
     what = f"Dask cannot start workers on this machine: {cause or error}"
-    return fail(what, hint=remedy(cause and cause.errno, "the executor 'local' needs no Dask"))
+    return fail(what, hint=remedy(cause.errno if cause else None, "the executor 'local' needs no Dask"))
 
 
 @contextmanager
