@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -71,6 +72,27 @@ class Problems(list[Problem]):
             return False
         self += error.problems
         return True
+
+
+def is_gone(error: OSError) -> bool:
+    """Whether *error* states that there is no such file; of any other error the file may be whole."""
+    return error.errno in (errno.ENOENT, errno.ENOTDIR, errno.EISDIR)
+
+
+_REMEDIES = {
+    errno.ENOSPC: "make room on the disk; the same command can then be given again",
+    getattr(errno, "EDQUOT", -1): "make room in your quota; the same command can then be given again",
+    errno.EIO: "the disk or the connection to it may be broken: see the messages of the system (dmesg)",
+    errno.EMFILE: "allow more open files ('ulimit -n'), or use fewer workers",
+    errno.ENFILE: "the system has too many open files: end other programs",
+    errno.ENOMEM: "allow more memory ('ulimit -v'), end other programs, or use fewer workers",
+    errno.EAGAIN: "allow more processes ('ulimit -u'), end other programs, or use fewer workers",
+}
+
+
+def remedy(number: int | None, otherwise: str = "") -> str:
+    """The hint for an OSError with this *number* that is the machine's and no file's; else *otherwise*."""
+    return _REMEDIES.get(number or 0, otherwise)
 
 
 def raise_if_any(problems: Iterable[Problem]) -> None:

@@ -16,7 +16,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
-from dse.errors import fail
+from dse.errors import fail, remedy
 
 _NAME = re.compile(r"\.?dse-(?P<place>[0-9a-f]{8})-(?P<process>\d+)-(?P<start>\d+)-")
 
@@ -42,7 +42,8 @@ def _swept() -> Iterator[None]:
         yield
     except OSError as error:
         what = f"no temporary folder can be made: {error.strerror or error}"
-        raise fail(what, hint="set TMPDIR to a folder that exists, has space and may be written") from error
+        hint = remedy(error.errno, "set TMPDIR to a folder that exists, has space and may be written")
+        raise fail(what, hint=hint) from error
 
 
 def name_of_mine() -> str:
@@ -120,7 +121,8 @@ def written_whole(target: Path) -> Iterator[Path]:
         if not is_special:
             aside.replace(real)
     except OSError as error:
-        raise fail(f"cannot write {target}: {error.strerror or error}", hint="choose another place with -o") from error
+        hint = remedy(error.errno, "choose another place with -o")
+        raise fail(f"cannot write {target}: {error.strerror or error}", hint=hint) from error
     finally:
         if not is_special:
             with suppress(OSError):
@@ -133,7 +135,7 @@ def make_folder(path: Path) -> None:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         what = f"cannot make the folder {path}: {error.strerror or error}"
-        raise fail(what, hint="choose another place with -o") from error
+        raise fail(what, hint=remedy(error.errno, "choose another place with -o")) from error
 
 
 def write_whole(target: Path, content: str | bytes) -> None:

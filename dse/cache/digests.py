@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import stat
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from dse.errors import is_gone
+
 Stamp = tuple[tuple[str, int, int, int, int, int], ...]
 
 FOLDER = "/"
-_UNREADABLE = "?"
+_NEITHER = "?"
 _SMALL = 2**20
 
 
@@ -26,7 +27,7 @@ def stamp(path: Path) -> Stamp:
 def contents(path: Path) -> dict[str, str]:
     """What is at *path* (its name is "") and below, sorted: the digests of files, `FOLDER`, or that it is neither.
 
-    Nothing if there is nothing. Links are not followed, and what cannot be read is neither.
+    Nothing if there is nothing. Links are not followed. Raises OSError if something cannot be read.
     """
     return {name: _content(path / name, found) for name, found in _walk(path)}
 
@@ -50,8 +51,9 @@ def _walk(path: Path) -> Iterator[tuple[str, os.stat_result]]:
             found[name] = os.lstat(path / name)
             if stat.S_ISDIR(found[name].st_mode):
                 pending += [f"{name}/{below}" if name else below for below in _names(path / name)]
-        except OSError as error:  # gone meanwhile, or closed to us
-            raise_shortage(error)
+        except OSError as error:
+            if not is_gone(error):
+                raise
     yield from sorted(found.items())
 
 
@@ -66,18 +68,13 @@ def _content(path: Path, found: os.stat_result) -> str:
     if stat.S_ISDIR(found.st_mode):
         return FOLDER
     if not stat.S_ISREG(found.st_mode):
-        return _UNREADABLE
+        return _NEITHER
     try:
         if found.st_size < _SMALL:  # for which a buffer would cost more than its bytes
             return sha256(path.read_bytes()).hexdigest()
         with path.open("rb") as file:
             return file_digest(file, "sha256").hexdigest()
     except OSError as error:
-        raise_shortage(error)
-        return _UNREADABLE
-
-
-def raise_shortage(error: OSError) -> None:
-    """Raise *error* if it says what this process lacks, and nothing of a file."""
-    if error.errno in (errno.EMFILE, errno.ENFILE, errno.ENOMEM):
-        raise error
+        if not is_gone(error):
+            raise
+        return _NEITHER

@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
 from pathlib import Path
 
-from dse.cache.digests import FOLDER, Stamp, contents, digest_of, raise_shortage, stamp
-from dse.cache.folder import aside, sync, write_file
-from dse.errors import DseError
+from dse.cache.digests import FOLDER, Stamp, contents, digest_of, stamp
+from dse.cache.folder import aside, sync, unreadable, write_file
+from dse.errors import DseError, is_gone
 
 
 class CacheWarning(UserWarning):
@@ -81,7 +81,7 @@ def read_entry(target: Path) -> bytes | None:
     """What was kept in the file *target*; None if that is not what is there."""
     try:
         return target.read_bytes() if _is_whole(target) else None
-    except OSError:
+    except (OSError, DseError):
         return None
 
 
@@ -123,13 +123,21 @@ def is_damaged(target: Path) -> bool:
 
 
 def state_of(target: Path) -> State:
-    """Whether what is at *target* is what was kept there."""
+    """Whether what is at *target* is what was kept there. DseError if it cannot be read."""
+    try:
+        return _state_read(target)
+    except OSError as error:
+        raise unreadable(target, error) from error
+
+
+def _state_read(target: Path) -> State:
     try:
         digest = digest_file(target).read_text(encoding="ascii").strip()
     except ValueError:
         return State.ABSENT
     except OSError as error:
-        raise_shortage(error)
+        if not is_gone(error):
+            raise
         return State.ABSENT
     if len(digest) != _DIGITS:  # it was being written when the power went
         return State.ABSENT

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from dse.errors import DseError, fail
+from dse.errors import DseError, Location, fail, remedy
 from dse.scratch import name_of_mine
 
 
@@ -84,9 +84,16 @@ def sync(path: Path) -> None:
         os.close(opened)
 
 
+def unreadable(entry: Path, error: OSError) -> DseError:
+    """The DseError that the *entry* of the cache is there and cannot be read."""
+    hint = remedy(error.errno, "if that stays so, delete it: it is made again")
+    return fail(f"the cache entry cannot be read: {error.strerror or error}", Location(str(entry)), hint)
+
+
 def unwritable(folder: Path, error: OSError) -> DseError:
     """The DseError that *folder* cannot be written."""
     reason = (error.strerror or str(error)).lower()
     elsewhere = "set DSE_CACHE to a folder of yours"
-    hint = f"make room, for example with dse cache prune, or {elsewhere}" if error.errno in _ROOM else elsewhere
+    room = f"make room, for example with dse cache prune, or {elsewhere}"
+    hint = room if error.errno in _ROOM else remedy(error.errno, elsewhere)
     return fail(f"the cache folder {folder} cannot be written: {reason}", hint=hint)

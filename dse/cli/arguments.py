@@ -89,7 +89,9 @@ NewFolder = Annotated[
 Fresh = Annotated[
     bool, typer.Option("--fresh", help="Throw away what the folder holds and simulate every run, made before or not.")
 ]
-RetryFailed = Annotated[bool, typer.Option("--retry-failed", help="Make runs again that failed before.")]
+RetryFailed = Annotated[
+    bool, typer.Option("--retry-failed", help="Simulate runs again that failed or were not reproducible.")
+]
 DryRun = Annotated[
     bool, typer.Option("--dry-run", help="Only list which runs would be simulated, why, and how long that takes.")
 ]

@@ -17,18 +17,10 @@ from dse.cli.completing import words
 from dse.cli.signals import interrupt, stop_code, tidy_up
 from dse.cli.streams import OutputError, silence
 from dse.cli.terminal import say, show_problems
-from dse.errors import DseError, Location, fail
+from dse.errors import DseError, Location, fail, remedy
 
 _python_shows = warnings.showwarning
 
-_HINTS = {
-    errno.ENOSPC: "make room on the disk; the same command can then be given again",
-    errno.EDQUOT: "make room in your quota; the same command can then be given again",
-    errno.EMFILE: "allow more open files ('ulimit -n'), or use fewer workers",
-    errno.ENFILE: "the system has too many open files: end other programs",
-    errno.ENOMEM: "allow more memory ('ulimit -v'), end other programs, or use fewer workers",
-    errno.EAGAIN: "allow more processes ('ulimit -u'), end other programs, or use fewer workers",
-}
 _HINT = "check that it exists, is of the right kind and that you may use it"
 
 
@@ -87,14 +79,14 @@ def _in_words(error: BaseException) -> DseError:
         return fail(str(error))
     # What a library says that finds no room is no more than words.
     if isinstance(error, MemoryError) or (isinstance(error, ImportError) and "map segment" in str(error)):
-        return fail("there is not enough memory", hint=_HINTS[errno.ENOMEM])
+        return fail("there is not enough memory", hint=remedy(errno.ENOMEM))
     if isinstance(error, SystemError):
-        return fail(f"Python failed within itself: {error}", hint=_HINTS[errno.ENOMEM])
+        return fail(f"Python failed within itself: {error}", hint=remedy(errno.ENOMEM))
     if isinstance(error, RuntimeError) and str(error) == "can't start new thread":
-        return fail("the system starts no more threads", hint=_HINTS[errno.EAGAIN])
+        return fail("the system starts no more threads", hint=remedy(errno.EAGAIN))
     if isinstance(error, OSError) and error.errno is not None:
         where = Location(os.fsdecode(error.filename)) if isinstance(error.filename, str | bytes) else None
-        return fail(error.strerror or str(error), where, _HINTS.get(error.errno, _HINT if where else ""))
+        return fail(error.strerror or str(error), where, remedy(error.errno, _HINT if where else ""))
     return _unforeseen(error)
 
 

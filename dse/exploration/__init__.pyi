@@ -13,7 +13,7 @@ from .designs import (
 )
 from .executor import Executor as Executor, Pool as Pool, load_executor as load_executor
 from .failures import in_words as in_words
-from .known_runs import KnownRuns as KnownRuns, give as give
+from .known_runs import KnownRuns as KnownRuns, give as give, unsettled as unsettled
 from .loop import ExplorationInterruptedError as ExplorationInterruptedError, Explored as Explored, explore as explore
 from .once_sampler import OnceSampler as OnceSampler
 from .optimising.front import hypervolume as hypervolume, knee as knee

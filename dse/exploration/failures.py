@@ -6,7 +6,7 @@ import traceback
 from pathlib import Path
 
 from dse.domain.run import Outcome, Run, RunRequest
-from dse.errors import DseError
+from dse.errors import DseError, fail
 from dse.storage import Measures
 
 
@@ -23,6 +23,11 @@ def checked_run(run: Run, measures: Measures) -> Run:
         if missing:
             raise LookupError(f"the simulation gave no {', '.join(sorted(missing))}")
     return run
+
+
+def not_stored(why: str) -> DseError:
+    """The end of an exploration of which something could not be stored, *why* says what."""
+    return fail(why, hint="finished runs are stored: the same command resumes when there is room")
 
 
 def in_words(error: Exception) -> str:

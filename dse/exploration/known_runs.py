@@ -150,6 +150,11 @@ class KnownRuns:
         return address.of(variables, points.reshape(len(requests), len(variables)))
 
 
+def unsettled(folder: StudyFolder) -> set[int]:
+    """Runs that failed, and those that gave another result when they were simulated again."""
+    return folder.failed() | folder.with_problem(NOT_REPRODUCIBLE)
+
+
 def give(folder: StudyFolder, store: RunStore) -> None:
     """Give *store* all runs of *folder* that came to their end, with their waveforms. DseError if it cannot keep them.
 

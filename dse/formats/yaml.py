@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from dse.domain.expression import Piece
-from dse.errors import DseError, Location, Problem, fail
+from dse.errors import DseError, Location, Problem, fail, remedy
 from dse.formats.compose import MOST_LEVELS, UNSAFE, compose, unsafe, visible
 from dse.formats.scalars import content_start, pieces, place_in
 
@@ -166,7 +166,9 @@ def read_content(path: Path) -> bytes:
     except FileNotFoundError:
         raise fail("no such file", where, _similar_file(path)) from None
     except OSError as error:
-        raise fail(f"cannot be read: {error.strerror or error}", where, "check the file's permissions") from None
+        raise fail(
+            f"cannot be read: {error.strerror or error}", where, remedy(error.errno, "check the file's permissions")
+        ) from None
     if len(content) > _MAX_BYTES:
         raise fail(f"the file is larger than {_MAX_BYTES // 1_000_000} MB", where, "split it with 'include'")
     return content

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Collection
 from pathlib import Path
 
@@ -37,8 +38,10 @@ def followed(folder: Path, name: str, where: Location) -> Path:
 
 
 def is_file(path: Path) -> bool:
-    """Whether *path* is a file; also False if the system cannot tell, as of a name that is too long."""
+    """Whether *path* is a file; no name that is too long is one's. Raises OSError if the system cannot tell."""
     try:
         return path.is_file()
-    except OSError:
-        return False
+    except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            return False
+        raise

@@ -212,7 +212,7 @@ def _yaml_below(folder: Path | str) -> Iterator[Path]:
     try:
         with os.scandir(folder) as entries:
             found = sorted(entries, key=lambda entry: os.path.normcase(entry.name))
-    except (FileNotFoundError, NotADirectoryError, PermissionError):
+    except (FileNotFoundError, NotADirectoryError):
         return
     for entry in found:
         if entry.name.endswith(".yaml"):

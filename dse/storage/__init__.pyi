@@ -16,6 +16,7 @@ from .difference import (
     changed_results as changed_results,
     changed_study as changed_study,
 )
+from .disk import UnreadableError as UnreadableError
 from .drives import (
     drive_id as drive_id,
     driver_name as driver_name,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 from pathlib import Path
 
-from dse.errors import DseError, Location, fail
+from dse.errors import DseError, Location, Problem, fail, is_gone, remedy
 
 GO_ON = "what was finished is stored: mend that, and the same command resumes from there"
 
@@ -25,6 +25,19 @@ def not_made(path: Path, error: OSError) -> DseError:
     """What to tell of *error*, which came of making the folder *path*: nothing is stored yet."""
     why = _WHY.get(error.errno or 0, error.strerror or str(error))
     return fail(f"the folder cannot be made: {why}", Location(str(path)), "name another folder with -o")
+
+
+class UnreadableError(DseError):
+    """A file is there and the system does not give what is in it, which may be whole."""
+
+
+def unreadable(what: str, file: Path, error: Exception, hint: str) -> DseError:
+    """What to tell of *error*, which came of reading *file*: an UnreadableError if that says nothing of its bytes."""
+    # Arrow's own errors of damaged files are OSErrors without a number.
+    is_of_system = isinstance(error, OSError) and error.errno is not None and not is_gone(error)
+    why = (isinstance(error, OSError) and error.strerror) or error
+    kind = UnreadableError if is_of_system else DseError
+    return kind(Problem(f"{what} cannot be read: {why}", Location(str(file)), remedy(getattr(error, "errno", 0), hint)))
 
 
 def refused(path: Path, error: OSError) -> DseError:

@@ -44,7 +44,7 @@ from dse.storage.database.seal import kept_seal, seals
 from dse.storage.lock import LOCK, WRITER, WriterLock
 from dse.storage.reader import SPOOL, WAVEFORMS, StudyReader
 from dse.storage.rows import RowBlock
-from dse.storage.spool import SUFFIX as SPOOLED, Spooled, clear_spool, read_spool
+from dse.storage.spool import Spooled, clear_spool, read_spool, spool_files
 from dse.storage.waveform_check import FileFacts, checked, facts_of
 from dse.storage.waveforms import PART
 
@@ -309,7 +309,7 @@ class StudyFolder(StudyReader):
         """Store the runs that are in the spool and not here; waveforms stay there until their chunk is complete."""
         needed = self.take_spooled(self.spool_folder)
         self.commit()
-        for file in self.spool_folder.glob(f"*{SPOOLED}"):
+        for file in spool_files(self.spool_folder):
             if file not in needed:
                 file.unlink(missing_ok=True)
 

@@ -13,7 +13,7 @@ import numpy as np
 from dse.domain.study import SHARD_FOLDER
 from dse.errors import Location, fail
 from dse.storage.database.asks import write_asks
-from dse.storage.database.connection import NAME, attachable, write_header
+from dse.storage.database.connection import NAME, attachable, located, write_header
 from dse.storage.database.files import write_files
 from dse.storage.database.schema import columns, quoted
 from dse.storage.database.seal import kept_seal
@@ -134,7 +134,8 @@ class _Merging(StudyFolder):
     @contextmanager
     def _attached(self, path: Path) -> Iterator[None]:
         self.commit()
-        self._connection.execute("ATTACH ? AS other", (attachable(path),))
+        with located(path):
+            self._connection.execute("ATTACH ? AS other", (attachable(path),))
         try:
             yield
         finally:

@@ -77,6 +77,10 @@ class StudyReader:
         """Numbers of the runs that failed."""
         return self._numbers("SELECT number FROM runs WHERE outcome = 'failed'")
 
+    def with_problem(self, start: str) -> set[int]:
+        """Numbers of the runs whose problem has this *start*, without wildcards."""
+        return self._numbers(f"SELECT number FROM runs WHERE problem GLOB '{start}*'")  # noqa: S608  # a constant
+
     def kept(self) -> Mapping[int, str]:
         """Waveform file by number for the runs whose waveforms were asked for; "" where there are none to store."""
         with located(self.path):

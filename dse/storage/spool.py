@@ -16,7 +16,6 @@ import zlib
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence, Set as AbstractSet
 from contextlib import suppress
 from dataclasses import dataclass
-from glob import escape
 from io import FileIO
 from pathlib import Path
 from types import TracebackType
@@ -166,22 +165,21 @@ def write_spooled(folder: Path, name: str, content: bytes) -> None:
 def read_spool(folder: Path, measures: Measures, study: str = "", name: str | None = None) -> list[Spooled]:
     """What the spool in *folder* holds of *study*, only of the batch *name* if it is given; sorted by name.
 
-    Files of another study, and records that are torn or damaged, are passed over.
+    Files of another study, and records that are torn or damaged, are passed over. OSError if one cannot be read.
     """
-    pattern = f"*{SUFFIX}" if name is None else f"{escape(name)}.*{SUFFIX}"
-    found = (_spooled(file, measures, study) for file in sorted(folder.glob(pattern)))
+    found = (_spooled(file, measures, study) for file in spool_files(folder) if name in (None, _batch_of(file)))
     return [spooled for spooled in found if spooled]
 
 
 def spooled_names(folder: Path) -> set[str]:
     """The batches that the spool in *folder* holds something of."""
-    return {file.name.rsplit(".", 2)[0] for file in folder.glob(f"*{SUFFIX}")}
+    return {_batch_of(file) for file in spool_files(folder)}
 
 
 def clear_spool(folder: Path, names: Container[str]) -> None:
     """Remove what the spool in *folder* holds of the batches *names*."""
-    for file in folder.glob(f"*{SUFFIX}"):
-        if file.name.rsplit(".", 2)[0] in names:
+    for file in spool_files(folder):
+        if _batch_of(file) in names:
             file.unlink(missing_ok=True)
 
 
@@ -198,6 +196,19 @@ def assemble(file: Path, spooled: Iterable[Spooled], numbers: Iterable[int]) -> 
     if kept:
         write_waveforms(file, ((number, holders[number].waveforms(number)) for number in kept))
     return kept
+
+
+def spool_files(folder: Path) -> list[Path]:
+    """The files of the spool in *folder*, sorted; none if it is not there. OSError if it cannot be read."""
+    # Path.glob takes a folder that may not be read for an empty one.
+    try:
+        return sorted(file for file in folder.iterdir() if file.suffix == SUFFIX)
+    except FileNotFoundError:
+        return []
+
+
+def _batch_of(file: Path) -> str:
+    return file.name.rsplit(".", 2)[0]
 
 
 def _new_file(folder: Path, name: str) -> FileIO:
@@ -220,7 +231,7 @@ class _Place:
 
 
 def _spooled(file: Path, measures: Measures, study: str) -> Spooled | None:
-    wanted = [file.name.rsplit(".", 2)[0], study, [*measures.metrics], [*measures.requirements]]
+    wanted = [_batch_of(file), study, [*measures.metrics], [*measures.requirements]]
     with (
         # It has just been cleared, is empty, which cannot be mapped, or none of ours. What cannot be read for another
         # reason must not pass for runs that have no waveforms.

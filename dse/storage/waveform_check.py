@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from dse.errors import DseError
-from dse.storage.waveforms import read_all_waveforms
+from dse.errors import DseError, is_gone
+from dse.storage.disk import UnreadableError, unreadable
+from dse.storage.waveforms import AGAIN, read_all_waveforms
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,26 +33,43 @@ def digest_of(file: Path) -> str:
 
 
 def checked(file: Path, known: FileFacts | None) -> FileFacts | None:
-    """The present facts of *file* if it is whole, None if it is gone, cut or changed.
+    """The present facts of *file* if it is whole, None if it is gone, cut or changed; UnreadableError if it may be.
 
     It is read only if its time is not the *known* one; of a file of which nothing is known, whether it can be.
     """
-    with suppress(OSError, DseError):
-        stat = file.stat()
-        if known and (stat.st_size, stat.st_mtime_ns) == (known.size, known.modified):
-            return known
-        if known is None:
-            for _ in read_all_waveforms(file):
-                pass
-        elif stat.st_size != known.size:
-            return None
-        facts = facts_of(file)
-        return facts if known is None or facts.digest == known.digest else None
+    try:
+        return _compared(file, known)
+    except OSError as error:
+        _raise_unless_gone(file, error)
+    except UnreadableError:
+        raise
+    except DseError:
+        pass
     return None
+
+
+def _compared(file: Path, known: FileFacts | None) -> FileFacts | None:
+    stat = file.stat()
+    if known and (stat.st_size, stat.st_mtime_ns) == (known.size, known.modified):
+        return known
+    if known is None:
+        for _ in read_all_waveforms(file):
+            pass
+    elif stat.st_size != known.size:
+        return None
+    facts = facts_of(file)
+    return facts if known is None or facts.digest == known.digest else None
 
 
 def size_of(file: Path) -> int | None:
-    """The size of *file*, None if it is not there."""
-    with suppress(OSError):
+    """The size of *file*, None if it is not there; UnreadableError if the system does not give it."""
+    try:
         return file.stat().st_size
+    except OSError as error:
+        _raise_unless_gone(file, error)
     return None
+
+
+def _raise_unless_gone(file: Path, error: OSError) -> None:
+    if not is_gone(error):
+        raise unreadable("waveforms", file, error, AGAIN) from error

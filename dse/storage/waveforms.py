@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 from collections.abc import Iterable, Iterator, Sequence, Set as AbstractSet
+from contextlib import contextmanager, suppress
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -15,11 +16,12 @@ from numpy.typing import NDArray
 
 from dse.domain.run import Waveforms
 from dse.errors import Location, fail
+from dse.storage.disk import unreadable
 
 PART = ".part"
 """Suffix of a file that is still being written."""
 
-_AGAIN = "delete the file if it is there: the same explore command makes its waveforms again"
+AGAIN = "delete the file if it is there: the same explore command makes its waveforms again"
 
 
 def waveform_file(first: int, last: int) -> str:
@@ -45,9 +47,9 @@ def write_waveforms(file: Path, runs: Iterable[tuple[int, Waveforms]]) -> None:
     first, recorded = next(runs)
     names = list(recorded.values)
     schema = pa.schema([("run", pa.int32()), ("time", pa.float64()), *((name, pa.float64()) for name in names)])
-    aside = _aside(file)
     # Streams of ours: Arrow cannot name a file whose path is no UTF-8.
     with (
+        _placed(file) as aside,
         aside.open("wb") as stream,
         pq.ParquetWriter(stream, schema, compression="zstd", use_dictionary=False) as writer,
     ):
@@ -58,7 +60,6 @@ def write_waveforms(file: Path, runs: Iterable[tuple[int, Waveforms]]) -> None:
             columns: list[NDArray[Any]] = [run, waveforms.time, *(waveforms.values[name] for name in names)]
             arrays = [_arrow(column, field.type) for column, field in zip(columns, schema, strict=True)]
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema), row_group_size=max(len(run), 1))
-    aside.replace(file)
 
 
 def gather_waveforms(
@@ -84,18 +85,31 @@ def link_file(source: Path, target: Path) -> bool:
         aside.unlink(missing_ok=True)
         aside.hardlink_to(source)
         aside.replace(target)
-        # Where the two are one file already, renaming leaves both names.
-        aside.unlink(missing_ok=True)
     except OSError:
         return False
+    finally:
+        # Where the two are one file already, renaming leaves both names.
+        with suppress(OSError):
+            aside.unlink(missing_ok=True)
     return True
 
 
 def copy_file(source: Path, target: Path) -> None:
     """Copy *source*, with its times, to *target*, which is there whole or not."""
-    aside = _aside(target)
-    shutil.copy2(source, aside)
-    aside.replace(target)
+    with _placed(target) as aside:
+        shutil.copy2(source, aside)
+
+
+@contextmanager
+def _placed(file: Path) -> Iterator[Path]:
+    """Gives the path to write what is to become *file*; nothing is left of what could not be written."""
+    aside = _aside(file)
+    try:
+        yield aside
+        aside.replace(file)
+    finally:
+        with suppress(OSError):
+            aside.unlink(missing_ok=True)
 
 
 def _aside(file: Path) -> Path:
@@ -128,9 +142,9 @@ def read_waveforms(file: Path, number: int) -> Waveforms:
             group = _group_of(parquet, number)
             table = None if group is None else _read(parquet, group)
     except (OSError, pa.ArrowException) as error:
-        raise fail(f"waveforms of run {number} cannot be read: {error}", Location(str(file)), _AGAIN) from error
+        raise unreadable(f"waveforms of run {number}", file, error, AGAIN) from error
     if table is None:
-        raise fail(f"there are no waveforms of run {number} in it", Location(str(file)), _AGAIN)
+        raise fail(f"there are no waveforms of run {number} in it", Location(str(file)), AGAIN)
     return _waveforms(table, file)
 
 
@@ -152,7 +166,7 @@ def read_chosen_waveforms(file: Path, numbers: AbstractSet[int], names: Abstract
             table = parquet.read_row_groups([*groups], columns, use_threads=False) if groups else None
             ends = np.cumsum([told.row_group(group).num_rows for group in groups])[:-1]
     except (OSError, pa.ArrowException) as error:
-        raise fail(f"waveforms cannot be read: {error}", Location(str(file)), _AGAIN) from error
+        raise unreadable("waveforms", file, error, AGAIN) from error
     if table is None:
         return {}
     whole = _waveforms(table, file)
@@ -184,7 +198,7 @@ def _waveforms(table: Any, file: Path) -> Waveforms:
         or any(column.null_count for column in table.columns)
     )
     if strange:
-        raise fail("these are no waveforms of a study", Location(str(file)), _AGAIN)
+        raise fail("these are no waveforms of a study", Location(str(file)), AGAIN)
     arrays = {name: _numpy(table.column(name)) for name in doubles}
     return Waveforms(arrays.pop("time"), arrays)
 
@@ -232,4 +246,4 @@ def read_all_waveforms(file: Path) -> Iterator[tuple[int, Waveforms]]:
                 if table.num_rows:
                     yield table.column("run")[0].as_py(), waveforms
     except (OSError, pa.ArrowException) as error:
-        raise fail(f"waveforms cannot be read: {error}", Location(str(file)), _AGAIN) from error
+        raise unreadable("waveforms", file, error, AGAIN) from error

@@ -11,6 +11,7 @@ import pytest
 import dse
 from dse.api.studies.noting import note_sources, note_space
 from dse.domain.notes import Notes, digest_of
+from dse.errors import DseError, fail
 from dse.loading import Workspace as Files
 from dse.space import open_space
 from dse.storage import StudyFolder
@@ -82,3 +83,26 @@ def test_a_space_that_is_too_large_is_not_counted_and_why(monkeypatch: pytest.Mo
         assert store.notes() == Notes(
             unfunnelled="'acc_vehicle' is too large to look at 7 constraints one after the other"
         )
+
+
+def test_a_database_that_cannot_be_written_is_no_reason_for_which_there_is_no_funnel(
+    results: dse.Results, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study = Files(folder).study("small")
+    with StudyFolder.open(results.folder) as store:
+        definition = store.header.definition
+    with StudyFolder.create(tmp_path / "out", definition) as store:
+        note = store.note
+
+        def full(notes: Notes) -> None:
+            monkeypatch.setattr(store, "note", note)
+            raise fail("the disk is full")
+
+        monkeypatch.setattr(store, "note", full)
+        with pytest.raises(DseError, match="the disk is full"):
+            note_space(study, store)
+        assert store.notes() is None
+        note_space(study, store)
+        notes = store.notes()
+        assert notes is not None
+        assert notes.funnel is not None

@@ -209,14 +209,15 @@ def test_a_warm_cache_may_be_read_only(tmp_path, fresh, monkeypatch):
 
 
 @pytest.mark.parametrize("place", [(os, "lstat"), (os, "scandir"), (Path, "read_bytes"), (Path, "read_text")])
-@pytest.mark.parametrize("number", [errno.EMFILE, errno.ENOMEM])
-def test_what_this_process_lacks_is_no_damage(tmp_path, fresh, monkeypatch, place, number):
+@pytest.mark.parametrize("number", [errno.EIO, errno.EACCES, errno.EMFILE, errno.ENOMEM])
+def test_what_cannot_be_read_is_neither_damaged_nor_made_again(tmp_path, fresh, monkeypatch, place, number):
     target = keep_folder(tmp_path / "x", fill)
     fresh()
-    with monkeypatch.context() as short:
-        short.setattr(*place, fails(number))
-        with pytest.raises(OSError, match=os.strerror(number)):
+    with monkeypatch.context() as broken:
+        broken.setattr(*place, fails(number))
+        with pytest.raises(DseError, match=rf"^{target}: the cache entry cannot be read: {os.strerror(number)}\n"):
             keep_folder(target, never)
+        assert keep_content(tmp_path / "y", lambda: b"worked out") == b"worked out"
     assert keep_folder(target, never) == target
 
 

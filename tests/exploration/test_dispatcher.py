@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import pickle
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError, Future
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 
@@ -243,6 +246,26 @@ def test_a_machine_that_cannot_work_is_named(line: Line, tmp_path: Path) -> None
         work_off(line, tmp_path, batches(keep=False)[:9])
 
 
+def test_a_disk_that_is_full_here_is_named_and_the_next_time_the_files_are_the_same(
+    line: Line, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    todo = batches(keep=True)[:9]
+    with monkeypatch.context() as full:
+        full.setattr(Path, "write_bytes", refusing(errno.ENOSPC))
+        with pytest.raises(DseError, match=r"^waveforms cannot be written: No space left on device\n.*are stored"):
+            work_off(line, tmp_path, todo)
+    sink, _ = work_off(line, tmp_path, todo)
+    assert sink.results() == expected(tmp_path, todo).results()
+    assert files(tmp_path / "found") == files(tmp_path / "expected")
+
+
+def refusing(number: int) -> Callable[..., NoReturn]:
+    def refuse(*_arguments: object, **_options: object) -> NoReturn:
+        raise OSError(number, os.strerror(number))
+
+    return refuse
+
+
 def test_a_worker_that_answers_without_some_runs_is_asked_again(line: Line, tmp_path: Path) -> None:
     def mischief(parcel: Parcel) -> Answer | None:
         answer = carried(parcel, line.folder, FAR)
@@ -364,3 +387,16 @@ def test_a_parcel_that_was_carried_out_already_gives_the_same_again(small_parcel
     first, again = runs(carry_out(sealed(small_parcel))), runs(carry_out(sealed(small_parcel)))
     assert [numbers for numbers, *_ in first] == [list(batch.numbers) for batch in small_parcel.batches]
     assert again == first
+
+
+@pytest.mark.parametrize("where", ["_Crew._pieces", "ScratchFolder.__init__"])
+def test_what_fails_on_a_machine_for_want_of_files_is_no_verdict_on_the_runs(
+    small_parcel: Parcel, monkeypatch: pytest.MonkeyPatch, where: str
+) -> None:
+    dismiss("a study")
+    with monkeypatch.context() as short:
+        short.setattr(f"dse.exploration.remote.carrying.{where}", refusing(errno.EMFILE))
+        answer = carry_out(sealed(small_parcel))
+    assert isinstance(answer, Trouble)
+    assert "Too many open files" in answer.words
+    assert runs(carry_out(sealed(small_parcel)))

@@ -16,6 +16,7 @@ from fake_runners import benches, definition_of, make_fake, study_of
 from dse.domain.study import Keep, Study
 from dse.errors import DseError
 from dse.exploration.executors.local import Local
+from dse.exploration.known_runs import unsettled
 from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
 from dse.exploration.near_boundary import near_boundary
 from dse.exploration.progress import Progress, Stage
@@ -133,6 +134,12 @@ def test_a_run_that_differs_when_simulated_again_is_reported(tmp_path: Path) -> 
         assert told <= set(folder.kept())
     assert summary.irreproducible == len(told)
     assert run(tmp_path, study).simulated == 0
+    with StudyFolder.resume(tmp_path, definition_of(study, NAMES)) as folder:
+        assert unsettled(folder) == told
+        folder.forget(told)
+    assert run(tmp_path, study).new == len(told)
+    with StudyFolder.open(tmp_path) as folder:
+        assert not unsettled(folder)
 
 
 @pytest.mark.thorough

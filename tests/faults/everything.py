@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Container, Iterable, Iterator
@@ -82,6 +84,7 @@ def main() -> None:
     finally:
         if options.write:
             page.write("faults", page.table_of_faults(map(json.loads, options.file.open(encoding="utf-8"))))
+            subprocess.run([sys.executable, "-m", "faults.commands", "--write"], check=True)
 
 
 def _try(options: argparse.Namespace) -> None:
@@ -90,7 +93,7 @@ def _try(options: argparse.Namespace) -> None:
     with tempfile.TemporaryDirectory() as scratch, options.file.open("a", encoding="utf-8", buffering=1) as lines:
         compiled = Path(scratch, "compiled")
         compiled.mkdir()
-        compile_cache.use(compiled)
+        compile_cache.use(compiled, optimized=True)
         studies = Studies(Path(scratch), shim.build(Path(scratch)))
         for scenario in (SCENARIOS[index] for index in options.scenario):
             counts = studies.counts(scenario)

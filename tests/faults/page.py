@@ -42,6 +42,19 @@ def table_of_faults(lines: Iterable[dict[str, Any]]) -> list[str]:
     return [*_table(_HEADS, [*rows, ("all", "", *map(str, total))]), "", f"Of these {studies}."]
 
 
+def table_of_commands(lines: Iterable[dict[str, Any]]) -> list[str]:
+    """A row for each command and error, what it came to; *lines* as `commands` writes them."""
+    counts: dict[tuple[str, str], list[int]] = defaultdict(lambda: [0, 0, 0, 0])
+    for line in sorted(lines, key=lambda line: (line["command"], line["fault"]["error"])):
+        if line["happened"]:
+            row = counts[line["command"], f"`{line['fault']['error']}`"]
+            row[0] += 1
+            row[3 if line["wrong"] else 1 if line["code"] == 0 else 2] += 1
+    total = [sum(column) for column in zip(*counts.values(), strict=True)]
+    rows = [(*names, *map(str, row)) for names, row in counts.items()]
+    return _table(("command", "error", *_HEADS[2:]), [*rows, ("all", "", *map(str, total))])
+
+
 def _row(line: dict[str, Any]) -> tuple[int, bool, str, str]:
     fault = line["fault"]
     return [*FAILS].index(fault["kind"]), fault["stays"], fault["error"], fault["role"]

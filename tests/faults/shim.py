@@ -8,9 +8,13 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-KINDS = ("write", "rename", "fsync", "mmap", "malloc", "open", "ftruncate", "fork")
+KINDS = (
+    *("write", "rename", "fsync", "mmap", "malloc", "open", "ftruncate", "fork"),
+    *("full", "broken", "files", "denied"),
+)
 """write: pwrite and writev, too; open: for writing, and mkdir; ftruncate: whatever changes a file's length;
-fork: what starts processes and threads. The order is that of shim.c."""
+fork: what starts processes and threads. The last four are all calls on the files of a case that a full disk, a broken
+disk, a limit on open files or a missing right lets fail. The order is that of shim.c."""
 
 ROLES = ("coordinator", "worker", "compiler")
 """The command itself; every other Python it starts; every other program."""
@@ -18,7 +22,9 @@ ROLES = ("coordinator", "worker", "compiler")
 LEAST = 65536
 """Bytes from which on an allocation counts."""
 
-_SET = struct.Struct("=6q")
+ONCE, FROM_THEN_ON, EACH = range(3)
+
+_SET = struct.Struct("=6q512s")
 _TOLD = struct.Struct(f"=2q{len(ROLES) * len(KINDS)}q1024s")
 
 
@@ -26,18 +32,18 @@ _TOLD = struct.Struct(f"=2q{len(ROLES) * len(KINDS)}q1024s")
 class Fault:
     """The *nth* call of *kind* in processes of *role*, counted from 1, fails with *error*.
 
-    With *stays* all later ones do, too, in every process, until the command ends.
+    *stays* FROM_THEN_ON: all later ones do, too, in every process, until the command ends. EACH: each *nth* does.
     """
 
     kind: str
     role: str
     error: str
     nth: int
-    stays: bool = False
+    stays: int = ONCE
 
     def __str__(self) -> str:
-        what = f"{self.kind} {self.nth}{' and all after it' if self.stays else ''}"
-        return f"{what} of the {self.role}: {self.error}"
+        which = (f"{self.nth}", f"{self.nth} and all after it", f"each {self.nth}th")[self.stays]
+        return f"{self.kind} {which} of the {self.role}: {self.error}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,13 +63,13 @@ def build(folder: Path) -> Path:
     return target
 
 
-def set_fault(file: Path, fault: Fault | None) -> None:
-    """Lay out *file*; without a fault calls are only counted."""
+def set_fault(file: Path, fault: Fault | None, below: Path) -> None:
+    """Lay out *file*; without a fault calls are only counted. The files of the case are *below* that folder."""
     kind, role, nth, stays, error = -1, -1, 0, 0, 0
     if fault:
         kind, role, nth = KINDS.index(fault.kind), ROLES.index(fault.role), fault.nth
-        stays, error = int(fault.stays), getattr(errno, fault.error)
-    file.write_bytes(_SET.pack(kind, role, nth, stays, error, LEAST) + bytes(_TOLD.size))
+        stays, error = fault.stays, getattr(errno, fault.error)
+    file.write_bytes(_SET.pack(kind, role, nth, stays, error, LEAST, bytes(below)) + bytes(_TOLD.size))
 
 
 def told(file: Path) -> Told:

@@ -197,7 +197,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         compiled = Path(scratch, "compiled")
         compiled.mkdir()
-        compile_cache.use(compiled)
+        compile_cache.use(compiled, optimized=True)
         studies = Studies(Path(scratch), shim.build(Path(scratch)))
         told = storm(studies, options.signals, options.seed, time.monotonic() + 60 * options.minutes)
     said = (

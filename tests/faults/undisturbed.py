@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Container
 from dataclasses import dataclass, field
 from pathlib import Path
 from subprocess import CompletedProcess
@@ -17,6 +18,7 @@ from faults import shim
 
 from dse.api import Results
 from dse.errors import DseError
+from dse.scratch import is_left_over
 
 WORKSPACE = Path(__file__).with_name("workspace")
 PATIENCE = 200
@@ -77,7 +79,7 @@ class Studies:
             place = self.laid_out()
             done = self._explore(place, Scenario(study))
             assert done.returncode == 0, done.stdout + done.stderr
-            self._undisturbed[study] = _results(place)
+            self._undisturbed[study] = results_of(place)
             shutil.rmtree(self._cache, ignore_errors=True)
             # The runs are to be made, not taken from this study.
             shutil.copytree(place / "cache", self._cache, ignore=lambda *_: ["runs"])
@@ -88,7 +90,7 @@ class Studies:
         if scenario not in self._counts:
             self.undisturbed(scenario.study)
             place = self.laid_out(cold=scenario.cold)
-            shim.set_fault(place / "control", None)
+            shim.set_fault(place / "control", None, self._folder)
             self._explore(place, scenario, counted=True)
             self._counts[scenario] = shim.told(place / "control").counts
         return self._counts[scenario]
@@ -97,7 +99,7 @@ class Studies:
         """Explore with *fault*, and once more without."""
         self.undisturbed(scenario.study)
         place = self.laid_out(cold=scenario.cold)
-        shim.set_fault(place / "control", fault)
+        shim.set_fault(place / "control", fault, self._folder)
         done = self._explore(place, scenario, counted=True)
         told = shim.told(place / "control")
         case = Case(fault, bool(told.failed), told.what, done.returncode, done.stdout + done.stderr)
@@ -130,7 +132,7 @@ class Studies:
         """In what the study in *place* is not as if nothing had been."""
         expected = self.undisturbed(study)
         try:
-            results = _results(place)
+            results = results_of(place)
         except (DseError, OSError) as error:
             return [f"cannot be read: {str(error).strip().splitlines()[0]}"]
         names = sorted({*results, *expected})
@@ -171,14 +173,15 @@ def wrong_in(done: CompletedProcess[str], *, signalled: bool = False) -> list[st
     return wrong
 
 
-def litter(place: Path) -> list[str]:
-    """What is left in *place* that a finished study does not leave."""
-    left = [f"tmp/{path.name}" for path in (place / "tmp").iterdir()]
-    left += [f"cache/{path.name}" for path in (place / "cache").rglob(".*.tmp")]
-    return left + [f"out/{path.name}" for path in (place / "out").iterdir() if path.name not in _EXPECTED]
+def litter(place: Path, expected: Container[str] = _EXPECTED) -> list[str]:
+    """What is left in *place* that a finished study does not leave; *expected* are the names in ``out``."""
+    # Folders of a dead process go when the next one makes its own.
+    left = [f"tmp/{path.name}" for path in (place / "tmp").iterdir() if not is_left_over(path.name)]
+    left += [f"cache/{path.name}" for path in (place / "cache").rglob(".*.tmp") if not is_left_over(path.name)]
+    return left + [f"out/{path.name}" for path in (place / "out").iterdir() if path.name not in expected]
 
 
-def _results(place: Path) -> dict[str, bytes]:
+def results_of(place: Path) -> dict[str, bytes]:
     """All that the study in *place* gives: tables, report and waveforms; DseError if it cannot be read."""
     results = Results(place / "out")
     made = {name: results.export(name) for name in _FORMATS}

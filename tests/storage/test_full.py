@@ -94,6 +94,7 @@ def test_a_write_that_fails_leaves_nothing_of_it_and_what_was_spooled_stays(
         (sqlite3.SQLITE_BUSY_SNAPSHOT, "another program keeps it locked"),
         (sqlite3.SQLITE_CANTOPEN, "a file could not be opened"),
         (sqlite3.SQLITE_CORRUPT_INDEX, "is damaged"),
+        (sqlite3.SQLITE_CORRUPT, "cannot be used, the disk did not give all of it"),  # what SQLite makes of EIO
         (sqlite3.SQLITE_ERROR, "is damaged"),
     ],
 )

@@ -17,7 +17,7 @@ from dse.domain.bench import Judgement, Verdict
 from dse.domain.component import Value
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.storage.rows import Measures, block_of
-from dse.storage.spool import Spooled, SpoolWriter, assemble, clear_spool, read_spool
+from dse.storage.spool import Spooled, SpoolWriter, assemble, clear_spool, read_spool, spooled_names
 from dse.storage.waveforms import waveform_file, write_waveforms
 
 MEASURES = Measures(("m", "n"), ("R", "S"))
@@ -139,6 +139,19 @@ def test_a_file_that_cannot_be_read_now_does_not_pass_for_an_empty_one(
     monkeypatch.setattr("mmap.mmap", no_memory)
     with pytest.raises(OSError, match="Cannot allocate memory"):
         read_spool(tmp_path, MEASURES, "0123")
+
+
+def test_a_folder_that_cannot_be_read_does_not_pass_for_an_empty_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise PermissionError(errno.EACCES, "as the test says")
+
+    monkeypatch.setattr("os.listdir", refuse)
+    monkeypatch.setattr("os.scandir", refuse)
+    for look in (lambda: read_spool(tmp_path, MEASURES), lambda: spooled_names(tmp_path)):
+        with pytest.raises(PermissionError):
+            look()
 
 
 def test_two_writers_for_a_chunk_do_not_meet(tmp_path: Path) -> None:

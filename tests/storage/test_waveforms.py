@@ -1,15 +1,27 @@
 from __future__ import annotations
 
+import errno
+import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 import pytest
 
 from dse.domain.run import Waveforms
 from dse.errors import DseError
-from dse.storage.waveforms import gather_waveforms, read_waveforms, waveform_file, write_waveforms
+from dse.storage.disk import UnreadableError
+from dse.storage.waveform_check import checked, facts_of, size_of
+from dse.storage.waveforms import (
+    copy_file,
+    gather_waveforms,
+    link_file,
+    read_waveforms,
+    waveform_file,
+    write_waveforms,
+)
 
 
 def waves(seed: int, rows: int = 50) -> Waveforms:
@@ -47,6 +59,45 @@ def test_nothing_is_left_beside_a_file_that_gets_its_second_name_again(tmp_path:
     for _ in range(2):
         gather_waveforms(file, [0], [(kept, 0)], ["a.x", "b.y"])
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["kept.parquet", "runs.parquet"]
+
+
+def test_a_file_that_the_system_does_not_give_is_neither_gone_nor_damaged(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "runs.parquet"
+    write_waveforms(file, [(0, waves(0))])
+    facts = facts_of(file)
+    with monkeypatch.context() as broken:
+        for place in ("stat", "open"):
+            broken.setattr(Path, place, refusing)
+            for known in (facts, None):
+                with pytest.raises(UnreadableError, match=f"^{file}: waveforms cannot be read: Input/output error"):
+                    checked(file, known)
+        with pytest.raises(UnreadableError):
+            size_of(file)
+        with pytest.raises(UnreadableError):
+            read_waveforms(file, 0)
+    assert checked(file, facts) == facts
+    file.unlink()
+    assert checked(file, facts) is None
+    assert size_of(file) is None
+
+
+def test_a_second_name_or_a_copy_that_cannot_be_made_leaves_nothing_beside_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source, target = tmp_path / "a.parquet", tmp_path / "b.parquet"
+    source.write_bytes(b"x")
+    with monkeypatch.context() as broken:
+        broken.setattr(Path, "replace", refusing)
+        assert not link_file(source, target)
+        with pytest.raises(OSError, match="Input/output"):
+            copy_file(source, target)
+    assert [*tmp_path.iterdir()] == [source]
+
+
+def refusing(*_arguments: object, **_options: object) -> NoReturn:
+    raise OSError(errno.EIO, os.strerror(errno.EIO))
 
 
 def test_other_programs_read_the_file_as_one_table(tmp_path: Path) -> None:

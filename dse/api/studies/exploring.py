@@ -35,6 +35,7 @@ from dse.exploration import (
     give,
     load_executor,
     simulate_alone,
+    unsettled,
 )
 from dse.storage import StudyFolder, StudyHeader, changed_inputs
 from dse.testbench import (
@@ -79,7 +80,8 @@ class ExploreOptions:
     The local executor has so many *workers* (0: what the study says, or one for each processor), each with *threads*
     runs at once. *fuse* links each configuration into one library first, *fresh* throws away what the folder holds
     and simulates every run, made before or not. *fmi* is the version of the FMUs that are built. In a *sandbox*, FMUs
-    have no network and write in their scratch folder only. With *retry_failed*, runs that failed before are made again.
+    have no network and write in their scratch folder only. With *retry_failed*, runs that failed or were not
+    reproducible are simulated again.
     *executor* makes the runs instead of what the study names: an executor of ``concurrent.futures`` with so many
     *workers* (0: as it says itself), or a function that makes one. Of a *shard* only its runs are made. The *world* is
     where that half of the bench is simulated, if not here.
@@ -162,7 +164,7 @@ def explore_into(
         require_checkable(planned, planned.benches)
     with StudyFolder.resume(folder, planned.definition) as store:
         if options.retry_failed:
-            store.forget(store.failed())
+            store.forget(unsettled(store))
         store.note_addresses(known.addresses)
         note_sources(study, store)
         explored = explore(

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.domain.notes import Absent, Funnel, Left, Notes, SourceText, digest_of
-from dse.errors import DseError
+from dse.errors import DseError, is_gone
 
 if TYPE_CHECKING:
     from dse.domain.study import Study
@@ -32,9 +32,10 @@ def note_space(study: Study, store: StudyFolder) -> None:
     known = store.notes() or Notes()
     if known.funnel is None and not known.unfunnelled:
         try:
-            store.note(Notes(known.sources, _funnel(study)))
+            notes = Notes(known.sources, _funnel(study))
         except DseError as error:
-            store.note(Notes(known.sources, None, error.problems[0].what))
+            notes = Notes(known.sources, None, error.problems[0].what)
+        store.note(notes)
 
 
 def _sources(study: Study) -> Iterator[SourceText]:
@@ -49,8 +50,12 @@ def _sources(study: Study) -> Iterator[SourceText]:
             if file.stat().st_size > _LONGEST:
                 continue
             text = file.read_bytes().decode("utf-8")
-        except (OSError, ValueError):
-            continue  # of a package, or no text: there is nothing that could be shown
+        except ValueError:
+            continue  # no text: there is nothing that could be shown
+        except OSError as error:
+            if is_gone(error):  # of a package
+                continue
+            raise
         yield SourceText(kind, file.name, text, digest_of(text))
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
 
-from dse.errors import fail
+from dse.errors import DseError, fail, remedy
 from dse.exploration.executor import Pool
 from dse.exploration.remote.carrying import carry_out
 from dse.exploration.remote.dispatcher import Dispatcher
@@ -46,12 +46,15 @@ class Dask(ExecutorSection):
             stack.enter_context(_quiet())
             address = self.address
             if not address:
-                cluster = distributed.LocalCluster(
-                    n_workers=self.workers or os.cpu_count() or 1,
-                    threads_per_worker=1,
-                    dashboard_address="127.0.0.1:0",
-                    silence_logs=logging.CRITICAL,
-                )
+                try:
+                    cluster = distributed.LocalCluster(
+                        n_workers=self.workers or os.cpu_count() or 1,
+                        threads_per_worker=1,
+                        dashboard_address="127.0.0.1:0",
+                        silence_logs=logging.CRITICAL,
+                    )
+                except (OSError, RuntimeError) as error:
+                    raise _not_started(error) from error
                 address = stack.enter_context(cluster).scheduler_address
             line = stack.enter_context(_DaskLine(address))
             yield stack.enter_context(Dispatcher(line, work, sink))
@@ -122,6 +125,15 @@ class _DaskLine:
         except (OSError, TimeoutError, ValueError) as error:
             what = f"the Dask scheduler at {self._address} does not answer: {error or type(error).__name__}"
             raise fail(what, hint="finished runs are stored: the same command resumes when it does") from error
+
+
+def _not_started(error: BaseException) -> DseError:
+    """Workers of this machine cannot be started; what Dask raises has the system's reason among its causes."""
+    cause: BaseException | None = error
+    while cause is not None and not isinstance(cause, OSError):
+        cause = cause.__cause__ or cause.__context__
+    what = f"Dask cannot start workers on this machine: {cause or error}"
+    return fail(what, hint=remedy(cause.errno if cause else None, "the executor 'local' needs no Dask"))
 
 
 @contextmanager

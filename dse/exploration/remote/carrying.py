@@ -39,15 +39,15 @@ def carry_out(content: bytes) -> Answer:
     """
     machine = this_machine()
     parcel = opened(content, machine.host)
-    crew = _taken(parcel)
     try:
-        answer = crew.carry(parcel)
-    except DseError as error:
-        crew.close(error)
+        crew = _taken(parcel)
+        try:
+            answer = crew.carry(parcel)
+        except BaseException as error:
+            crew.close(error)
+            raise
+    except (DseError, OSError) as error:
         return Trouble(machine.host, str(error))
-    except BaseException as error:
-        crew.close(error)
-        raise
     _let_go_later(crew)
     return answer
 

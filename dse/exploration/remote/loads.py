@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from dse.exploration.failures import not_stored
 from dse.exploration.remote.parcels import Piece
 from dse.exploration.work import Batch, Sink
 from dse.storage import read_all_waveforms, write_waveforms
@@ -21,17 +23,22 @@ class Job:
     files: list[Path] = field(default_factory=list)
 
     def take(self, part: Batch, piece: Piece, folder: Path, sink: Sink) -> None:
-        """Tell *sink* what came of *part*, and that the batch is done when it is; waveforms go into *folder*."""
-        for number, content in enumerate(piece.files):
-            aside = folder / f"{self.batch.file}.{part.numbers[0]}-{number}.part"
-            aside.write_bytes(content)
-            self.files.append(aside)
+        """Tell *sink* what came of *part*, and that the batch is done when it is; waveforms go into *folder*.
+
+        DseError if they cannot be written.
+        """
+        with _writing_waveforms():
+            for number, content in enumerate(piece.files):
+                aside = folder / f"{self.batch.file}.{part.numbers[0]}-{number}.part"
+                aside.write_bytes(content)
+                self.files.append(aside)
         self.kept += piece.kept
         for block in piece.blocks:
             sink.rows(self.batch, block)
         self.missing -= len(part.requests)
         if not self.missing:
-            self._put_together(folder)
+            with _writing_waveforms():
+                self._put_together(folder)
             sink.ended(self.batch, tuple(sorted(self.kept)))
 
     def _put_together(self, folder: Path) -> None:
@@ -45,6 +52,14 @@ class Job:
                 file.unlink()
         else:
             self.files[0].replace(whole)
+
+
+@contextmanager
+def _writing_waveforms() -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise not_stored(f"waveforms cannot be written: {error.strerror or error}") from error
 
 
 @dataclass(frozen=True, slots=True)

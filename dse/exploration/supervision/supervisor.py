@@ -23,6 +23,7 @@ from types import TracebackType
 import numpy as np
 
 from dse.errors import DseError, fail
+from dse.exploration.failures import not_stored
 from dse.exploration.packing import packed
 from dse.exploration.supervision.channel import GarbledError
 from dse.exploration.supervision.heartbeat import Phase, states_in
@@ -229,7 +230,7 @@ class Supervisor:
             self._take_rows(worker, assignment, report.block)
         if report.broken:
             worker.assignments.popleft()  # what it sends next is of the batch after
-            raise _broken(report.broken)
+            raise not_stored(report.broken)
         if report.ended:
             worker.assignments.popleft()
             worker.useful, self._fruitless = True, 0
@@ -240,7 +241,7 @@ class Supervisor:
         try:
             write_spooled(self._setup.spool, batch.name, content)
         except OSError as error:
-            raise _broken(f"results cannot be written: {error.strerror or error}") from error
+            raise not_stored(f"results cannot be written: {error.strerror or error}") from error
 
     def _take_rows(self, worker: WorkerProcess, assignment: Assignment, block: RowBlock) -> None:
         worker.useful, self._fruitless = True, 0
@@ -342,10 +343,6 @@ class Supervisor:
 
 def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool, ignore_cleanup_errors=True)
-
-
-def _broken(why: str) -> DseError:
-    return fail(why, hint="finished runs are stored: the same command resumes when there is room")
 
 
 def _given_up(cause: str, traces: Traces) -> DseError:

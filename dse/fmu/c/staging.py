@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dse.domain.component import CSource
-from dse.errors import Location, Problem, fail, raise_if_any
+from dse.errors import Location, Problem, fail, is_gone, raise_if_any, remedy
 from dse.formats import shown
 
 
@@ -79,8 +79,10 @@ def _headers_beside(listed: Mapping[Path, Path]) -> dict[Path, Path]:
             headers = sorted(
                 path for path in absolute.iterdir() if path.suffix == ".h" and path.is_file() and not path.is_symlink()
             )
-        except OSError:
-            continue  # the listed file in it is reported as unreadable
+        except OSError as error:
+            if is_gone(error):
+                continue  # the listed file in it is reported as unreadable
+            raise
         found.update({path: written / path.name for path in headers if _NAME.fullmatch(path.name)})
     return found
 
@@ -146,6 +148,5 @@ def _problems(name: str, source: CSource, where: Location | None) -> Iterable[Pr
 
 def _unreadable(name: str, path: Path, error: OSError, where: Location | None) -> Problem:
     reason = "there is no such file" if isinstance(error, FileNotFoundError) else (error.strerror or str(error)).lower()
-    return Problem(
-        f"component '{name}': {shown(path)} cannot be read: {reason}", where, "paths are relative to the component"
-    )
+    hint = remedy(error.errno, "paths are relative to the component")
+    return Problem(f"component '{name}': {shown(path)} cannot be read: {reason}", where, hint)

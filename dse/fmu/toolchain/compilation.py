@@ -195,11 +195,13 @@ def _scratch() -> Iterator[Path]:
     """A temporary folder. What fails as somebody else empties it is no fault of what is compiled."""
     with ScratchFolder() as name:
         mark = Path(name, "mark")
+        mark.touch()
         try:
-            mark.touch()
             yield Path(name)
         except (OSError, CompilationError) as error:
             if mark.exists():
+                if isinstance(error, OSError) and error.filename is None:  # of writing what is open
+                    error.filename = name
                 raise
             what = f"{tempfile.gettempdir()}: the compiler's temporary folder was emptied while it was in use"
             raise fail(what, hint="set TMPDIR to a folder that is left alone") from error

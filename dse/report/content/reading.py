@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -46,6 +45,7 @@ from dse.storage import (
     Scale,
     StudyFolder,
     StudyHeader,
+    UnreadableError,
     damaged_study,
     read_chosen_waveforms,
 )
@@ -270,8 +270,12 @@ def _waveforms(folder: StudyFolder, kept: Mapping[int, str], chosen: list[int]) 
     numbers = frozenset(chosen)
     found: dict[int, Waveforms] = {}
     for file in sorted({kept[number] for number in chosen}):
-        with suppress(DseError):  # the others can be shown all the same
+        try:
             found.update(read_chosen_waveforms(folder.waveform_folder / file, numbers, names))
+        except UnreadableError:
+            raise
+        except DseError:  # the others can be shown all the same
+            continue
     return dict(sorted(found.items()))
 
 

@@ -94,7 +94,7 @@ def bundle(name: str) -> str:
     source = files("dse.report").joinpath("web", "dist", name)
     try:
         text = source.read_text(encoding="utf-8")
-    except OSError as error:
+    except FileNotFoundError as error:
         raise fail(
             f"the report's web bundle is missing ({name})",
             hint="install the package again, or run 'npm ci' and 'npm run build' in dse/report/web",

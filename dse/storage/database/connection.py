@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
+import re
 import shutil
 import sqlite3
 from collections.abc import Iterator, Mapping
@@ -13,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from dse.domain.definition import StudyDefinition, to_json
-from dse.errors import DseError, Location, fail
+from dse.errors import DseError, Location, fail, remedy
 from dse.json_data import read_json, read_noun
 from dse.storage.database.asks import Asks, Block, read_asks, write_asks
 from dse.storage.database.attempts import ATTEMPTS, FROM_TIMING
@@ -39,6 +41,11 @@ _WHOLE = {
 }
 """SQLite's codes for what is no fault of the database; any other is a sign of bytes that this program never wrote."""
 
+_UNREADABLE = "the disk did not give all of it (a broken disk, a lost connection)"
+
+_LOOKS = 3
+"""How often a database that SQLite calls malformed is looked at: a fault of the disk may have been there once."""
+
 _LITTLE = 1 << 16
 """Bytes that SQLite needs to go on, beside the rows."""
 
@@ -54,15 +61,52 @@ def located(path: Path) -> Iterator[None]:
         # Text that is no UTF-8 has no code: Python itself refuses it.
         code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF
         why = _WHOLE.get(code)
+        if getattr(error, "sqlite_errorcode", 0) == sqlite3.SQLITE_CORRUPT and not _is_read(path):
+            why = _UNREADABLE
         if why is None:
             raise damaged_study(path, str(error)) from error
-        if code == sqlite3.SQLITE_IOERR and shutil.disk_usage(path).free < _LITTLE:
-            why = FULL
+        if code in (sqlite3.SQLITE_IOERR, sqlite3.SQLITE_CANTOPEN):
+            _require_usable(path)
         raise fail(f"{NAME} cannot be used, {why}: {error}", Location(str(path)), GO_ON) from error
     except UnicodeDecodeError as error:  # what SQLite says of damage may quote it
         raise damaged_study(path, str(error)) from error
     except OSError as error:
         raise refused(path, error) from error
+
+
+def _require_usable(path: Path) -> None:
+    """DseError with the reason why SQLite cannot use the study folder *path*, where it is one that lasts."""
+    try:
+        if shutil.disk_usage(path).free < _LITTLE:
+            raise OSError(errno.ENOSPC, FULL)
+        (path / NAME).open("rb").close()
+    except OSError as error:
+        what = f"{NAME} cannot be used: {error.strerror}"
+        raise fail(what, Location(str(path)), remedy(error.errno, GO_ON)) from error
+
+
+def _is_read(path: Path) -> bool:
+    """Whether the database in the study folder *path* can be read, and is not what SQLite writes all the same.
+
+    Where a disk does not give a page (EIO), SQLite calls the database malformed: only its check names the true reason.
+    """
+    for _ in range(_LOOKS):
+        try:
+            with (path / NAME).open("rb") as file:
+                hashlib.file_digest(file, "sha256")
+            with closing(sqlite3.connect(attachable(path), uri=True)) as connection:
+                said = " ".join(str(line) for (line,) in connection.execute("PRAGMA integrity_check"))
+        except OSError:
+            return False
+        except sqlite3.Error:
+            continue
+        return said != "ok" and not _is_of_disk(said)
+    return True
+
+
+def _is_of_disk(said: str) -> bool:
+    """Whether SQLite's check *said* that it could not read a page."""
+    return any(int(code) & 0xFF == sqlite3.SQLITE_IOERR for code in re.findall(r"error code=(\d+)", said))
 
 
 def damaged_study(path: Path, why: str) -> DseError:
@@ -82,7 +126,8 @@ def lay_out(path: Path, header: StudyHeader) -> None:
     except (ValueError, RecursionError) as error:  # the latter while it is written
         raise fail(f"the study cannot be stored: {error}", Location(str(path))) from error
     aside = path / f"{NAME}.part"
-    aside.unlink(missing_ok=True)
+    with located(path):
+        aside.unlink(missing_ok=True)
     with located(path), closing(sqlite3.connect(aside, isolation_level=None)) as connection:
         # A journal beside it, left by a killed process, would be no part of the next one's.
         connection.execute("PRAGMA journal_mode = MEMORY")
@@ -129,6 +174,8 @@ def require_structure(connection: sqlite3.Connection, path: Path) -> None:
     """DseError if a page of the database is not what SQLite wrote, as far as SQLite can tell."""
     with located(path):
         (found,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+    if _is_of_disk(found):
+        raise fail(f"{NAME} cannot be used, {_UNREADABLE}", Location(str(path)), GO_ON)
     if found != "ok":
         raise damaged_study(path, str(found).replace("\n", " "))
 
