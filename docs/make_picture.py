@@ -1,5 +1,6 @@
-"""Makes the pictures of the README and of the tour and its table of the picked run: run it after `make demo` and, for the third picture,
-`dse explore electric_acc_search` and `dse report electric_acc_search`."""
+"""Makes the pictures of the README and of the tour, and its table of the picked run.
+
+Run it after `make demo` and, for the third picture, `dse explore electric_acc_search` and `dse report electric_acc_search`."""
 
 from __future__ import annotations
 
