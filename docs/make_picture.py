@@ -1,6 +1,8 @@
 """Makes the pictures of the README and of the tour, and its table of the picked run.
 
-Run it after `make demo` and, for the third picture, `dse explore electric_acc_search` and `dse report electric_acc_search`."""
+Run it after `make demo` and, for the third picture, `dse explore electric_acc_search` and
+`dse report electric_acc_search`.
+"""
 
 from __future__ import annotations
 
