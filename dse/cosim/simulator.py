@@ -61,8 +61,9 @@ class Simulator:
     :data:`dse.cosim.failing.progress.PROGRESS_BYTES` in which the kernel keeps note of the FMI call it is in.
 
     *method* is the co-simulation algorithm. With bonds in it, *record* may name their residual energies as
-    ``bonds.NAME``. A run that diverges fails: if a wired output is not finite at a communication point, or larger at
-    the end than 2^53 times the nominal value that its FMU declares and its first one.
+    ``bonds.NAME``. A clock is recorded as the number of its ticks so far, a string or binary that belongs to clocks and
+    is passed on as the number of its bytes so far. A run that diverges fails: if a wired output is not finite at a
+    communication point, or larger at the end than 2^53 times the nominal value that its FMU declares and its first one.
 
     A run in which an FMU asks to end the simulation ends there: *ended* tells, of the last run, who and when.
 
@@ -97,11 +98,11 @@ class Simulator:
         self._wear = Wear(system, facts)
         wiring = wire_up(system)
         check_wired(wiring, method)
-        positions, energies = columns_of(wiring, method, record)
-        self._record = np.array(positions, np.int32)
+        columns = columns_of(wiring, method, record)
+        self._record = np.array(columns.positions, np.int32)
         self._kernel = layout.kernel()
         self._tables = Tables(wiring, progress, plain=is_plain(method))
-        self._compiled = CompiledMethod(self._tables, method, energies)
+        self._compiled = CompiledMethod(self._tables, method, columns)
         self._tables.system.plan = ctypes.addressof(self._compiled.structure)
         self._tables.system.fused = None if fused is None else loop_of(fused)
         self._system = ctypes.byref(self._tables.system)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -30,9 +31,15 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("cache")
 
 
-def package(folder: Path, workshop: Workshop, *wires: tuple[str, str], timed: bool = False) -> Path:
+def package(
+    folder: Path,
+    workshop: Workshop,
+    *wires: tuple[str, str],
+    timed: bool = False,
+    channel: Sequence[str] = CHANNEL,
+) -> Path:
     """Two virtual ECUs a and b, called 17 and 18, and these connections besides those of the data."""
-    channel = [*CHANNEL, f"{'input' if timed else 'output'} Tx_Clock"]
+    channel = [*channel, f"{'input' if timed else 'output'} Tx_Clock"]
     said = [
         component(name, *channel, source="resources/vecu.fmu", more=bindings(binding(parameter_set(*values))))
         for name, values in (
@@ -46,6 +53,9 @@ def package(folder: Path, workshop: Workshop, *wires: tuple[str, str], timed: bo
     return pack(folder / "can.ssp", {"SystemStructure.ssd": text, "resources/vecu.fmu": fmu})
 
 
+SENT = {"a.Tx_Clock": 4.0, "a.Tx_Data": 83.0, "b.Tx_Clock": 6.0, "b.Tx_Data": 123.0}
+"""What each has sent after 1 s: 23 bytes of configuration and 3 or 5 frames of 20 bytes, each with a tick."""
+
 CLOCKS = ("a.Tx_Clock", "b.Rx_Clock"), ("b.Tx_Clock", "a.Rx_Clock")
 
 
@@ -56,7 +66,7 @@ CLOCKS = ("a.Tx_Clock", "b.Rx_Clock"), ("b.Tx_Clock", "a.Rx_Clock")
 def test_virtual_ecus_exchange_can_frames(tmp_path, workshop, cache, timed, wires):
     path = package(tmp_path, workshop, *wires, timed=timed)
     done = run_dse(tmp_path, "check", str(path), cache=cache)
-    assert (done.returncode, done.stdout) == (0, "ok: 2 FMUs, 6 outputs\n")
+    assert (done.returncode, done.stdout) == (0, "ok: 2 FMUs, 10 outputs\n")
     done = run_dse(tmp_path, "simulate", str(path), "--stop", "1", "--step", "0.1", "-o", "wave.csv", cache=cache)
     assert done.returncode == 0, done.stderr
     with (tmp_path / "wave.csv").open(encoding="utf-8") as file:
@@ -64,6 +74,19 @@ def test_virtual_ecus_exchange_can_frames(tmp_path, workshop, cache, timed, wire
     found = {name.split(" ", 1)[0]: float(value) for name, value in last.items()}
     assert (found["a.received"], found["a.last_id"], found["a.malformed"]) == (5, 18, 0)
     assert (found["b.received"], found["b.last_id"], found["b.malformed"]) == (3, 17, 0)
+    assert {name: found[name] for name in SENT} == SENT
+
+
+@pytest.mark.thorough
+def test_a_package_with_nothing_but_a_bus_records_its_ticks_and_bytes(tmp_path, workshop, cache):
+    path = package(tmp_path, workshop, channel=CHANNEL[:3])
+    done = run_dse(tmp_path, "simulate", str(path), "--stop", "1", "--step", "0.1", "-o", "wave.csv", cache=cache)
+    assert done.returncode == 0, done.stderr
+    with (tmp_path / "wave.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert {name: float(rows[-1][name]) for name in SENT} == SENT
+    # Sends at 0.3, 0.6 and 0.9 s are in the rows at these times.
+    assert [int(float(row["a.Tx_Clock"])) for row in rows] == [1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4]
 
 
 def test_what_no_tick_can_go_over_is_told_where_it_is_connected(tmp_path, workshop, cache):

@@ -75,10 +75,13 @@ def test_methods_that_clocks_do_not_go_together_with(workshop: Workshop):
     assert text.startswith("a: a step of its own does not go together with clocks that tick")
 
 
-def test_a_clock_is_not_recorded(workshop: Workshop):
-    system = system_of({"a": ticker(workshop)}, (), {}, [*RECORD, "a.bell"])
-    with pytest.raises(DseError, match=r"a\.bell: variables of type Clock cannot be recorded"):
-        Simulator(system, ["a.bell"])
+def test_a_clock_is_recorded_as_the_number_of_its_ticks(workshop: Workshop):
+    system = system_of({"a": ticker(workshop, CONSTANT)}, (), {}, RECORD)
+    with Simulator(system, ["a.count", "a.tick", "a.ring"]) as simulator:
+        for _ in range(2):  # counted anew in each run
+            rows = simulator.run(stop=0.9, step=0.15)
+            assert rows[:, 1].tolist() == rows[:, 0].tolist() == [1, 1, 2, 2, 3, 3, 4]
+            assert not rows[:, 2].any()
 
 
 def test_an_fmu_that_cannot_stop_where_a_clock_ticks(workshop: Workshop):

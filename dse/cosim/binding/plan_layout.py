@@ -68,7 +68,7 @@ class Clock(ctypes.Structure):
         *pointers("sources"),
         *numbers("n_sources"),
         *reals("period", "first", "parts", "next"),
-        *numbers("ticks", "is_active", "is_set", "asked_at"),
+        *numbers("ticks", "is_active", "is_set", "asked_at", "count"),
     ]
 
 
@@ -84,8 +84,14 @@ class ClockStep(ctypes.Structure):
         ("operation", Operation),
         *numbers("first", "n_values"),
         *pointers("before"),
-        *numbers("stamp", "read_at"),
+        *numbers("stamp", "read_at", "bytes"),
     ]
+
+
+class CountColumn(ctypes.Structure):
+    """Where ticks or bytes are recorded."""
+
+    _fields_: ClassVar[_Fields] = [*numbers("column"), *pointers("counter")]
 
 
 class ClockGroup(ctypes.Structure):
@@ -132,7 +138,7 @@ class Plan(ctypes.Structure):
         *numbers("reads_again", "k"),
         *pointers("groups"),
         *numbers("n_groups"),
-        *pointers("group_of", "clocks", "clock_steps", "ticking"),
-        *numbers("instant"),
+        *pointers("group_of", "clocks", "clock_steps", "ticking", "count_columns"),
+        *numbers("n_count_columns", "instant"),
         *reals("spare"),
     ]

@@ -106,6 +106,7 @@ static bool poll(System *system, const ClockStep *step, bool *went_on)
     if (!enter_events(system, step->element) || !call_clock(system, clock, GET_CLOCK, &ticks))
         return false;
     clock->is_active = clock->is_set = ticks;
+    clock->count += ticks;
     *went_on |= ticks;
     return true;
 }
@@ -119,6 +120,7 @@ static bool tick(System *system, const ClockStep *step, bool *went_on)
     if (clock->is_set || !(clock->is_active || any_active(plan, clock->sources, clock->n_sources)))
         return true;
     clock->is_active = clock->is_set = ticking->is_due = 1;
+    clock->count++;
     ticking->news = ++plan->instant + 1;
     *went_on = true;
     return enter_events(system, step->element) && call_clock(system, clock, SET_CLOCK, &ticks);
@@ -135,6 +137,9 @@ static bool sample(System *system, ClockStep *step, bool *went_on)
     memcpy(step->before, system->values + step->first, size);
     if (!read_some(system, &step->operation.groups))
         return false;
+    for (const TextGroup *group = step->operation.groups.texts; group < step->operation.groups.no_texts; group++)
+        for (int64_t i = 0; i < group->count; i++)
+            step->bytes += (int64_t)group->texts[i]->size;
     step->read_at = ++plan->instant + 1;
     if (!is_first && memcmp(step->before, system->values + step->first, size) == 0)
         return true;

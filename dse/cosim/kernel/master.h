@@ -28,6 +28,8 @@ static void record(System *system, const Request *request, int64_t k)
     gather(row, system->values, request->record, request->n_record);
     for (const BondColumn *place = plan->bond_columns; place < plan->bond_columns + plan->n_bond_columns; place++)
         row[place->column] = plan->energies[place->bond];
+    for (const CountColumn *place = plan->count_columns; place < plan->count_columns + plan->n_count_columns; place++)
+        row[place->column] = (double)*place->counter;
     system->rows = k + 1;
     if (request->digests)
         digest(system, request->digests + k * system->n_elements);
@@ -37,6 +39,8 @@ static void record(System *system, const Request *request, int64_t k)
 static void forget(const Plan *plan)
 {
     memset(plan->past, 0, (size_t)plan->n_past * sizeof(double));
+    for (const CountColumn *place = plan->count_columns; place < plan->count_columns + plan->n_count_columns; place++)
+        *place->counter = 0;
     if (plan->tolerance > 0.0)
         memset(plan->magnitudes, 0, (size_t)plan->n_compared * sizeof(double));
 }

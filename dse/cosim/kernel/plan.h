@@ -72,6 +72,7 @@ typedef struct {
     /* In an instant: whether it is to tick, whether its element knows, and after which of the element's news it was
      * asked. */
     int64_t is_active, is_set, asked_at;
+    int64_t count; /* how often it has ticked in the run, by itself or with others */
 } Clock;
 
 enum { POLL, TICK, SAMPLE, DELIVER };
@@ -87,7 +88,14 @@ typedef struct {
     int64_t first, n_values; /* SAMPLE: where among the values, and room for these */
     double *before;
     int64_t stamp, read_at; /* when in the instant it was done, SAMPLE: changed something, and was done; 0 for not yet */
+    int64_t bytes;          /* SAMPLE of a message: in the run so far */
 } ClockStep;
+
+/* Where ticks or bytes are recorded. */
+typedef struct {
+    int64_t column;
+    int64_t *counter;
+} CountColumn;
 
 /* Elements that stop together wherever one of their clocks ticks, in the order they step. */
 typedef struct {
@@ -146,6 +154,8 @@ typedef struct {
     Clock *clocks;
     ClockStep *clock_steps;
     Ticking *ticking;  /* of each element */
+    const CountColumn *count_columns;
+    int64_t n_count_columns;
     int64_t instant;   /* counts what is done in one */
     double spare;      /* ticks this close to each other, in seconds, are one */
 } Plan;

@@ -23,10 +23,16 @@ _EVENTS = (Call.ENTER_EVENT_MODE, Call.UPDATE_DISCRETE_STATES, Call.ENTER_STEP_M
 class CompiledClocks:
     """The clocks of *tables*' system; owns all memory it points into.
 
-    *operation* makes the kernel's operation of a step that reads or writes. Raises DseError if an FMU lacks a function.
+    *operation* makes the kernel's operation of a step that reads or writes. *counts* are columns that record the ticks
+    of a clock (True) or the bytes of a step, and its number. Raises DseError if an FMU lacks a function.
     """
 
-    def __init__(self, tables: Tables, operation: Callable[[ClockStep], layout.Operation]) -> None:
+    def __init__(
+        self,
+        tables: Tables,
+        operation: Callable[[ClockStep], layout.Operation],
+        counts: Sequence[tuple[int, bool, int]] = (),
+    ) -> None:
         self._tables, self._operation = tables, operation
         self._kept: list[Any] = []
         wiring = tables.wiring
@@ -40,6 +46,7 @@ class CompiledClocks:
         for number, group in enumerate(clocks.groups):
             group_of[list(group.elements)] = number
         self._group_of = group_of
+        self._columns = (layout.CountColumn * len(counts))(*(self._column(*each) for each in counts))
 
     def enter(self, plan: layout.Plan) -> None:
         """Let *plan* point here."""
@@ -47,6 +54,11 @@ class CompiledClocks:
         plan.group_of = int(self._group_of.ctypes.data)
         plan.clocks, plan.clock_steps = ctypes.addressof(self._clocks), ctypes.addressof(self._steps)
         plan.ticking = ctypes.addressof(self._ticking)
+        plan.count_columns, plan.n_count_columns = ctypes.addressof(self._columns), len(self._columns)
+
+    def _column(self, column: int, is_clock: bool, number: int) -> layout.CountColumn:
+        array, field = (self._clocks, layout.Clock.count) if is_clock else (self._steps, layout.ClockStep.bytes)
+        return layout.CountColumn(column, ctypes.addressof(array[number]) + field.offset)
 
     def _clock(self, clock: WiredClock) -> layout.Clock:
         variable = clock.variable

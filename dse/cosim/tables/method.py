@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Sequence
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,15 @@ DISCRETE_WALKS = 20
 that settle a loop that is none."""
 
 
+class Columns(NamedTuple):
+    """Where recorded columns come from: *positions* of values (0 for others), *energies* of bonds as (column, bond),
+    *counts* of clocks as (column, whether of ticks, clock or step)."""
+
+    positions: tuple[int, ...]
+    energies: tuple[tuple[int, int], ...]
+    counts: tuple[tuple[int, bool, int], ...]
+
+
 class CompiledMethod:
     """How *tables*' system is simulated by *method*; owns all memory that *structure* points into.
 
@@ -38,7 +47,7 @@ class CompiledMethod:
     numbered as in the kernel's failures. One step of the run at a time is fitted: see :meth:`fit`.
     """
 
-    def __init__(self, tables: Tables, method: Method, energies: Sequence[tuple[int, int]]) -> None:
+    def __init__(self, tables: Tables, method: Method, columns: Columns) -> None:
         self.loops: list[AlgebraicLoop] = []
         self._tables, self._wiring, self._method = tables, tables.wiring, method
         self._kept: list[Any] = []
@@ -75,11 +84,11 @@ class CompiledMethod:
         self.structure.paces = ctypes.addressof(self._paces)
         self._doubt(doubtful)
         self._watch()
-        self._bond(method.bonds, energies)
+        self._bond(method.bonds, columns.energies)
         self._remember()
         if method.adaptive:
             self._adapt(method.adaptive)
-        self._clocks = CompiledClocks(tables, self._operation_at_tick)
+        self._clocks = CompiledClocks(tables, self._operation_at_tick, columns.counts)
         self._clocks.enter(self.structure)
         tables.publish()
 
@@ -267,17 +276,16 @@ class CompiledMethod:
         return int(array.ctypes.data)
 
 
-def columns_of(
-    wiring: Wiring, method: Method, names: Sequence[str]
-) -> tuple[tuple[int, ...], tuple[tuple[int, int], ...]]:
-    """Positions of the values called *names*, and which columns are energies of which bonds (position 0 there).
-
-    DseError naming those that are neither.
-    """
+def columns_of(wiring: Wiring, method: Method, names: Sequence[str]) -> Columns:
+    """Where what is called *names* comes from. DseError naming what is not to be had."""
     bonds = {f"bonds.{bond.name}": number for number, bond in enumerate(method.bonds)}
-    positions = iter(wiring.record([name for name in names if name not in bonds]))
-    columns = tuple((column, bonds[name]) for column, name in enumerate(names) if name in bonds)
-    return tuple(0 if name in bonds else next(positions) for name in names), columns
+    counted = wiring.clocks.counted(wiring.system)
+    positions = iter(wiring.record([name for name in names if name not in bonds and name not in counted]))
+    return Columns(
+        tuple(0 if name in bonds or name in counted else next(positions) for name in names),
+        tuple((column, bonds[name]) for column, name in enumerate(names) if name in bonds),
+        tuple((column, *counted[name]) for column, name in enumerate(names) if name in counted),
+    )
 
 
 def nominal_of(element: Element, variable: Variable) -> float:

@@ -81,6 +81,16 @@ class Clocks:
         """The elements that stop where clocks tick."""
         return frozenset(e for group in self.groups for e in group.elements)
 
+    def counted(self, system: SystemStructure) -> dict[str, tuple[bool, int]]:
+        """What is counted, by ``element.variable``: ticks of a clock (True) or bytes of messages, and its number."""
+        ticks = {self.label(number, system): (True, number) for number in range(len(self.clocks))}
+        messages = {
+            f"{system.elements[step.element].name}.{step.variable.name}": (False, number)
+            for number, step in enumerate(self.steps)
+            if step.act is Act.SAMPLE and step.is_message
+        }
+        return ticks | messages
+
     def label(self, number: int, system: SystemStructure) -> str:
         """``element.clock``."""
         clock = self.clocks[number]

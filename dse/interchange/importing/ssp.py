@@ -121,7 +121,7 @@ def _record(parts: Parts, told: list[str]) -> tuple[str, ...]:
     for signal in parts.resolved.signals:
         element = ".".join(signal.way)
         own = parts.own_name(element, signal.label.removeprefix(f"{element}."))
-        if own is None or parts.component(element).interface.port(own) is None:
+        if own is None or signal.is_counted or parts.component(element).interface.port(own) is None:
             told.append(f"'{signal.name}' is not recorded: it is no output that a port can be")
             continue
         record.append(f"{parts.names[element]}.{own}")

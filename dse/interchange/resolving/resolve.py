@@ -70,9 +70,11 @@ def system_of(
     assembly = _Assembly(network, given, problems, notes)
     assembly.connect()
     assembly.give()
-    signals = signals_of(network, record, problems)
+    passed = {(way, name) for way, draft in assembly.drafts.items() for name in draft.outputs}
+    signals = signals_of(network, passed, record, problems)
     for signal in signals:
-        assembly.drafts[signal.way].outputs.add(signal.variable)
+        if not signal.is_counted:
+            assembly.drafts[signal.way].outputs.add(signal.variable)
     names = _names(network, problems)
     raise_if_any(problems)
     elements = {names[way]: draft.element(names[way]) for way, draft in assembly.drafts.items()}

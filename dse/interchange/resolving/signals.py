@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set as AbstractSet
 from dataclasses import dataclass
 
 from dse.domain.fmu import Variable
@@ -19,7 +19,8 @@ class Signal:
     """One waveform: what it is called, and the value behind it.
 
     *label* is the ``element.variable`` that is recorded, *way* and *variable* name its FMU's instance and variable.
-    *carry* makes the signal of what was recorded. *unit* is as the package spells it.
+    *carry* makes the signal of what was recorded. *unit* is as the package spells it. Of what *is_counted* ticks or
+    bytes are recorded.
     """
 
     name: str
@@ -28,36 +29,54 @@ class Signal:
     variable: str
     unit: str = ""
     carry: Carry = SAME
+    is_counted: bool = False
 
 
-def signals_of(network: Network, record: Sequence[str], problems: list[Problem]) -> tuple[Signal, ...]:
-    """The system's own outputs and the output connectors of its components; with *record*, what that names instead."""
+Passed = AbstractSet[tuple[Way, str]]
+"""Instances' variables that others take values from."""
+
+
+def signals_of(network: Network, passed: Passed, record: Sequence[str], problems: list[Problem]) -> tuple[Signal, ...]:
+    """The system's own outputs and the output connectors of its components; with *record*, what that names instead.
+
+    A clock is recorded as the number of its ticks so far, a string or binary that belongs to clocks and is *passed* on
+    as the number of its bytes so far.
+    """
     if record:
-        found = [signal for name in record for signal in _asked(network, name, problems)]
+        found = [signal for name in record for signal in _asked(network, passed, name, problems)]
     else:
-        found = [*_outer(network, problems), *_inner(network)]
+        found = [*_outer(network, problems), *_inner(network, passed)]
     unique: dict[str, Signal] = {}
     for signal in found:
         unique.setdefault(signal.name, signal)
     return tuple(unique.values())
 
 
-def _inner(network: Network) -> Iterator[Signal]:
+def _inner(network: Network, passed: Passed) -> Iterator[Signal]:
     pointers = {way: model.pointers for way, model in network.models.items()}
     for node, connector in network.connectors.items():
         variable = network.variable(node)
         if variable is None or variable.name in pointers[node.way]:
             continue
-        if connector.gives and connector.kind != "constant":
+        is_output = (connector.gives and connector.kind != "constant") or variable.is_timed
+        if is_output and _is_recorded(network, passed, node.way, variable):
             yield from _of_variable(network, node, variable, variable.labels)
 
 
+def _is_recorded(network: Network, passed: Passed, way: Way, variable: Variable) -> bool:
+    """Whether *variable* has numbers, or is counted; other strings and binaries cannot be recorded."""
+    if variable.kind is not None:
+        return True
+    is_text = variable.is_clocked and variable.size == 1 and (way, variable.name) in passed
+    return network.models[way].ticks and (variable.timing is not None or is_text)
+
+
 def _of_variable(network: Network, node: Endpoint, variable: Variable, labels: Iterable[str]) -> Iterator[Signal]:
-    """The signals of these values of *variable*; strings, binaries and clocks cannot be recorded."""
+    """The signals of these values of *variable*."""
     form = network.form(Endpoint(node.way, variable.name))
-    for label in labels if variable.kind is not None else ():
+    for label in labels:
         name = f"{'.'.join(node.way)}.{label}"
-        yield Signal(name, name, node.way, variable.name, _unit(form))
+        yield Signal(name, name, node.way, variable.name, _unit(form), is_counted=variable.kind is None)
 
 
 def _unit(form: Form | None) -> str:
@@ -92,7 +111,7 @@ def _outer(network: Network, problems: list[Problem]) -> Iterator[Signal]:
                 yield Signal(connector.name + suffix, source, route.source.way, variable.name, _unit(form), way)
 
 
-def _asked(network: Network, name: str, problems: list[Problem]) -> Iterator[Signal]:
+def _asked(network: Network, passed: Passed, name: str, problems: list[Problem]) -> Iterator[Signal]:
     outer = {signal.name: signal for signal in _outer(network, [])}
     if name in outer:
         yield outer[name]
@@ -100,7 +119,7 @@ def _asked(network: Network, name: str, problems: list[Problem]) -> Iterator[Sig
     models = network.models
     nodes = [node for node in named(network, name) if node.way in models]
     variables = [(node, models[node.way].variable_of(node.connector)) for node in nodes]
-    numbers = [(node, variable) for node, variable in variables if variable.kind is not None]
+    numbers = [(node, variable) for node, variable in variables if _is_recorded(network, passed, node.way, variable)]
     for node, variable in numbers:
         labels = variable.labels if variable.name == node.connector else (node.connector,)
         yield from _of_variable(network, node, variable, labels)
