@@ -21,7 +21,7 @@ class CSection(SourceSection):
 
 
 class CKind(ComponentKind[CSection, CSource]):
-    """C99 is compiled together with the FMI functions."""
+    """C11 is compiled together with the FMI functions."""
 
     section = CSection
 
