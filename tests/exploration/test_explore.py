@@ -161,7 +161,7 @@ def test_progress_counts_what_was_there_and_ends_complete(tmp_path: Path) -> Non
     assert done == sorted(done)
     again: list[Progress] = []
     run(tmp_path, study, tell=again.append)
-    assert [progress.done for progress in again] == [told[-1].done]
+    assert [progress.done for progress in again] == [128, told[-1].done]
 
 
 @pytest.mark.thorough

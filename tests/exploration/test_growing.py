@@ -353,7 +353,7 @@ def make_first_version(path: Path) -> None:
         old = {"definition": definition, "fingerprint": "0123", "runs": facts["runs"]}
         connection.executemany("INSERT INTO facts VALUES (?, ?)", [(k, json.dumps(v)) for k, v in old.items()])
         connection.execute("CREATE TABLE timing (number INTEGER PRIMARY KEY, wall REAL) STRICT")
-        connection.execute("INSERT INTO timing SELECT run, seconds FROM attempts")
+        connection.execute("INSERT OR IGNORE INTO timing SELECT run, seconds FROM attempts")
         for table in ("asks", "attempts", "makers", "files", "checks"):
             connection.execute(f"DROP TABLE {table}")
         for table in ("runs", "kept"):
