@@ -45,7 +45,7 @@ def shares(data: StudyData, metric: str) -> Iterator[Finding]:
     left = 1 - math.fsum(each.share.value for each in found)
     if pairs:
         named_pairs = listed([" and ".join(pair) for pair in pairs[:3]], "as well as")
-        text += f"; {named_pairs} are correlated: their shares overlap"
+        text += f"; {named_pairs} are not independent in these runs: their shares overlap"
     elif left >= 0.1 and told:
         text += f"; {percent(left)} is due to several together, or to chance"
     facts = {"shares": [asdict(each) for each in found], "defined": len(defined), "together": pairs}

@@ -80,7 +80,7 @@ def _check(session: int, sequence: int, flags: int, time: float, values: Sequenc
     if not 0 <= sequence <= _LARGEST:
         raise PacketError(f"sequence {sequence}: sequences are int32 that count from 0")
     if flags & ~_KNOWN:
-        raise PacketError(f"flags {flags & 0xFFFFFFFF:#x}: they belong to no value")
+        raise PacketError(f"flags {flags & 0xFFFFFFFF:#x}: not defined by the protocol")
     if not isfinite(time):
         raise PacketError(f"the time is {time}")
     wrong = next((place for place, value in enumerate(values, 1) if not isfinite(value)), 0)

@@ -195,7 +195,7 @@ def _values(column: RawColumn, type_: Type, where: Location) -> NDArray[np.float
         unit = unit_of(column, where)
         if unit is None and type_.unit.dimension:
             hint = f"state it, as 'column: {column.heading.removeprefix('column ')} [{type_.unit}]'"
-            raise fail(f"no unit is given for '{column.heading}' is", where, hint)
+            raise fail(f"no unit is given for '{column.heading}'", where, hint)
         unit = unit or DIMENSIONLESS
         if unit.dimension != type_.unit.dimension or counts_otherwise(unit.symbol, type_.unit.symbol):
             found = describe(unit.dimension) if unit.dimension != type_.unit.dimension else str(unit)

@@ -56,7 +56,7 @@ Record = Annotated[
     list[str], typer.Option("--record", metavar="NAME", help="What of a package to record, instead of its outputs.")
 ]
 Tolerance = Annotated[
-    float | None, typer.Option("--tolerance", metavar="NUMBER", help="Parameter values for a package's FMUs.")
+    float | None, typer.Option("--tolerance", metavar="NUMBER", help="Tolerance that a package's FMUs are given.")
 ]
 Word = Annotated[str | None, typer.Option(metavar="WORD", help="For a package, as under 'simulation' in a bench.")]
 

@@ -58,7 +58,7 @@ def _show(status: Status) -> None:
         table.add_row("rate", f"{status.rate:.3g} runs/s{left}" if status.rate else "no run has ended yet")
     elif status.state == "interrupted":
         spooled = f"; {status.spooled:,} more are made and will be stored then" if status.spooled else ""
-        table.add_row("in progress", f"with the command that began it{spooled}")
+        table.add_row("resume", f"with the command that started it{spooled}")
     if tally.repeated:
         table.add_row("tried again", f"{_counted(tally.repeated, 'run')}, as a try gave no result")
     if tally.again:

@@ -1,4 +1,4 @@
-"""The folder that an instance of an FMU is told: its own, so that nothing it writes there is seen by anybody else.
+"""A folder for each instance of an FMU, so that no other instance or run sees what the FMU writes there.
 
 What is unpacked in the cache is shared by all runs of all processes. An FMU may write into its resources, in place, so
 links to the files would not keep it from changing them: they are copied, and what lies beside them is linked. A copy is
@@ -21,8 +21,8 @@ from dse.scratch import new_folder
 class InstanceFolder:
     """The folder of one instance of *model* after the other; :meth:`remove` it in the end.
 
-    There is none of its own for an FMU without resources: making one costs more than the rest of a short run. What such
-    an FMU writes where they would be is removed. Raises DseError if it cannot be made.
+    An FMU without resources has no folder of its own, as making one costs more than the rest of a short run: what it
+    writes in their place is removed. Raises DseError if the folder cannot be made.
     """
 
     def __init__(self, model: FmuModel) -> None:

@@ -179,7 +179,7 @@ class Supervisor:
         for turn in range(depth):
             for worker in list(self._workers):
                 if len(worker.assignments) == turn and not worker.offence:
-                    batch = self._queue.take(fresh=not worker.used, maker=worker.maker if is_choice else "")
+                    batch = self._queue.take(fresh=not worker.used, maker=worker.maker if is_choice else None)
                     if batch is not None:
                         self._store(batch.configuration)
                         worker.give(batch)

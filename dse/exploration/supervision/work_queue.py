@@ -57,10 +57,10 @@ class WorkQueue:
         """The runs that are to be made."""
         return {request.number for batch in self._pending for request in batch.todo}
 
-    def take(self, *, fresh: bool, maker: str = "") -> Batch | None:
+    def take(self, *, fresh: bool, maker: str | None = None) -> Batch | None:
         """What a process makes next that is *fresh* or not; None if there is nothing for it or for this *maker*."""
         queue = self._again if self._again and fresh else self._pending
-        return queue.popleft() if queue and queue[0].unlike != (maker or None) else None
+        return queue.popleft() if queue and queue[0].unlike != maker else None
 
     def is_loaded(self, configuration: str) -> None:
         """A run of *configuration* has come back."""

@@ -116,7 +116,7 @@ def _refers(result: FrontEndResult, node: tuple[str, Any]) -> bool:
 
 
 def _has_no_value(variable: Mapping[str, Any]) -> bool:
-    """Whether the model reports nothing, so that the front-end's own 0 stands at the declaration itself."""
+    """Whether the model gives no value, so that the declaration has the front-end's own 0."""
     start = variable["start"]
     literal = start.get("Literal") if isinstance(start, dict) else None
     return variable["binding"] is None and (
