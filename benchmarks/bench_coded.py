@@ -16,7 +16,7 @@ from bench_study import first_ask
 from dse.domain.run import Run, RunRequest
 from dse.loading.workspace import Workspace
 from dse.testbench import fuse_study
-from dse.testbench.prepared import PreparedBench
+from dse.testbench.prepared_bench import PreparedBench
 from dse.testbench.runner import Runner
 from dse.testbench.study import prepare_study
 

@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "exploration"))
 from optimized import Array, Runs, brief, drive
 
 from dse.domain.sampler import DesignVariable
-from dse.exploration.optimising.front import hypervolume
+from dse.exploration.optimization.front import hypervolume
 from dse.exploration.samplers.nsga2 import Nsga2
 from dse.units import DIMENSIONLESS
 

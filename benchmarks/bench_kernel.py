@@ -23,7 +23,7 @@ from dse.cosim.simulator import Simulator
 from dse.domain.component import Causality, Component, CSource, Interface, Kind, Parameter, Port, Type
 from dse.domain.fmu import FmuModel
 from dse.domain.system import Element, SystemStructure, Wire
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.fusion.fuse import fuse
 from dse.fmu.toolchain.compiler import find_compiler
 from dse.fmu.unpack import open_fmu

@@ -17,11 +17,11 @@ from statistics import median
 
 from dse.cosim.simulator import Simulator
 from dse.domain.component import Component, ModelicaSource
-from dse.fmu.building import build, build_all
+from dse.fmu.component_build import build, build_all
 from dse.loading.workspace import Workspace
 from dse.space.opened import open_space
 from dse.testbench.prepare import prepare_bench
-from dse.testbench.prepared import PreparedBench
+from dse.testbench.prepared_bench import PreparedBench
 
 ROOT = Path(__file__).parents[1]
 TURNS = 7

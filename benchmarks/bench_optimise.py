@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from dse.domain.bench import Verdict
 from dse.domain.sampler import Brief, DesignVariable, Objective, Outcomes, Sampler
-from dse.exploration.optimising.front import hypervolume
+from dse.exploration.optimization.front import hypervolume
 from dse.exploration.samplers.mixed_gp import MixedGp
 from dse.exploration.samplers.nsga2 import Nsga2
 from dse.exploration.samplers.tpe import Tpe

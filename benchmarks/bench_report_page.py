@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from dse.report.content.nouns import (
+from dse.report.content.data import (
     ConfigurationEntry,
     MetricColumn,
     ReportContent,

@@ -23,11 +23,11 @@ from dse.domain.bench import Judgement, Verdict
 from dse.domain.definition import DefinedConfiguration, StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.domain.study import DesignVariable, Keep, Study
-from dse.exploration.asking import Asking
 from dse.exploration.executors.local import Local
 from dse.exploration.known_runs import NOTHING_KNOWN, KnownRuns
 from dse.exploration.loop import explore
 from dse.exploration.samplers.full_factorial import FullFactorial
+from dse.exploration.scheduler import Asking
 from dse.exploration.work import MakeRunner, Runnable
 from dse.loading.workspace import Workspace
 from dse.storage.database.header import StudyHeader
@@ -35,7 +35,7 @@ from dse.storage.folder import StudyFolder
 from dse.storage.run_store import RunStore
 from dse.testbench import make_runner
 from dse.testbench.address import address_of
-from dse.testbench.prepared import PreparedBench
+from dse.testbench.prepared_bench import PreparedBench
 from dse.testbench.runner import Runner
 from dse.testbench.study import PreparedStudy, prepare_study
 

@@ -9,7 +9,7 @@ import numpy as np
 from known_functions import even, study, variable
 from report_pages import content_of
 
-from dse.report.content.nouns import FigureSpec, Floats, Property, ReportContent
+from dse.report.content.data import FigureSpec, Floats, Property, ReportContent
 from dse.storage import RunTable
 
 SCRIPT = '</script><img src=x onerror="window.pwned=1"><b>'

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.exploration.belief import Belief, BeliefAt, misjudged, shapes_of, single_threaded
+from dse.exploration.surrogate import Belief, BeliefAt, misjudged, shapes_of, single_threaded
 
 Array = NDArray[np.float64]
 

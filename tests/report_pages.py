@@ -9,7 +9,7 @@ import numpy as np
 from playwright.sync_api import Page
 
 from dse.report import insight_of
-from dse.report.content.nouns import (
+from dse.report.content.data import (
     ConfigurationEntry,
     MetricColumn,
     ReportContent,

@@ -8,7 +8,7 @@ import numpy as np
 
 from dse.report import Scene
 from dse.report.drawing.road_picture import StandingLight, Strip
-from dse.report.scene.nouns import Ground, Host, Instrument, Sensor
+from dse.report.scene.data import Ground, Host, Instrument, Sensor
 
 STEPS = 101
 LIGHT = StandingLight("L1", np.array([100.0, -4.0, 0.0]), 0.0, np.array([[100.0, 1.75, 0.0], [100.0, -1.75, 0.0]]))

@@ -107,7 +107,7 @@ def test_a_noun_is_read() -> None:
 READING = {
     "dse/json_data.py": "the reader",
     "dse/fmu/toolchain/compiler.py": "our cache",
-    "dse/formats/kept.py": "our cache",
+    "dse/formats/parse_cache.py": "our cache",
     "dse/modelica/frontend/answer_cache.py": "our cache",
     "dse/modelica/frontend/child.py": "a request of dse, in a process without it",
     "dse/modelica/frontend/process.py": "an expression is as deep as the user's model; anything wrong is FrontEndDied",

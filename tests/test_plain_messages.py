@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from dse.plain import packed, unpacked
+from dse.plain_messages import packed, unpacked
 
 
 @dataclass(frozen=True, slots=True)

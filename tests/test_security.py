@@ -8,11 +8,11 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 
 UNPICKLING = {
-    "dse/exploration/packing.py": "a configuration of our coordinator, on another machine or for its comparison",
-    "dse/exploration/remote/parcels.py": "what our coordinator has sent to another machine",
+    "dse/exploration/packed_configuration.py": "a configuration of our coordinator, on another machine or compared",
+    "dse/exploration/remote/messages.py": "what our coordinator has sent to another machine",
     "dse/exploration/supervision/channel.py": "what a supervisor has sent to its worker",
     "dse/exploration/supervision/guarded_runner.py": "a configuration that a supervisor has written for its worker",
-    "dse/live/run.py": "a run that the server of test drives has written for the process of its session",
+    "dse/live/run_process.py": "a run that the server of test drives has written for the process of its session",
     "dse/testing/metrics.py": "what the test itself has pickled",
 }
 """Where a pickle is read, and whose it is."""

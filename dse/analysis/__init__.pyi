@@ -1,5 +1,4 @@
 from .boxes import Box as Box, best_boxes as best_boxes
-from .claims import Stage as Stage, stages as stages, static_bound as static_bound, strength as strength
 from .conditions import (
     Condition as Condition,
     WorstCase as WorstCase,
@@ -7,8 +6,9 @@ from .conditions import (
     worst_case as worst_case,
     worst_designs as worst_designs,
 )
+from .counterfactuals import claim as claim, what_would_change as what_would_change
 from .data import ALL as ALL, Factor as Factor, StudyData as StudyData
-from .deciding import (
+from .design_ranking import (
     Missed as Missed,
     Ranking as Ranking,
     Standing as Standing,
@@ -16,17 +16,11 @@ from .deciding import (
     ranked as ranked,
     unit_of_objective as unit_of_objective,
 )
-from .designed import (
-    Designed as Designed,
-    Effects as Effects,
-    Indices as Indices,
-    morris_effects as morris_effects,
-    sobol_indices as sobol_indices,
-)
 from .effects import (
     MainEffect as MainEffect,
     main_effects as main_effects,
 )
+from .finding import Finding as Finding, Topic as Topic
 from .first_order import (
     Share as Share,
     courses as courses,
@@ -39,7 +33,6 @@ from .importance import (
     first_order_shares as first_order_shares,
     importances as importances,
 )
-from .learnt import essentials as essentials, findings as findings
 from .limits import Limit as Limit
 from .narrowing import (
     Narrowing as Narrowing,
@@ -48,6 +41,7 @@ from .narrowing import (
     of_band as of_band,
     of_box as of_box,
 )
+from .optimality import Stage as Stage, stages as stages, static_bound as static_bound, strength as strength
 from .probability import (
     Basis as Basis,
     Interval as Interval,
@@ -63,8 +57,14 @@ from .radial import (
     features as features,
     formulas as formulas,
 )
-from .reading import planes as planes, study_data as study_data
-from .rivals import claim as claim, what_would_change as what_would_change
 from .robust import Centre as Centre, robust_centre as robust_centre
-from .said import Finding as Finding, Topic as Topic
+from .sensitivity_indices import (
+    Designed as Designed,
+    Effects as Effects,
+    Indices as Indices,
+    morris_effects as morris_effects,
+    sobol_indices as sobol_indices,
+)
 from .slack import slack_of_runs as slack_of_runs
+from .study_findings import essentials as essentials, findings as findings
+from .study_reader import planes as planes, study_data as study_data

@@ -14,7 +14,7 @@ import numpy as np
 from dse.analysis.cells import effective
 from dse.analysis.data import ALL, Factor, Floats, Rows, StudyData, withheld
 from dse.analysis.limits import Limit, holds, looser
-from dse.analysis.once import once
+from dse.analysis.memoize import once
 from dse.analysis.probability import Interval, wilson
 
 LEAST = 60

@@ -13,10 +13,10 @@ import numpy as np
 
 from dse.analysis.data import ALL, MET, Rows, StudyData, withheld
 from dse.analysis.measure import modelled_share
-from dse.analysis.once import once
+from dse.analysis.memoize import once
 from dse.analysis.probability import LEAST_EVEN, Basis, Met, met_by_runs, probability_met
-from dse.analysis.reading import weighted
 from dse.analysis.slack import FAILING, slack
+from dse.analysis.study_reader import weighted
 from dse.errors import DseError
 from dse.exploration import equal_rows
 from dse.metrics import worst_codes

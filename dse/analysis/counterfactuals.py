@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from dse.analysis.deciding import Missed, Ranking, Standing, unit_of_objective
+from dse.analysis.design_ranking import Missed, Ranking, Standing, unit_of_objective
 from dse.analysis.phrases import listed, outwards
 from dse.domain.definition import StudyDefinition
 from dse.units import parse_unit, shown

@@ -78,7 +78,7 @@ class StudyData:
     the variables that are varied where all others are held; () if none is. *apart* is how many runs of the study are
     not among them. Where they are designs at the worst of so many *conditions* (`dse.analysis.conditions`),
     *incomplete* were left out; a run is one at 0 conditions. *known* is what was computed of it already
-    (`dse.analysis.once`).
+    (`dse.analysis.memoize`).
     """
 
     definition: StudyDefinition

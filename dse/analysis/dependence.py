@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 
 from dse.analysis.data import StudyData
-from dse.analysis.designed import Effects, Indices, morris_effects, sobol_indices
+from dse.analysis.finding import Finding, Topic
 from dse.analysis.first_order import LEAST, courses, going_together
 from dse.analysis.importance import first_order_shares, importances
 from dse.analysis.phrases import between, difference, listed, parts, percent
 from dse.analysis.probability import Interval
-from dse.analysis.said import Finding, Topic
+from dse.analysis.sensitivity_indices import Effects, Indices, morris_effects, sobol_indices
 from dse.errors import fail
 
 DESIGNED = {"sobol_indices": sobol_indices, "morris": morris_effects}

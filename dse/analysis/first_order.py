@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from dse.analysis.bins import binned
 from dse.analysis.cells import effective
 from dse.analysis.data import Floats, Rows, StudyData
-from dse.analysis.once import once
+from dse.analysis.memoize import once
 from dse.analysis.probability import Interval
 
 LEAST = 40

@@ -15,7 +15,7 @@ import numpy as np
 
 from dse.analysis.data import Floats, StudyData, withheld
 from dse.analysis.first_order import Share, first_order_shares as given_data_shares
-from dse.analysis.once import once
+from dse.analysis.memoize import once
 from dse.analysis.phrases import listed, percent
 from dse.analysis.probability import Interval
 from dse.analysis.radial import drawn

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dse.analysis.boxes import Box
-from dse.analysis.deciding import Standing
+from dse.analysis.design_ranking import Standing
 from dse.analysis.limits import Limit
 from dse.analysis.phrases import outwards
 from dse.domain.definition import DefinedVariable, StudyDefinition

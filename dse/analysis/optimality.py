@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dse.analysis.deciding import Ranking, unit_of_objective
+from dse.analysis.design_ranking import Ranking, unit_of_objective
 from dse.domain.definition import StudyDefinition
 from dse.domain.sampler import Objective
 from dse.exploration import design_variable, designs_of, hypervolume

@@ -13,10 +13,10 @@ import numpy as np
 
 from dse.analysis.data import ALL, Rows, StudyData, withheld
 from dse.analysis.measure import chances_at
-from dse.analysis.once import once
+from dse.analysis.memoize import once
 from dse.analysis.probability import Interval, wilson
 from dse.analysis.radial import drawn
-from dse.analysis.reading import groups
+from dse.analysis.study_reader import groups
 
 _DIGITS = 9
 _LEAST_RUNS = 20

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.analysis.data import Factor, Floats, StudyData, withheld
-from dse.analysis.once import once
+from dse.analysis.memoize import once
 from dse.analysis.probability import Interval
 from dse.domain.sampler import Brief, Outcomes
 from dse.errors import fail

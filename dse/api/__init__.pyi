@@ -5,10 +5,10 @@ from .contents import (
     listing as listing,
     study_folders as study_folders,
 )
-from .drives.boards import SCORING as SCORING, Board as Board, Score as Score, board_of as board_of
 from .drives.folder import CheckedDrive as CheckedDrive, Drives as Drives
+from .drives.score_board import SCORING as SCORING, Board as Board, Score as Score, board_of as board_of
 from .driving.live import MOST_DRIVER as MOST_DRIVER, LiveDrive as LiveDrive, open_drive as open_drive
-from .naming import (
+from .lookup import (
     OUT as OUT,
     new_folder as new_folder,
     opened as opened,
@@ -17,7 +17,11 @@ from .naming import (
     workspace_of as workspace_of,
 )
 from .packages import simulate_package as simulate_package
-from .probing import (
+from .presentation.definition_rows import metric_rows as metric_rows, requirement_labels as requirement_labels
+from .presentation.progress import progress_bar as progress_bar
+from .presentation.quantities import difference as difference, quantity as quantity
+from .presentation.ranking import ranking_as_data as ranking_as_data
+from .probe import (
     consequences as consequences,
     facts_as_data as facts_as_data,
     known_facts as known_facts,
@@ -27,10 +31,6 @@ from .probing import (
     probe_numerics as probe_numerics,
 )
 from .roads import is_road as is_road, opendrive_text as opendrive_text, picture_of as picture_of
-from .showing.described import metric_rows as metric_rows, requirement_labels as requirement_labels
-from .showing.progress import progress_bar as progress_bar
-from .showing.quantities import difference as difference, quantity as quantity
-from .showing.ranked import ranking_as_data as ranking_as_data
 from .spaces.dealership import (
     Dealership as Dealership,
     choices_text as choices_text,
@@ -38,22 +38,22 @@ from .spaces.dealership import (
 )
 from .spaces.design import Design as Design
 from .spaces.ranking import Ranking as Ranking
-from .starting.bench import new_bench as new_bench
-from .starting.component import new_component as new_component
-from .starting.design import new_design as new_design
-from .starting.road import new_road as new_road
-from .starting.study import new_study as new_study
-from .starting.writing import write_start as write_start
 from .studies.bench import Bench as Bench, Study as Study
-from .studies.comparing import (
+from .studies.comparison import (
     Compared as Compared,
     Flip as Flip,
     compare as compare,
     comparison_as_data as comparison_as_data,
     flip_counts as flip_counts,
 )
-from .studies.exciting import Column as Column
-from .studies.exploring import (
+from .studies.component_comparison import (
+    Apart as Apart,
+    Pair as Pair,
+    compare_components as compare_components,
+    pair_as_data as pair_as_data,
+)
+from .studies.excitation import Column as Column
+from .studies.exploration import (
     ExplorationInterruptedError as ExplorationInterruptedError,
     Explored as Explored,
     ExploreOptions as ExploreOptions,
@@ -62,34 +62,28 @@ from .studies.exploring import (
     explore_into as explore_into,
     plan_into as plan_into,
 )
-from .studies.glancing import Glance as Glance, glance as glance
-from .studies.merging import Merged as Merged, merge_into as merge_into
-from .studies.pairing import (
-    Apart as Apart,
-    Pair as Pair,
-    compare_components as compare_components,
-    pair_as_data as pair_as_data,
-)
-from .studies.refining import Towards as Towards, refine as refine
-from .studies.replaying import replay as replay
+from .studies.merge import Merged as Merged, merge_into as merge_into
+from .studies.refinement import Towards as Towards, refine as refine
+from .studies.replay import replay as replay
 from .studies.results import Results as Results, Summary as Summary, results as results
 from .studies.run import Run as Run, Waveforms as Waveforms
-from .studies.single import (
+from .studies.single_run import (
     fused_libraries as fused_libraries,
     simulate_once as simulate_once,
     study_of_bench as study_of_bench,
     write_package as write_package,
 )
-from .studies.stopping import stop as stop
-from .studies.trust import trust as trust
-from .studies.trying import Tried as Tried, try_point as try_point
-from .studies.watching import (
+from .studies.status import (
     Status as Status,
     seconds_left as seconds_left,
     status as status,
     status_as_data as status_as_data,
     statuses as statuses,
 )
+from .studies.stop import stop as stop
+from .studies.summary import Glance as Glance, glance as glance
+from .studies.trust import trust as trust
+from .studies.what_if import Tried as Tried, try_point as try_point
 from .studies.worlds import (
     HEAD_BYTES as HEAD_BYTES,
     VALUE_BYTES as VALUE_BYTES,
@@ -100,4 +94,10 @@ from .studies.worlds import (
     world_layout as world_layout,
     write_world as write_world,
 )
+from .templates.bench import new_bench as new_bench
+from .templates.component import new_component as new_component
+from .templates.design import new_design as new_design
+from .templates.road import new_road as new_road
+from .templates.study import new_study as new_study
+from .templates.write import write_start as write_start
 from .workspace import Workspace as Workspace, open as open

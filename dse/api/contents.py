@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.naming import OUT
+from dse.api.lookup import OUT
 from dse.errors import DseError
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def _text(top: Entry, key: str) -> str:
 
 
 def _results(path: Path) -> ListedResults:
-    from dse.api.studies.glancing import glance
+    from dse.api.studies.summary import glance
     from dse.formats import shown
 
     folder = Path(shown(path))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, TypeVar
 
-from dse.api.showing.html import table
+from dse.api.presentation.html import table
 
 T = TypeVar("T")
 

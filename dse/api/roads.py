@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.naming import workspace_of
+from dse.api.lookup import workspace_of
 from dse.api.studies.results import results
 from dse.errors import Location, fail
 

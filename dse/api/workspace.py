@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dse.api.lookup import space_of
 from dse.api.named import Named
-from dse.api.naming import space_of
-from dse.api.showing.html import table
+from dse.api.presentation.html import table
 from dse.api.spaces.design import Design
 from dse.api.studies.bench import Bench, Study
 from dse.loading import Workspace as Files

@@ -15,12 +15,12 @@ from .entries import (
     vouch as vouch,
 )
 from .folder import cache_folder as cache_folder, content_key as content_key
-from .plain import keep as keep, kept as kept
-from .shelves import SHELVES as SHELVES, Entry as Entry, Shelf as Shelf
-from .upkeep import (
+from .maintenance import (
     damaged as damaged,
     left_overs as left_overs,
     survey as survey,
     take_out as take_out,
     unused as unused,
 )
+from .plain_data import keep as keep, kept as kept
+from .sections import SHELVES as SHELVES, Entry as Entry, Shelf as Shelf

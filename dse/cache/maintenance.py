@@ -10,7 +10,7 @@ from pathlib import Path
 
 from dse.cache.entries import digest_file, remove
 from dse.cache.folder import is_aside, unwritable
-from dse.cache.shelves import SHELVES, Entry, Shelf, entries_of, names
+from dse.cache.sections import SHELVES, Entry, Shelf, entries_of, names
 from dse.scratch import is_left_over
 
 

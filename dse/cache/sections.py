@@ -10,7 +10,7 @@ from pathlib import Path
 from dse.cache.digests import stamp
 from dse.cache.entries import DIGEST, State, digest_file, state_of
 from dse.cache.folder import is_aside
-from dse.cache.plain import is_plain
+from dse.cache.plain_data import is_plain
 
 
 def _matches_digest(path: Path) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.completing import benches, designs, folders, folders_and_roads, roads, studies
+from dse.cli.completion import benches, designs, folders, folders_and_roads, roads, studies
 
 if TYPE_CHECKING:
     from dse.api import WorldPlace

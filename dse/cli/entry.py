@@ -13,7 +13,7 @@ from typing import Any
 from dse.cache import CacheWarning
 from dse.cli.app import DONE, WRONG_FILES, InterruptedCommandError, app
 from dse.cli.commands import register
-from dse.cli.completing import words
+from dse.cli.completion import words
 from dse.cli.signals import interrupt, stop_code, tidy_up
 from dse.cli.streams import OutputError, silence
 from dse.cli.terminal import say, show_problems

@@ -14,13 +14,13 @@ from dse.cosim.binding import layout
 from dse.cosim.binding.fused import fitted, loop_of
 from dse.cosim.binding.library import occupy, vacate
 from dse.cosim.clock import end_of, steps_in
-from dse.cosim.failing.diagnosis import diagnose
-from dse.cosim.failing.failure import RunFailed
-from dse.cosim.failing.reason import StopReason
+from dse.cosim.failure.diagnosis import diagnose
+from dse.cosim.failure.run_failed import RunFailed
+from dse.cosim.failure.stop_reason import StopReason
 from dse.cosim.feasibility import refusals
+from dse.cosim.instance_budget import Wear
 from dse.cosim.tables.method import CompiledMethod, columns_of
 from dse.cosim.tables.tables import Tables
-from dse.cosim.wear import Wear
 from dse.cosim.wiring.check import check_wired, is_plain, own_steps
 from dse.cosim.wiring.wiring import wire_up
 from dse.domain.facts import FmuFacts, Question
@@ -58,7 +58,7 @@ class Simulator:
 
     *reset_is_trusted* tells the outcome, None before the proof; set it to False to do without resets from the start.
     *reset_differs* names the elements whose outputs were the first to differ. *progress* is a writable buffer of
-    :data:`dse.cosim.failing.progress.PROGRESS_BYTES` in which the kernel keeps note of the FMI call it is in.
+    :data:`dse.cosim.failure.progress.PROGRESS_BYTES` in which the kernel keeps note of the FMI call it is in.
 
     *method* is the co-simulation algorithm. With bonds in it, *record* may name their residual energies as
     ``bonds.NAME``. A clock is recorded as the number of its ticks so far, a string or binary that belongs to clocks and

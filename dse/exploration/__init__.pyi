@@ -1,6 +1,5 @@
 from .band import Band as Band, Chances as Chances, VerdictModel as VerdictModel
-from .belief import single_threaded as single_threaded
-from .checking import (
+from .boundary_checks import (
     Checkable as Checkable,
     check_measures as check_measures,
     check_near_boundary as check_near_boundary,
@@ -15,11 +14,12 @@ from .executor import Executor as Executor, Pool as Pool, load_executor as load_
 from .failures import in_words as in_words
 from .known_runs import KnownRuns as KnownRuns, give as give, unsettled as unsettled
 from .loop import ExplorationInterruptedError as ExplorationInterruptedError, Explored as Explored, explore as explore
-from .once_sampler import OnceSampler as OnceSampler
-from .optimising.front import hypervolume as hypervolume, knee as knee
+from .one_shot_sampler import OnceSampler as OnceSampler
+from .optimization.front import hypervolume as hypervolume, knee as knee
 from .progress import Progress as Progress
 from .remote.futures import FuturesExecutor as FuturesExecutor
 from .supervision.single_run import simulate_alone as simulate_alone
+from .surrogate import single_threaded as single_threaded
 from .variables import (
     allowing as allowing,
     conditions_of as conditions_of,

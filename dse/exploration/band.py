@@ -11,8 +11,8 @@ import numpy as np
 
 from dse.domain.bench import VERDICTS, Verdict
 from dse.errors import closest, fail
-from dse.exploration.belief import Belief, shapes_of, single_threaded
 from dse.exploration.level_set import Array
+from dse.exploration.surrogate import Belief, shapes_of, single_threaded
 from dse.exploration.variables import design_variable, unit_of
 from dse.storage import RunTable
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from dse.domain.sampler import Architectures, Brief, Candidate, Grid, Outcomes, Search
 from dse.errors import fail
-from dse.exploration.once_sampler import require_few
+from dse.exploration.one_shot_sampler import require_few
 from dse.exploration.variables import at_conditions, free
 from dse.loading import SamplerSection
 

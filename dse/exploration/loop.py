@@ -14,13 +14,13 @@ from dse.domain.run import RunRequest
 from dse.domain.sampler import Architectures
 from dse.domain.study import Keep, Shard, Study
 from dse.errors import fail
-from dse.exploration.asking import Asking, Prepare
 from dse.exploration.batches import Chunks
 from dse.exploration.executor import Executor
 from dse.exploration.known_runs import NOT_REPRODUCIBLE, NOTHING_KNOWN, KnownRuns
 from dse.exploration.near_boundary import near_boundary
 from dse.exploration.progress import Meter, Progress, Stage
-from dse.exploration.repeating import Made, first_differences
+from dse.exploration.repeat_check import Made, first_differences
+from dse.exploration.scheduler import Asking, Prepare
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
 from dse.storage import Attempt, FileFacts, Rehearsal, RowBlock, StudyFolder
 from dse.testbench import make_runner

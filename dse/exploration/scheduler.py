@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from dse.domain.sampler import Architectures, Brief, Candidate, Everywhere, Outcomes, Point
 from dse.domain.study import Study
 from dse.errors import DseError, Location, fail
-from dse.exploration.once_sampler import require_few
+from dse.exploration.one_shot_sampler import require_few
 from dse.exploration.requests import Requests
 from dse.exploration.variables import allowing, conditions_of
 from dse.storage import RunTable, StudyFolder

@@ -1,4 +1,3 @@
-from .building import build as build, build_all as build_all
 from .c.build import build_c as build_c
 from .c.describe import (
     add_base_unit as add_base_unit,
@@ -6,6 +5,7 @@ from .c.describe import (
     model_identifier as model_identifier,
     xml_text as xml_text,
 )
+from .component_build import build as build, build_all as build_all
 from .fusion.fuse import Wanted as Wanted, fuse_all as fuse_all
 from .other_platforms import with_platforms as with_platforms
 from .parallel import Tell as Tell, in_parallel as in_parallel

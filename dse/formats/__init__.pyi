@@ -1,5 +1,5 @@
 from .compose import UNSAFE as UNSAFE
-from .kept import read_kept as read_kept, remember as remember
+from .parse_cache import read_kept as read_kept, remember as remember
 from .xml import UNBOUND as UNBOUND, XmlElement as XmlElement, read_xml as read_xml, read_xml_file as read_xml_file
 from .xml_values import flag_of as flag_of, real_of as real_of, shortened as shortened, whole_of as whole_of
 from .yaml import (
@@ -18,7 +18,7 @@ from .yaml_text import (
     write_text as write_text,
     write_value as write_value,
 )
-from .zipped import (
+from .zip import (
     digest_of as digest_of,
     pack_zip as pack_zip,
     passed_over as passed_over,

@@ -1,7 +1,16 @@
-from .asking import Line as Line, connected_line as connected_line
-from .checking_clients import check_client as check_client
-from .checking_worlds import Trial as Trial, check_world as check_world
 from .checks import Check as Check, Checked as Checked, Latencies as Latencies
+from .client import Line as Line, connected_line as connected_line
+from .client_check import check_client as check_client
+from .datagram_tap import listen_at as listen_at, tap as tap
+from .driver_in_the_loop import (
+    DRIVER as DRIVER,
+    Seat as Seat,
+    can_be_driven as can_be_driven,
+    driver_of as driver_of,
+    prepare_seat as prepare_seat,
+    take_seat as take_seat,
+    with_driver as with_driver,
+)
 from .esmini import (
     DriverInput as DriverInput,
     DriverMessage as DriverMessage,
@@ -23,8 +32,6 @@ from .layout import (
     wholes_of as wholes_of,
     written_layout as written_layout,
 )
-from .mistakes import explain as explain
-from .offline import bench_of_drive as bench_of_drive
 from .packet import (
     MOST_VALUES as MOST_VALUES,
     Flag as Flag,
@@ -34,21 +41,14 @@ from .packet import (
     size_of as size_of,
     unpack as unpack,
 )
+from .packet_mistakes import explain as explain
+from .recorded_drive import bench_of_drive as bench_of_drive
 from .recording import (
     Datagram as Datagram,
     read_recording as read_recording,
     write_datagram as write_datagram,
     write_head as write_head,
 )
-from .seat import (
-    DRIVER as DRIVER,
-    Seat as Seat,
-    can_be_driven as can_be_driven,
-    driver_of as driver_of,
-    prepare_seat as prepare_seat,
-    take_seat as take_seat,
-    with_driver as with_driver,
-)
 from .session import Ended as Ended, Patience as Patience, Seen as Seen, Session as Session, Why as Why
-from .tapping import listen_at as listen_at, tap as tap
 from .world import News as News, What as What, require_free as require_free, serve_world as serve_world
+from .world_check import Trial as Trial, check_world as check_world

@@ -10,10 +10,10 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any
 
-from dse.live.asking import trial_values
 from dse.live.checks import Checked, Findings, Latencies
-from dse.live.mistakes import explain
+from dse.live.client import trial_values
 from dse.live.packet import Flag, Packet, pack, unpack
+from dse.live.packet_mistakes import explain
 
 STARTS, BYTES, FLAGS, COUNTS = "sends START", "bytes of its packets", "flags", "sequence counts"
 TIME, RESENDS, SAME, ENDS = "time advances", "sends again what was not answered", "sends the same again", "sends END"

@@ -18,7 +18,7 @@ from dse.domain.design import Configuration
 from dse.domain.drive import TUNE, Drive
 from dse.domain.time_series import Interpolation, Missing, Outside, Series, TableFile, TimeSeriesSource
 from dse.errors import Location, Problem, fail, raise_if_any
-from dse.live.seat import driver_of, tunables_of, with_driver
+from dse.live.driver_in_the_loop import driver_of, tunables_of, with_driver
 from dse.units import coherent
 
 _NAME = "drive"

@@ -16,7 +16,7 @@ from pathlib import Path
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import DseError
-from dse.plain import packed, unpacked
+from dse.plain_messages import packed, unpacked
 from dse.processes import forget_start
 from dse.testbench import PreparedBench, make_runner
 

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 
 from dse.domain.drive import Pace
 from dse.domain.run import Outcome, Run
+from dse.live.driver_in_the_loop import LATENESS, OVERRUNS, Seat
 from dse.live.packet import Flag, Packet, PacketError, pack, unpack
-from dse.live.run import LOG, PREPARED, PROGRESS, PROGRESS_BYTES, Bounds, make_run, read_run
-from dse.live.seat import LATENESS, OVERRUNS, Seat
+from dse.live.run_process import LOG, PREPARED, PROGRESS, PROGRESS_BYTES, Bounds, make_run, read_run
 from dse.processes import start_process
 from dse.scratch import ScratchFolder
 from dse.testbench import PreparedBench

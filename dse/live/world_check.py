@@ -5,10 +5,10 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass, field, replace
 
-from dse.live.asking import FIRST_PATIENCE, LONGEST_PATIENCE, PLAIN, Line, Timings, new_session, request
 from dse.live.checks import Checked, Findings, Latencies
-from dse.live.mistakes import explain
+from dse.live.client import FIRST_PATIENCE, LONGEST_PATIENCE, PLAIN, Line, Timings, new_session, request
 from dse.live.packet import Flag, Packet, pack, unpack
+from dse.live.packet_mistakes import explain
 
 ANSWERS, BYTES, SESSION, SEQUENCE = "answers a START", "bytes of its packets", "session", "sequence"
 FLAGS, TIME, REPEATS_START, STEPS = "flags", "time", "repeats the answer to START", "answers every step"

@@ -8,7 +8,7 @@ from .component.kind import (
     kind_of as kind_of,
 )
 from .component.series import Column as Column, TableSection as TableSection, read_series as read_series
-from .design.exchangeable import misfits as misfits
+from .design.exchangeability import misfits as misfits
 from .extensions import (
     EXECUTORS as EXECUTORS,
     SAMPLERS as SAMPLERS,

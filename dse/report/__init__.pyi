@@ -9,7 +9,7 @@ from .charts.chart import (
     Steps as Steps,
 )
 from .charts.problems import chart_problems as chart_problems
-from .content.nouns import (
+from .content.data import (
     ConfigurationEntry as ConfigurationEntry,
     MetricColumn as MetricColumn,
     Property as Property,
@@ -44,9 +44,11 @@ from .page.html import (
     write_report as write_report,
 )
 from .page.payload import script_json as script_json
-from .page.printing import print_report as print_report
+from .page.pdf import print_report as print_report
 from .roads import road_picture as road_picture, with_driven as with_driven
-from .scene.filming import VIEWS as VIEWS, Shot as Shot, film as film, require_target as require_target
+from .scene.data import Ground as Ground, Scene as Scene
+from .scene.film import VIEWS as VIEWS, Shot as Shot, film as film, require_target as require_target
+from .scene.from_signals import Told as Told
 from .scene.ground import ground_of as ground_of, straight_ground as straight_ground
 from .scene.html import (
     scene_document as scene_document,
@@ -54,5 +56,3 @@ from .scene.html import (
     scene_page as scene_page,
     write_scene as write_scene,
 )
-from .scene.nouns import Ground as Ground, Scene as Scene
-from .scene.telling import Told as Told

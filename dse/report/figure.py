@@ -15,7 +15,7 @@ from dse.registry import Registry
 from dse.report.charts.chart import Chart
 from dse.report.charts.problems import chart_problems
 from dse.report.charts.thinning import thinned
-from dse.report.content.nouns import ReportContent
+from dse.report.content.data import ReportContent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet

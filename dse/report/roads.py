@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dse.report.content.nouns import Floats
+from dse.report.content.data import Floats
 from dse.report.drawing.road_picture import Along, AlongBand, Area, Driven, RoadPicture, StandingLight, Strip
 from dse.world import (
     DRIVEN,

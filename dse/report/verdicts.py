@@ -12,7 +12,7 @@ from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.sampler import Role
 from dse.exploration import equal_rows
 from dse.metrics import Codes, margin_to_bounds, overall_codes, verdict_codes, worst_codes
-from dse.report.content.nouns import Floats, ReportContent, RequirementRow, Variable
+from dse.report.content.data import Floats, ReportContent, RequirementRow, Variable
 
 
 class Mark(IntEnum):

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from dse.api import Compared, Glance, compare, glance, stop
 from dse.errors import DseError, fail
-from dse.serving.answers import AskedPoint, BusyError, problem_of, read_request, simulated
 from dse.serving.comparison import compare_page
-from dse.serving.desk import Desk
 from dse.serving.drives import LiveDrives
 from dse.serving.driving import drive_routes
 from dse.serving.guard import Application, Guard, Limits
+from dse.serving.open_studies import Desk
 from dse.serving.pages import problem_page, start_page
+from dse.serving.point_requests import AskedPoint, BusyError, problem_of, read_request, simulated
 from dse.serving.replays import Replays, run_number, waiting_page
-from dse.serving.shelf import Shelf
+from dse.serving.study_index import Shelf
 
 if TYPE_CHECKING:
     from starlette.requests import Request

@@ -11,9 +11,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dse.errors import DseError, fail
-from dse.serving.answers import read_request
 from dse.serving.drives import Held, LiveDrives
 from dse.serving.pages import document, drive_page, study_address
+from dse.serving.point_requests import read_request
 
 if TYPE_CHECKING:
     from starlette.requests import Request

@@ -11,8 +11,8 @@ from threading import Lock
 
 from dse.api import results
 from dse.errors import fail
-from dse.serving.answers import the_only_one
 from dse.serving.pages import document, study_address
+from dse.serving.point_requests import the_only_one
 
 _MOST_PAGES = 12
 """Pages that are kept; one takes less than 2 MB."""

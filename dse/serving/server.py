@@ -17,7 +17,7 @@ from dse.serving.application import application
 from dse.serving.connections import protocol
 from dse.serving.drives import LiveDrives
 from dse.serving.guard import Application, Limits
-from dse.serving.shelf import Shelf
+from dse.serving.study_index import Shelf
 
 if TYPE_CHECKING:
     import uvicorn

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from dse.simulink.writing import written
+from dse.simulink.written_variables import written
 
 _SYSTEM = re.compile(r"'(<(?:Root|S\d+)>)'\s*:\s*'([^'\n]+)'")
 _PORT = re.compile(r"'<Root>/[^']+'")

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 from dse.cache import cache_folder, content_key, read_entry, try_to_put
 from dse.errors import DseError, Location, Problem
 from dse.formats import shown
-from dse.simulink.asking import asked, identity
+from dse.simulink.libclang_process import asked, identity
 
 T = TypeVar("T")
 

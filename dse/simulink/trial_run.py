@@ -12,7 +12,7 @@ from dse.errors import Location, fail
 from dse.formats import shown
 from dse.json_data import read_json, read_noun
 from dse.scratch import ScratchFolder
-from dse.simulink.coded import build_library
+from dse.simulink.generated_model import build_library
 from dse.simulink.glue import CodedModel
 
 _CHILD = Path(__file__).with_name("child.py")

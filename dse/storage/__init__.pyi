@@ -6,11 +6,11 @@ from .checks import (
     Checks as Checks,
     certainties_by_bars as certainties_by_bars,
 )
-from .database.asks import Asks as Asks
 from .database.connection import damaged_study as damaged_study
 from .database.header import StudyHeader as StudyHeader
+from .database.run_counts import Maker as Maker, Tally as Tally
+from .database.sampler_requests import Asks as Asks
 from .database.table import RunTable as RunTable
-from .database.tally import Maker as Maker, Tally as Tally
 from .difference import (
     changed_inputs as changed_inputs,
     changed_results as changed_results,
@@ -23,6 +23,7 @@ from .drives import (
     read_drive as read_drive,
     write_drive as write_drive,
 )
+from .dry_run import Rehearsal as Rehearsal
 from .export.headings import (
     Scale as Scale,
     Units as Units,
@@ -40,19 +41,9 @@ from .export.tables import (
 from .export.waveform_file import write_waveform_file as write_waveform_file
 from .folder import StudyFolder as StudyFolder
 from .lock import LOCK as LOCK, Writer as Writer, WriterLock as WriterLock, writer_of as writer_of
-from .merging import Merged as Merged, merge_studies as merge_studies, shards_in as shards_in
-from .rehearsal import Rehearsal as Rehearsal
+from .merge import Merged as Merged, merge_studies as merge_studies, shards_in as shards_in
 from .rows import Measures as Measures, RowBlock as RowBlock, block_of as block_of
 from .run_store import RunStore as RunStore
-from .spool import (
-    Spooled as Spooled,
-    SpoolWriter as SpoolWriter,
-    assemble as assemble,
-    clear_spool as clear_spool,
-    read_spool as read_spool,
-    spooled_names as spooled_names,
-    write_spooled as write_spooled,
-)
 from .waveform_check import FileFacts as FileFacts, checked as checked
 from .waveforms import (
     gather_waveforms as gather_waveforms,
@@ -61,4 +52,13 @@ from .waveforms import (
     read_waveforms as read_waveforms,
     waveform_file as waveform_file,
     write_waveforms as write_waveforms,
+)
+from .write_ahead_log import (
+    Spooled as Spooled,
+    SpoolWriter as SpoolWriter,
+    assemble as assemble,
+    clear_spool as clear_spool,
+    read_spool as read_spool,
+    spooled_names as spooled_names,
+    write_spooled as write_spooled,
 )

@@ -19,14 +19,13 @@ from dse.domain.address import Address
 from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
-from dse.domain.notes import Notes
+from dse.domain.provenance import Notes
 from dse.domain.run import Outcome, RunRequest
 from dse.domain.study import SHARD_FOLDER
 from dse.errors import Location, fail
 from dse.storage.attempts import Attempt
 from dse.storage.checks import Checks
 from dse.storage.database.addresses import write_addresses
-from dse.storage.database.asks import Asks, blocks_of, write_asks
 from dse.storage.database.attempts import write_attempts
 from dse.storage.database.checks import write_checks
 from dse.storage.database.connection import (
@@ -38,15 +37,16 @@ from dse.storage.database.connection import (
 )
 from dse.storage.database.files import write_files
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.notes import write_notes
+from dse.storage.database.provenance import write_notes
+from dse.storage.database.row_checksum import kept_seal, seals
+from dse.storage.database.sampler_requests import Asks, blocks_of, write_asks
 from dse.storage.database.schema import cell_of, columns, quoted
-from dse.storage.database.seal import kept_seal, seals
 from dse.storage.lock import LOCK, WRITER, WriterLock
 from dse.storage.reader import SPOOL, WAVEFORMS, StudyReader
 from dse.storage.rows import RowBlock
-from dse.storage.spool import Spooled, clear_spool, read_spool, spool_files
 from dse.storage.waveform_check import FileFacts, checked, facts_of
 from dse.storage.waveforms import PART
+from dse.storage.write_ahead_log import Spooled, clear_spool, read_spool, spool_files
 
 _COMMIT_EVERY = 0.25
 _OURS = (WAVEFORMS, SPOOL, LOCK, WRITER, "report.html", "figures")

@@ -12,11 +12,11 @@ import numpy as np
 
 from dse.domain.study import SHARD_FOLDER
 from dse.errors import Location, fail
-from dse.storage.database.asks import write_asks
 from dse.storage.database.connection import NAME, attachable, located, write_header
 from dse.storage.database.files import write_files
+from dse.storage.database.row_checksum import kept_seal
+from dse.storage.database.sampler_requests import write_asks
 from dse.storage.database.schema import columns, quoted
-from dse.storage.database.seal import kept_seal
 from dse.storage.folder import StudyFolder
 from dse.storage.reader import StudyReader
 from dse.storage.waveform_check import FileFacts, checked

@@ -11,24 +11,24 @@ from typing import Any, Self
 
 from dse.domain.address import Address
 from dse.domain.definition import StudyDefinition
-from dse.domain.notes import Notes
+from dse.domain.provenance import Notes
 from dse.domain.run import Run, Waveforms
 from dse.errors import Location, fail
 from dse.storage.attempts import Attempt
 from dse.storage.database.addresses import read_addresses
-from dse.storage.database.asks import Asks
 from dse.storage.database.attempts import read_attempts, read_causes, read_retried
 from dse.storage.database.connection import connect, damaged_study, located, read_header, require_structure
 from dse.storage.database.definition import unit_flaws
 from dse.storage.database.files import read_files
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.notes import read_notes
-from dse.storage.database.seal import seals
+from dse.storage.database.provenance import read_notes
+from dse.storage.database.row_checksum import seals
+from dse.storage.database.run_counts import Tally, read_tally
+from dse.storage.database.sampler_requests import Asks
 from dse.storage.database.table import RunTable, read_table, read_verdicts
-from dse.storage.database.tally import Tally, read_tally
-from dse.storage.spool import read_spool
 from dse.storage.waveform_check import FileFacts, size_of
 from dse.storage.waveforms import is_file_name, read_waveforms
+from dse.storage.write_ahead_log import read_spool
 
 WAVEFORMS = "waveforms"
 SPOOL = "spool"

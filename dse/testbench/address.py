@@ -27,8 +27,8 @@ from dse.domain.facts import Question
 from dse.domain.fmu import FmuModel
 from dse.domain.system import Element
 from dse.metrics import MetricProgram
-from dse.testbench.prepared import PreparedBench
-from dse.testbench.several import Prepared, joint_address, singly
+from dse.testbench.multi_bench import Prepared, joint_address, singly
+from dse.testbench.prepared_bench import PreparedBench
 from dse.testbench.variations import Variation
 
 _CODE = ("cosim", "csolve", "metrics", "testbench/runner.py", "testbench/several.py", "testbench/comparing.py")

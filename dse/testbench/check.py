@@ -20,10 +20,10 @@ from dse.loading import Workspace, kind_of
 from dse.metrics import compile_rule
 from dse.space import check_space, open_space
 from dse.testbench.prepare import check_bench, prepare_bench
-from dse.testbench.prepared import Setting
-from dse.testbench.select import one_configuration, proposing, selected
+from dse.testbench.prepared_bench import Setting
+from dse.testbench.selection import one_configuration, proposing, selected
 from dse.testbench.study import require_variables
-from dse.testbench.wired import wire_bench
+from dse.testbench.wired_bench import wire_bench
 from dse.world import open_roads, road_tables
 
 P = ParamSpec("P")

@@ -12,7 +12,7 @@ from dse.cosim import RunFailed, Simulator
 from dse.domain.bench import VERDICTS, Judgement, Verdict
 from dse.domain.run import ERROR_BAR, VERDICTS_UNDER
 from dse.metrics import between_rows
-from dse.testbench.prepared import PreparedBench
+from dse.testbench.prepared_bench import PreparedBench
 from dse.testbench.variations import SAFETY, Variation, shares
 
 _ENOUGH = 2

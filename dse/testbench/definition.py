@@ -35,7 +35,7 @@ from dse.domain.study import Study
 from dse.domain.system import Element
 from dse.errors import Location
 from dse.space import alternatives, summed_properties
-from dse.testbench.several import Prepared, singly
+from dse.testbench.multi_bench import Prepared, singly
 from dse.units import Unit
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from dse.errors import Problem, raise_if_any
 from dse.testbench.error_bars import with_error_bars
+from dse.testbench.multi_bench import Prepared, singly, together
 from dse.testbench.numerics import Say
-from dse.testbench.several import Prepared, singly, together
 from dse.testbench.study import PreparedStudy
 from dse.testbench.variations import can_halve
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from dse.domain.component import Component
 from dse.domain.numerics import Lever
 from dse.testbench.numerics import Say, exchange_of, numerics_of
-from dse.testbench.prepared import PreparedBench
+from dse.testbench.prepared_bench import PreparedBench
 from dse.testbench.variations import checks_of
 
 

@@ -10,7 +10,7 @@ from dse.domain.bench import Simulation
 from dse.domain.method import PLAIN
 from dse.errors import Problem, raise_if_any
 from dse.fmu import Tell, Wanted, fuse_all
-from dse.testbench.several import singly, together
+from dse.testbench.multi_bench import singly, together
 from dse.testbench.study import PreparedStudy
 
 

@@ -10,7 +10,7 @@ from dse.domain.component import Component
 from dse.domain.design import split_path
 from dse.domain.method import Bond, Method
 from dse.errors import Problem
-from dse.testbench.wired import WiredBench
+from dse.testbench.wired_bench import WiredBench
 
 V = TypeVar("V")
 

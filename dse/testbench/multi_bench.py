@@ -14,7 +14,7 @@ from dse.domain.component import Kind, Type
 from dse.domain.design import Configuration
 from dse.domain.run import Run, RunRequest, Waveforms
 from dse.domain.study import TESTBENCH
-from dse.testbench.prepared import PreparedBench, Setting
+from dse.testbench.prepared_bench import PreparedBench, Setting
 from dse.testbench.runner import Runner
 
 _MARK = 63

@@ -20,11 +20,11 @@ from dse.fmu import build_all, in_parallel, open_component
 from dse.metrics import MetricProgram, RowProgram, compile_metrics, compile_value
 from dse.system import assemble, wiring_problems
 from dse.testbench.facts import facts_of, is_thread_safe
-from dse.testbench.halves import Halves, WorldPlace, far_half, in_world, near_half, signal_in_near, split
 from dse.testbench.method import method_of, signal_name
-from dse.testbench.prepared import PreparedBench, Recording, Setting
+from dse.testbench.prepared_bench import PreparedBench, Recording, Setting
+from dse.testbench.split_bench import Halves, WorldPlace, far_half, in_world, near_half, signal_in_near, split
 from dse.testbench.timing import sampling_problems, stepping_problems
-from dse.testbench.wired import WiredBench, wire_bench
+from dse.testbench.wired_bench import WiredBench, wire_bench
 from dse.units import parse_unit
 
 Key = TypeVar("Key")

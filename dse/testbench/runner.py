@@ -13,8 +13,8 @@ from dse.cosim import RunFailed, Simulator
 from dse.domain.component import as_number
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.metrics import judge_failed
-from dse.testbench.comparing import Comparison
-from dse.testbench.prepared import PreparedBench
+from dse.testbench.comparison import Comparison
+from dse.testbench.prepared_bench import PreparedBench
 
 
 class Runner(AbstractContextManager["Runner"]):

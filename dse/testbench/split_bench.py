@@ -20,7 +20,7 @@ from dse.domain.system import Wire
 from dse.domain.udp import UdpSource
 from dse.errors import Problem, closest, fail, raise_if_any, some_of
 from dse.system import along_the_flow
-from dse.testbench.wired import WiredBench
+from dse.testbench.wired_bench import WiredBench
 from dse.units import coherent
 
 NEAR, FAR = "car", "world"

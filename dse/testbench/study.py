@@ -16,13 +16,13 @@ from dse.errors import DseError, Location, Problem, Problems, fail, raise_if_any
 from dse.loading import Raw, read_setting
 from dse.testbench.definition import configuration_of, define, fmus_of
 from dse.testbench.error_bars import with_error_bars
-from dse.testbench.halves import WorldPlace
+from dse.testbench.multi_bench import Prepared, together
 from dse.testbench.numerics import Say
 from dse.testbench.objectives import compile_objective
 from dse.testbench.prepare import prepare_bench
-from dse.testbench.prepared import PreparedBench, Setting
-from dse.testbench.select import digest_of, proposing, selected
-from dse.testbench.several import Prepared, together
+from dse.testbench.prepared_bench import PreparedBench, Setting
+from dse.testbench.selection import digest_of, proposing, selected
+from dse.testbench.split_bench import WorldPlace
 
 
 @dataclass(frozen=True, slots=True)

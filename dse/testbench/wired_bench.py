@@ -10,7 +10,7 @@ from dse.domain.component import Causality, Component, Type, Value, as_number
 from dse.domain.design import Configuration, split_path
 from dse.space import architecture_outputs, wire
 from dse.system import WiredParts
-from dse.testbench.prepared import Setting
+from dse.testbench.prepared_bench import Setting
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

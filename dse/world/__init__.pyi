@@ -1,4 +1,5 @@
 from .code import STRUCT as STRUCT, road_files as road_files
+from .conflict_areas import WIDTH as WIDTH, Meeting as Meeting, meetings as meetings
 from .cross_section import borders_of as borders_of
 from .evaluation import (
     Placed as Placed,
@@ -9,14 +10,13 @@ from .evaluation import (
 )
 from .flatten import path_along as path_along, read_road_tables as read_road_tables, road_tables as road_tables
 from .lane_graph import LaneGraph as LaneGraph, LanePlace as LanePlace, lane_graph as lane_graph
-from .meetings import WIDTH as WIDTH, Meeting as Meeting, meetings as meetings
 from .opendrive.curves import Curve as Curve, curve_of as curve_of
 from .opendrive.driving import DRIVEN as DRIVEN, runs_along as runs_along
 from .opendrive.reading import network_in as network_in, read_network as read_network
 from .opendrive.roadside import COLOURS as COLOURS, PHASES as PHASES, SHIFT as SHIFT
 from .opendrive.structure import Lane as Lane, Network as Network, Road as Road, Signal as Signal
-from .opening import open_roads as open_roads, opendrive_text as opendrive_text
 from .pieces import from_cubics as from_cubics, value as value
+from .road_reader import open_roads as open_roads, opendrive_text as opendrive_text
 from .routes import Route as Route, Way as Way, list_ways as list_ways, way_length as way_length, way_of as way_of
 from .sumo.network import sumo_version as sumo_version
 from .sumo.resources import sumo_resources as sumo_resources

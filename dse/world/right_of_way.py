@@ -11,8 +11,8 @@ from itertools import accumulate
 
 import numpy as np
 
+from dse.world.conflict_areas import Meeting, meetings
 from dse.world.evaluation import lane_middle, place
-from dse.world.meetings import Meeting, meetings
 from dse.world.opendrive.structure import Network
 from dse.world.tables import Conflict, Leg, Light, RoadPath
 

@@ -15,8 +15,8 @@ from nasty import nasty_texts
 from small_drive import drive_workspace
 
 from dse.api import Drives, Results, open as open_workspace, open_drive
-from dse.api.drives.boards import board_of
-from dse.api.drives.keeping import drive_again
+from dse.api.drives.drive_study import drive_again
+from dse.api.drives.score_board import board_of
 from dse.api.studies.scenes import scene_of
 from dse.domain.drive import Drive, Pace, bits_of
 from dse.errors import DseError

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import dse
-from dse.api.studies.noting import note_sources, note_space
-from dse.domain.notes import Notes, digest_of
+from dse.api.studies.provenance import note_sources, note_space
+from dse.domain.provenance import Notes, digest_of
 from dse.errors import DseError, fail
 from dse.loading import Workspace as Files
 from dse.space import open_space

@@ -8,8 +8,8 @@ import sys
 import pytest
 from textual.widgets import OptionList, Static
 
-from dse.cli.picking.interactive import choices_yaml, choose, outcome
-from dse.cli.picking.picker import Picker
+from dse.cli.interactive.interactive import choices_yaml, choose, outcome
+from dse.cli.interactive.picker import Picker
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
@@ -162,7 +162,7 @@ def test_there_is_nothing_to_take_back_at_first(key):
 def test_without_the_extra_the_error_names_it(monkeypatch):
     for stream in (sys.stdin, sys.stdout):
         monkeypatch.setattr(stream, "isatty", lambda: True)
-    monkeypatch.delitem(sys.modules, "dse.cli.picking.picker")
+    monkeypatch.delitem(sys.modules, "dse.cli.interactive.picker")
     monkeypatch.setitem(sys.modules, "textual.app", None)
     with pytest.raises(DseError, match="--interactive needs textual") as error:
         choose(open_space(SPACE), None)

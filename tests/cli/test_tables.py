@@ -9,7 +9,7 @@ from definitions import stored_definition
 from rich.console import Console
 
 import dse
-from dse.api.showing.quantities import checked_quantity
+from dse.api.presentation.quantities import checked_quantity
 from dse.cli.runs import metric_table
 from dse.domain.definition import DefinedMetric
 from dse.domain.run import Outcome, Run, RunRequest

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dse.api import Summary
-from dse.cli.exploring import said_of
+from dse.cli.exploration import said_of
 
 
 def summary(problems: dict[int, str], failures: set[int], causes: dict[int, str]) -> Summary:

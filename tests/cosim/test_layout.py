@@ -11,8 +11,8 @@ import pytest
 
 from dse import csolve
 from dse.cosim.binding import abilities, calls, exchange_layout, layout, plan_layout
-from dse.cosim.failing import words
-from dse.cosim.failing.reason import StopReason
+from dse.cosim.failure import fmu_messages
+from dse.cosim.failure.stop_reason import StopReason
 from dse.errors import DseError
 from dse.fmu.toolchain.compiler import find_compiler
 
@@ -31,7 +31,7 @@ NUMBERS: Mapping[str, int] = {
     **{each.name: each for each in (*calls.AccessorType, *abilities.Ability)},
     **{reason.name: reason for reason in StopReason},
     **{name: getattr(layout, name) for name in ("LOG_LINES", "LOG_WIDTH")},
-    **{name: getattr(words, name) for name in ("MOST_STEPS", "MOST_PASSES", "CLOSE_EVENTS")},
+    **{name: getattr(fmu_messages, name) for name in ("MOST_STEPS", "MOST_PASSES", "CLOSE_EVENTS")},
 }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 
-from dse.cosim.binding import lasting
+from dse.cosim.binding import persistent_memory
 from dse.cosim.simulator import Simulator
 
 
@@ -15,11 +15,11 @@ def addresses(simulator: Simulator) -> int:
 def test_memory_does_not_grow_with_the_simulators_that_were_closed(shelf):
     system = shelf.system({"a": shelf.fmu("linear"), "b": shelf.fmu("linear")}, ["a.y -> b.u", "b.y -> a.u"])
     counts = []
-    for _ in range(3 * lasting.QUARANTINE):
+    for _ in range(3 * persistent_memory.QUARANTINE):
         with Simulator(system, ["a.y"]) as simulator:
             simulator.run(stop=1.0, step=0.1)
-        counts.append(len(lasting._lasting))
-    assert counts[-1] == counts[2 * lasting.QUARANTINE]
+        counts.append(len(persistent_memory._lasting))
+    assert counts[-1] == counts[2 * persistent_memory.QUARANTINE]
 
 
 def test_memory_that_somebody_still_writes_to_is_not_used_again(shelf):
@@ -29,7 +29,7 @@ def test_memory_that_somebody_still_writes_to_is_not_used_again(shelf):
         logs = haunted._tables.elements._logs
     logs[0].count += 1
     seen = set()
-    for _ in range(2 * lasting.QUARANTINE):
+    for _ in range(2 * persistent_memory.QUARANTINE):
         with Simulator(system, ["a.y"]) as later:
             seen.add(addresses(later))
     assert where not in seen
@@ -46,4 +46,4 @@ def test_memory_of_a_simulator_that_nobody_closed_stays(shelf):
     simulator = Simulator(system, ["a.y"])
     where = addresses(simulator)
     del simulator
-    assert where in {ctypes.addressof(elements) for elements, _ in lasting._lasting}
+    assert where in {ctypes.addressof(elements) for elements, _ in persistent_memory._lasting}

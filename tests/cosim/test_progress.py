@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import dse
-from dse.cosim.failing.progress import PROGRESS_BYTES, describe_progress
+from dse.cosim.failure.progress import PROGRESS_BYTES, describe_progress
 from dse.cosim.simulator import RunFailed, Simulator
 
 CRASHING = """

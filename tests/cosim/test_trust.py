@@ -12,8 +12,8 @@ import pytest
 from oracle.reference import run_reference
 
 from dse.cosim.feasibility import refusals
+from dse.cosim.instance_budget import most_runs
 from dse.cosim.simulator import RunFailed, Simulator
-from dse.cosim.wear import most_runs
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.method import PLAIN, Adaptive, Coupling, Method
 from dse.errors import DseError

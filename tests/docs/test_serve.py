@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from command_line import run_dse
 
-from dse.report.page.printing import BROWSERS
+from dse.report.page.pdf import BROWSERS
 
 TEXT = (Path(__file__).parents[2] / "docs" / "serve.md").read_text(encoding="utf-8")
 COMMANDS = [
@@ -64,8 +64,8 @@ def look_at_served(work: Path, command: list[str]) -> None:
 
 def test_limits_are_those_of_the_program() -> None:
     from dse.serving import PORT, Limits
-    from dse.serving.desk import _FEW, _MANY
-    from dse.serving.shelf import DEPTH
+    from dse.serving.open_studies import _FEW, _MANY
+    from dse.serving.study_index import DEPTH
 
     assert f"http://127.0.0.1:{PORT}/" in TEXT
     assert f"in size ({Limits().body // 1024} kB)" in TEXT

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from command_line import run_dse
 
-from dse.live import checking_clients, checking_worlds
+from dse.live import client_check, world_check
 from dse.live.checks import Findings
 
 ROOT = Path(__file__).parents[2]
@@ -21,7 +21,7 @@ def blocks(language: str) -> list[str]:
 
 def test_every_check_has_its_line_in_the_order_of_the_command() -> None:
     rows = re.findall(r"(?m)^\| ([a-zA-Z ]+) \| ", TEXT)
-    for names in (checking_worlds.NAMES, checking_clients.NAMES):
+    for names in (world_check.NAMES, client_check.NAMES):
         assert [check.name for check in Findings(names).listed()] == list(names)
         assert any(rows[start : start + len(names)] == list(names) for start in range(len(rows)))
 

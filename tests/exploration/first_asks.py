@@ -11,7 +11,7 @@ from fake_runners import definition_of
 from dse.domain.component import Value
 from dse.domain.run import RunRequest
 from dse.domain.study import Study
-from dse.exploration.asking import Asking
+from dse.exploration.scheduler import Asking
 from dse.storage.folder import StudyFolder
 
 

@@ -5,7 +5,7 @@ from first_asks import first_ask
 from hypothesis import given, strategies as st
 
 from dse.exploration.batches import Chunks
-from dse.storage.database.asks import Asks, Block, blocks_of
+from dse.storage.database.sampler_requests import Asks, Block, blocks_of
 
 
 def asked(levels: int, variables: int, names: tuple[str, ...] = ("a",)) -> Chunks:

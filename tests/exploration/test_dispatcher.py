@@ -15,12 +15,12 @@ import pytest
 
 from dse.domain.run import RunRequest
 from dse.errors import DseError, fail
-from dse.exploration.packing import packed
+from dse.exploration.packed_configuration import packed
 from dse.exploration.remote import dispatcher as module
-from dse.exploration.remote.carrying import carry_out, dismiss
 from dse.exploration.remote.dispatcher import Dispatcher
 from dse.exploration.remote.machine import Machine, this_machine
-from dse.exploration.remote.parcels import Answer, Carried, Missing, Parcel, Piece, Trouble, opened, sealed
+from dse.exploration.remote.messages import Answer, Carried, Missing, Parcel, Piece, Trouble, opened, sealed
+from dse.exploration.remote.worker import carry_out, dismiss
 from dse.exploration.work import Batch
 from dse.testing.executors import Gathered, SmallBench, batches, files, make_here, work_in
 
@@ -395,7 +395,7 @@ def test_what_fails_on_a_machine_for_want_of_files_is_no_verdict_on_the_runs(
 ) -> None:
     dismiss("a study")
     with monkeypatch.context() as short:
-        short.setattr(f"dse.exploration.remote.carrying.{where}", refusing(errno.EMFILE))
+        short.setattr(f"dse.exploration.remote.worker.{where}", refusing(errno.EMFILE))
         answer = carry_out(sealed(small_parcel))
     assert isinstance(answer, Trouble)
     assert "Too many open files" in answer.words

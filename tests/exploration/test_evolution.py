@@ -15,8 +15,8 @@ from optimized import Array, Function, Runs, brief, drive, variables
 from dse.domain.sampler import DesignVariable, Role
 from dse.errors import DseError
 from dse.exploration.designs import front_of
-from dse.exploration.optimising.evolution import EvolutionSampler
-from dse.exploration.optimising.front import hypervolume, knee
+from dse.exploration.optimization.evolution import EvolutionSampler
+from dse.exploration.optimization.front import hypervolume, knee
 from dse.exploration.samplers.nsga2 import Nsga2
 from dse.exploration.samplers.nsga3 import Nsga3
 from dse.loading import Workspace

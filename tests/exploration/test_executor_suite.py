@@ -10,7 +10,7 @@ import pytest
 
 from dse.cache import cache_folder
 from dse.domain.fmu import FmuModel
-from dse.exploration.packing import packed, unpacked
+from dse.exploration.packed_configuration import packed, unpacked
 from dse.loading.extensions import EXECUTORS
 from dse.testing.executors import ExecutorSuite, SmallBench
 

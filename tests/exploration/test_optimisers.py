@@ -15,8 +15,8 @@ from scipy.stats import norm
 
 from dse.domain.sampler import DesignVariable, Role
 from dse.errors import DseError
-from dse.exploration.optimising.improving import scalar
-from dse.exploration.optimising.searching import OptimizingSampler
+from dse.exploration.optimization.expected_improvement import scalar
+from dse.exploration.optimization.optimizing_sampler import OptimizingSampler
 from dse.exploration.samplers.local import Local
 from dse.exploration.samplers.mixed_gp import MixedGp
 from dse.exploration.samplers.nsga2 import Nsga2
@@ -184,7 +184,7 @@ def test_the_best_of_many_configurations_is_found_with_its_gain(sampler: Optimiz
 
 def test_an_expected_improvement_is_what_its_integral_says() -> None:
     """Also far out, where it underflows."""
-    from dse.exploration.optimising.improving import _log_improvement
+    from dse.exploration.optimization.expected_improvement import _log_improvement
 
     z = np.array([-30.0, -9.0, -7.5, -1.0, 0.0, 2.0])
     found = _log_improvement(z)

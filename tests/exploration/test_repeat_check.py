@@ -9,7 +9,7 @@ from fake_runners import DEPENDS_ON, REQUIREMENTS, benches, definition_of, make_
 from dse.domain.run import RunRequest
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import Explored, explore
-from dse.exploration.repeating import Made
+from dse.exploration.repeat_check import Made
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import RowBlock
 

@@ -9,7 +9,7 @@ import pytest
 
 from dse.domain.sampler import Placing
 from dse.errors import DseError
-from dse.exploration.once_sampler import OnceSampler
+from dse.exploration.one_shot_sampler import OnceSampler
 from dse.loading.extensions import SAMPLERS
 from dse.testing.samplers import SCALES, SamplerSuite
 

@@ -15,9 +15,9 @@ from optimized import Array, Runs, brief, drive, variables
 
 from dse.domain.component import NO_INTERFACE, Component
 from dse.domain.design import Alternative, Compound, DesignSpace, Part
-from dse.exploration.optimising.breeding import Breeding
-from dse.exploration.optimising.designs import Design
-from dse.exploration.optimising.searching import OptimizingSampler
+from dse.exploration.optimization.designs import Design
+from dse.exploration.optimization.offspring import Breeding
+from dse.exploration.optimization.optimizing_sampler import OptimizingSampler
 from dse.exploration.samplers.local import Local
 from dse.exploration.samplers.mixed_gp import MixedGp
 from dse.exploration.samplers.nsga2 import Nsga2

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from fake_runners import benches, definition_of, make_fake, study_of
 
-from dse.api.studies.exploring import ExploreOptions, explore_into
+from dse.api.studies.exploration import ExploreOptions, explore_into
 from dse.domain.run import Outcome, RunRequest
 from dse.domain.study import Keep, Shard, Study
 from dse.errors import DseError
@@ -20,7 +20,7 @@ from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.work import Batch, Sink, Work
 from dse.storage import block_of, merge_studies, shards_in, write_waveforms
-from dse.storage.database.asks import Asks, blocks_of
+from dse.storage.database.sampler_requests import Asks, blocks_of
 from dse.storage.export.tables import to_csv
 from dse.storage.folder import StudyFolder
 

@@ -15,7 +15,7 @@ from dse.domain.study import Keep, Study
 from dse.exploration.batches import Chunks
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import Explored, explore
-from dse.storage.database.asks import Asks, blocks_of
+from dse.storage.database.sampler_requests import Asks, blocks_of
 from dse.storage.folder import StudyFolder
 
 BASELINE = 200e6  # a worker by itself, with room to spare

@@ -12,7 +12,7 @@ import pytest
 from dse.domain.component import Causality, Component, CSource, Interface, Kind, Parameter, Port, Type
 from dse.domain.fmu import FmiInterface, FmuModel
 from dse.errors import DseError
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.reading.description import Description, read_description
 from dse.fmu.unpack import open_fmu
 from dse.units import parse_unit

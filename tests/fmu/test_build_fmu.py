@@ -21,7 +21,7 @@ from dse.domain.component import (
     UnsupportedSource,
 )
 from dse.errors import DseError, Location
-from dse.fmu.building import build, build_all
+from dse.fmu.component_build import build, build_all
 from dse.fmu.toolchain.compiler import environment, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.unpack import open_fmu

@@ -8,7 +8,7 @@ import pytest
 
 from dse.domain.component import Causality, Interface, Kind, Parameter, Port, Type
 from dse.errors import DseError, Location
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.unpack import open_fmu
 
 REAL = Type(Kind.REAL)

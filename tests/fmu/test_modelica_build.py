@@ -28,7 +28,7 @@ from dse.domain.component import (
     Type,
 )
 from dse.errors import DseError, Location
-from dse.fmu.building import build, build_all
+from dse.fmu.component_build import build, build_all
 from dse.fmu.toolchain import compilation
 from dse.fmu.unpack import open_fmu
 from dse.modelica.build import check_modelica

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from dse.domain.component import NO_INTERFACE, Component, Kind, ModelicaSource, Parameter, Type
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.unpack import open_fmu
 from dse.modelica.frontend import process
 from dse.modelica.frontend.answer_cache import AnswerCache

@@ -15,7 +15,7 @@ from fmu.descriptions import FMI_1
 
 from dse.cache import CacheWarning
 from dse.errors import DseError
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.unpack import open_fmu
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from dse.errors import DseError
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.unpack import open_fmu
 

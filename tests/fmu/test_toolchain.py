@@ -12,7 +12,7 @@ import pytest
 from dse.cache import CacheWarning
 from dse.domain.system import Element, SystemStructure
 from dse.errors import DseError
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.fusion.fuse import Wanted, fuse_all
 from dse.fmu.toolchain.compiler import find_compiler
 from dse.fmu.unpack import open_fmu

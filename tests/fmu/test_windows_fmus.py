@@ -15,7 +15,7 @@ from zoo.animals import ANIMALS, build_animal
 from dse.cosim.binding.calls import FUNCTIONS, AccessorType, Call, function_name
 from dse.cosim.probing import experiments
 from dse.cosim.probing.child import ProbeLimits, attempt
-from dse.cosim.probing.drive import drive_of
+from dse.cosim.probing.excitation import drive_of
 from dse.cosim.probing.probe import probe
 from dse.domain.facts import Question
 from dse.errors import DseError

@@ -16,7 +16,7 @@ from dse.domain.fmu import FmuModel
 from dse.domain.fused import FusedLibrary
 from dse.domain.method import PLAIN, Algorithm, Method
 from dse.domain.system import Element, SystemStructure, Wire
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.fusion.fuse import fuse
 from dse.fmu.unpack import open_fmu
 

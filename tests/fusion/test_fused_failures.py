@@ -12,7 +12,7 @@ import pytest
 from fusion.conftest import CASES, GEAR, IN_TURN, REAL, WHOLE, assert_same, failures, ports, system_of
 
 import dse
-from dse.cosim.failing.progress import PROGRESS_BYTES, describe_progress
+from dse.cosim.failure.progress import PROGRESS_BYTES, describe_progress
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.component import Parameter
 

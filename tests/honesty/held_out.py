@@ -14,7 +14,7 @@ from workspaces import written
 
 from dse.domain.run import Run, RunRequest
 from dse.loading.workspace import Workspace
-from dse.testbench.prepared import PreparedBench
+from dse.testbench.prepared_bench import PreparedBench
 from dse.testbench.runner import Runner
 from dse.testbench.study import bench_study, prepare_study
 

@@ -11,7 +11,7 @@ from answerers import Answerer
 from background import LIMIT
 from coded_texts import gain
 
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.testing.kinds import Files, lay_out, the_component
 
 INTERFACES = "interfaces:\n  gain:\n    inputs: {u: m}\n    outputs: {y: m}\n"

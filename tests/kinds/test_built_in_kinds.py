@@ -10,7 +10,7 @@ from kinds.examples import EXAMPLES, written
 from sumo_here import IS_HERE
 
 from dse.errors import DseError
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.loading.component.kind import KINDS, kind_of
 from dse.testing.kinds import Files, KindSuite, lay_out, the_component
 

@@ -15,12 +15,12 @@ from dse.domain.design import Configuration, Connection
 from dse.domain.drive import Drive, Pace
 from dse.domain.run import Run, RunRequest, Waveforms
 from dse.errors import DseError
-from dse.live.offline import bench_of_drive
-from dse.live.seat import Seat, driver_of, prepare_seat, tunables_of, with_driver
+from dse.live.driver_in_the_loop import Seat, driver_of, prepare_seat, tunables_of, with_driver
+from dse.live.recorded_drive import bench_of_drive
 from dse.loading.workspace import Workspace
 from dse.space.opened import open_space
 from dse.testbench.prepare import prepare_bench
-from dse.testbench.prepared import PreparedBench
+from dse.testbench.prepared_bench import PreparedBench
 from dse.testbench.runner import Runner
 from dse.units import parse_unit
 

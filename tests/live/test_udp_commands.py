@@ -25,7 +25,7 @@ from live_worlds import ANSWER, END, START, World, right_bytes, served
 
 from dse.errors import DseError
 from dse.live import Datagram, check_client, listen_at, read_recording, tap, write_datagram, write_head
-from dse.live.asking import trial_values
+from dse.live.client import trial_values
 
 PATIENT = ("--timeout", str(LIMIT))
 CLIENTS = Path(__file__).parents[2] / "clients"
@@ -130,8 +130,8 @@ def test_a_client_that_comes_late_has_as_much_time_for_its_steps(monkeypatch):
         return select.select(lines, [], [], left)
 
     told = SimpleNamespace(monotonic=lambda: clock, perf_counter=lambda: clock)
-    monkeypatch.setattr("dse.live.checking_clients.time", told)
-    monkeypatch.setattr("dse.live.checking_clients.select", SimpleNamespace(select=wait))
+    monkeypatch.setattr("dse.live.client_check.time", told)
+    monkeypatch.setattr("dse.live.client_check.select", SimpleNamespace(select=wait))
     assert checked_client() == {}
 
 

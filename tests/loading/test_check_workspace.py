@@ -7,7 +7,7 @@ import zipfile
 import pytest
 from command_line import run_dse
 
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.loading.workspace import Workspace
 from dse.testbench.check import check_workspace
 

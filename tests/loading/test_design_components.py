@@ -7,7 +7,7 @@ from command_line import run_dse
 
 from dse.domain.component import NO_INTERFACE
 from dse.errors import DseError
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.loading.workspace import Workspace
 from dse.space.check import check_space
 from dse.space.opened import open_space

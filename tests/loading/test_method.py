@@ -11,8 +11,8 @@ from dse.errors import DseError
 from dse.loading.workspace import Workspace
 from dse.testbench.check import check_workspace
 from dse.testbench.method import method_of
-from dse.testbench.select import one_configuration
-from dse.testbench.wired import WiredBench, wire_bench
+from dse.testbench.selection import one_configuration
+from dse.testbench.wired_bench import WiredBench, wire_bench
 
 BENCH = "testbenches/following.yaml"
 ROAD = """\

@@ -14,8 +14,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from dse.cache import CacheWarning, keep, kept
-from dse.formats import kept as documents
-from dse.formats.kept import _document, _Kept, _written
+from dse.formats import parse_cache as documents
+from dse.formats.parse_cache import _document, _Kept, _written
 from dse.formats.yaml import parse_yaml, read_yaml
 
 REPOSITORY = Path(__file__).parents[2]
@@ -283,7 +283,7 @@ def test_two_processes_at_once_read_the_same(tmp_path, workspace):
     (workspace / "components").mkdir()
     code = (
         "import sys; from pathlib import Path\n"
-        "from dse.formats.kept import remember, read_kept\n"
+        "from dse.formats.parse_cache import remember, read_kept\n"
         "root = Path(sys.argv[1]); remember(root)\n"
         "print(read_kept(root / 'a.yaml', root).data)"
     )

@@ -15,7 +15,7 @@ from quick_builds import unoptimized
 
 from dse.domain.component import Component
 from dse.domain.fmu import FmuModel
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.unpack import open_fmu
 
 

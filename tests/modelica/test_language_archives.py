@@ -12,7 +12,7 @@ from language_case import CASES
 from modelica_components import Built, component
 from slaves import Rows, Slave, instance, run_cs
 
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.unpack import open_fmu
 
 both_versions = pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 from modelica_components import component
 
 from dse.errors import DseError
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 
 FOLDER = Path(__file__).parent / "refused"
 MARK = "// refused:"

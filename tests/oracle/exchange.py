@@ -16,8 +16,8 @@ from dse.cosim.binding.calls import AccessorType, Call, function_name
 from dse.cosim.binding.exchange_layout import Exchange
 from dse.cosim.binding.integration import Integration
 from dse.cosim.binding.library import address
-from dse.cosim.failing.diagnosis import failed_call
-from dse.cosim.failing.reason import StopReason
+from dse.cosim.failure.diagnosis import failed_call
+from dse.cosim.failure.stop_reason import StopReason
 from dse.domain.system import Element
 
 _SET = ctypes.CFUNCTYPE(

@@ -19,9 +19,9 @@ from dse.cosim.binding.calls import (
 from dse.cosim.binding.layout import kernel
 from dse.cosim.binding.library import address
 from dse.cosim.binding.resources import InstanceFolder
-from dse.cosim.failing.failure import RunFailed
-from dse.cosim.failing.reason import StopReason
-from dse.cosim.failing.words import of_call, place
+from dse.cosim.failure.fmu_messages import of_call, place
+from dse.cosim.failure.run_failed import RunFailed
+from dse.cosim.failure.stop_reason import StopReason
 from dse.domain.fmu import FmiInterface, FmuModel
 from oracle.callbacks import (
     BETWEEN,

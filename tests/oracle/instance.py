@@ -20,9 +20,9 @@ from dse.cosim.binding.calls import (
     type_of,
 )
 from dse.cosim.binding.library import find
-from dse.cosim.failing.failure import RunFailed
-from dse.cosim.failing.reason import StopReason
-from dse.cosim.failing.words import of_call, of_value, place
+from dse.cosim.failure.fmu_messages import of_call, of_value, place
+from dse.cosim.failure.run_failed import RunFailed
+from dse.cosim.failure.stop_reason import StopReason
 from dse.domain.fmu import Variable
 from oracle.handle import Handle
 

@@ -13,7 +13,7 @@ from hybrid_system import integrate
 from dse.cosim.simulator import Simulator
 from dse.domain.component import Causality, Component, Interface, Kind, ModelicaSource, Port, Type
 from dse.domain.design import Connection
-from dse.fmu.building import build_all
+from dse.fmu.component_build import build_all
 from dse.fmu.unpack import open_fmu
 from dse.loading.workspace import Workspace
 from dse.system.assembly import WiredParts, assemble

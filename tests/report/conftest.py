@@ -14,7 +14,7 @@ from chromium import started_chromium
 from numpy.typing import NDArray
 from report_pages import Open
 
-from dse.report.content.nouns import (
+from dse.report.content.data import (
     ConfigurationEntry,
     FigureSpec,
     Floats,

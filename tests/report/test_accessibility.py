@@ -10,7 +10,7 @@ from chromium import rest
 from hard_contents import driven, furnished
 from report_pages import Open
 
-from dse.report.content.nouns import ReportContent
+from dse.report.content.data import ReportContent
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

@@ -10,7 +10,7 @@ import pytest
 from dse.report.charts.chart import Axis, Band, Bars, Chart, Line, Points, Rule, Steps, bulk, limits
 from dse.report.charts.problems import chart_problems
 from dse.report.charts.thinning import MOST_POINTS, thinned
-from dse.report.content.nouns import ReportContent, RequirementRow
+from dse.report.content.data import ReportContent, RequirementRow
 from dse.report.drawing.chart import draw_chart
 from dse.report.drawing.style import save_drawing
 from dse.report.figure import charted

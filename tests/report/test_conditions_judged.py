@@ -10,7 +10,7 @@ from report_pages import Open, counts, open_tab, settle
 
 from dse.analysis import planes
 from dse.report.charts.chart import Points
-from dse.report.content.nouns import (
+from dse.report.content.data import (
     ConfigurationEntry,
     MetricColumn,
     ReportContent,
@@ -21,8 +21,8 @@ from dse.report.content.nouns import (
 )
 from dse.report.figures.constraints import axis_pairs, constraint_plot_data
 from dse.report.figures.margins import Margins
-from dse.report.insight.chances import chances_of
 from dse.report.insight.naming import Naming
+from dse.report.insight.probability_maps import chances_of
 from dse.report.verdicts import Mark, alike, conditions_of, marks_of_designs, worst_marks
 
 

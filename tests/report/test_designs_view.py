@@ -16,7 +16,7 @@ from playwright.sync_api import Page
 from report_pages import settle
 
 from dse.exploration.designs import front_of
-from dse.report.content.nouns import (
+from dse.report.content.data import (
     ConfigurationEntry,
     FigureSpec,
     MetricColumn,

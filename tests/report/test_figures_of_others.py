@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 import pytest
 from installed_package import install
 
-from dse.report.content.nouns import ReportContent
+from dse.report.content.data import ReportContent
 from dse.report.figure import FIGURES, ShownFigure, View, charted, drawings, shown_figures
 from dse.report.page.html import page_of, write_report
 from dse.report.page.payload import payload_of

@@ -25,8 +25,8 @@ from dse.domain.definition import DefinedObjective, DefinedSampler
 from dse.domain.method import Algorithm, Method
 from dse.exploration import Band
 from dse.report import insight_of
+from dse.report.page.encoding import Block
 from dse.report.page.insight import insight_json
-from dse.report.page.packing import Block
 
 
 def plane(count: int = 600, **facts):

@@ -15,7 +15,7 @@ from report_pages import content_of, settle
 from dse.analysis import evaluated, features, planes
 from dse.domain.definition import DefinedObjective
 from dse.report import insight_of
-from dse.report.content.nouns import (
+from dse.report.content.data import (
     ReportContent,
 )
 from dse.storage import RunTable
@@ -268,8 +268,8 @@ def test_thirty_variables_and_five_requirements_on_one_metric(open_report: Open)
 
 
 def test_the_payload_is_plain_json_of_bounded_size() -> None:
+    from dse.report.page.encoding import Block
     from dse.report.page.insight import insight_json
-    from dse.report.page.packing import Block
 
     block = Block()
     text = json.dumps(insight_json(insight_of(plane(600)), block), allow_nan=False)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 from report_pages import Open, open_tab
 
-from dse.domain.notes import Absent, Funnel, Left, Notes, SourceText, digest_of
+from dse.domain.provenance import Absent, Funnel, Left, Notes, SourceText, digest_of
+from dse.report.content.data import ReportContent, Retried
 from dse.report.content.insight import Asked, Insight
-from dse.report.content.nouns import ReportContent, Retried
 
 pytestmark = pytest.mark.browser
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from dse.report import View, drawings, save_drawing
+from dse.report.content.data import ObjectiveEntry, Property, ReportContent
 from dse.report.content.insight import (
     Asked,
     Bar,
@@ -21,7 +22,6 @@ from dse.report.content.insight import (
     Search,
     Stage,
 )
-from dse.report.content.nouns import ObjectiveEntry, Property, ReportContent
 from dse.report.verdicts import Mark, overall_marks
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from dse.domain.definition import DefinedConfiguration
-from dse.report.content.nouns import Scenes
+from dse.report.content.data import Scenes
 from dse.report.content.scenes import scenes_of, with_replays
 
 

@@ -13,7 +13,7 @@ from verdict_cases import BOUNDS, cases
 
 from dse.errors import Problem
 from dse.report.charts.chart import Axis, Band, Bars, Chart, Line, Rule, Steps, limits
-from dse.report.content.nouns import MetricColumn, ReportContent, RequirementRow, Runs
+from dse.report.content.data import MetricColumn, ReportContent, RequirementRow, Runs
 from dse.report.figure import ShownFigure, charted
 from dse.report.page import html as page_module
 from dse.report.verdicts import Mark, overall_marks

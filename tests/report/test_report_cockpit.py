@@ -14,7 +14,7 @@ from chromium import rest
 from playwright.sync_api import Page
 from report_pages import PLANE, Open, counts, ground, open_tab, selected, settle
 
-from dse.report.content.nouns import ReportContent, RequirementRow, Runs, Variable
+from dse.report.content.data import ReportContent, RequirementRow, Runs, Variable
 from dse.report.verdicts import Mark, overall_marks
 
 pytestmark = pytest.mark.browser

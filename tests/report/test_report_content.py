@@ -9,7 +9,7 @@ from definitions import metrics, stored_definition
 
 from dse.domain.definition import DefinedConfiguration
 from dse.report import read_content, read_insight
-from dse.report.content.nouns import ReportContent, label
+from dse.report.content.data import ReportContent, label
 from dse.report.verdicts import Mark, marks_of, overall_marks
 from dse.storage import StudyFolder
 

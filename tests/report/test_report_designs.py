@@ -11,11 +11,11 @@ from known_functions import study, variable
 
 from dse.domain.definition import DefinedConfiguration, DefinedObjective, DefinedTotal
 from dse.report.content.architecture import parts_and_links
-from dse.report.content.nouns import ConfigurationEntry, MetricColumn, ObjectiveEntry, Property, ReportContent
+from dse.report.content.data import ConfigurationEntry, MetricColumn, ObjectiveEntry, Property, ReportContent
 from dse.report.content.objectives import composites_of, objectives_of
 from dse.report.content.reading import lacking
 from dse.report.page.designs import designs_of
-from dse.report.page.packing import Block
+from dse.report.page.encoding import Block
 from dse.report.page.payload import payload_of
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dse.errors import DseError
-from dse.report.content.nouns import (
+from dse.report.content.data import (
     ConfigurationEntry,
     Flags,
     Floats,

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from dse.report.page.packing import MISSING, STEPS, Block, quantise, second_differences
+from dse.report.page.encoding import MISSING, STEPS, Block, quantise, second_differences
 
 waveforms = arrays(
     np.float64, st.tuples(st.integers(1, 4), st.integers(1, 40)), elements=st.floats(-1e9, 1e9) | st.just(float("nan"))

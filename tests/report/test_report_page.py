@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from dse.errors import DseError
-from dse.report.content.nouns import ReportContent
+from dse.report.content.data import ReportContent
 from dse.report.figure import shown_figures
 from dse.report.page import html as page
 from dse.report.page.html import page_of, write_report

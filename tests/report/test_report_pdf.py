@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from dse.errors import DseError
-from dse.report.content.nouns import ReportContent
-from dse.report.page import printing
-from dse.report.page.printing import BROWSERS, print_report
+from dse.report.content.data import ReportContent
+from dse.report.page import pdf
+from dse.report.page.pdf import BROWSERS, print_report
 
 
 @pytest.fixture
@@ -67,7 +67,7 @@ def test_a_browser_that_fails_or_hangs_leaves_the_file_as_it_was(
     browser.chmod(0o755)
     (tmp_path / "report.pdf").write_bytes(b"as it was")
     monkeypatch.setenv("CHROMIUM", str(browser))
-    monkeypatch.setattr(printing, "PATIENCE", 0.3 if "sleep" in script else 60.0)
+    monkeypatch.setattr(pdf, "PATIENCE", 0.3 if "sleep" in script else 60.0)
     with pytest.raises(DseError, match=words):
         print_report(sliced, tmp_path / "report.pdf")
     assert (tmp_path / "report.pdf").read_bytes() == b"as it was"

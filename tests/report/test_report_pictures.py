@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 from report_pages import Open, counts, open_tab
 
-from dse.report.content.nouns import Floats, ReportContent
+from dse.report.content.data import Floats, ReportContent
 
 pytestmark = pytest.mark.browser
 

@@ -21,7 +21,7 @@ from dse.errors import DseError
 from dse.loading import Workspace
 from dse.report import Told, scene_mark, scene_page, write_scene
 from dse.report.roads import standing_lights
-from dse.report.scene.nouns import COLOURS, Host
+from dse.report.scene.data import COLOURS, Host
 from dse.testbench import bench_study
 from dse.world import open_roads
 

@@ -14,7 +14,7 @@ from scenes import made_up
 
 from dse.errors import DseError
 from dse.report import Shot, film, require_target, scene_page
-from dse.report.page import printing
+from dse.report.page import pdf
 from dse.report.scene import camera
 
 thorough = pytest.mark.thorough
@@ -22,7 +22,7 @@ thorough = pytest.mark.thorough
 
 @pytest.fixture
 def chromium() -> None:
-    if not any(map(shutil.which, printing.BROWSERS)):
+    if not any(map(shutil.which, pdf.BROWSERS)):
         if os.environ.get("CI"):
             pytest.fail("films are tested with a Chromium")
         pytest.skip("no Chromium is installed")

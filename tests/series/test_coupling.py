@@ -15,7 +15,7 @@ import pytest
 from series.workspace import lay_out
 
 import dse
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.testing.kinds import the_component
 
 RAMP = "t,v [m/s]\n0,0\n2,6\n"

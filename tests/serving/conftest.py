@@ -18,7 +18,7 @@ from served_studies import store_study
 from dse.serving.application import application
 from dse.serving.guard import Application, Limits
 from dse.serving.server import server_of
-from dse.serving.shelf import Shelf
+from dse.serving.study_index import Shelf
 
 
 @pytest.fixture

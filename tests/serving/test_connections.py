@@ -22,7 +22,7 @@ from dse.serving.application import application
 from dse.serving.connections import Waiting
 from dse.serving.drives import LiveDrives
 from dse.serving.guard import Guard, Limits
-from dse.serving.shelf import Shelf
+from dse.serving.study_index import Shelf
 
 HALF_A_HEAD = b"GET / HTTP/1.1\r\nHost: localhost\r\nX-Slow: "
 HALF_A_BODY = (

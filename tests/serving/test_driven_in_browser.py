@@ -11,7 +11,7 @@ from chromium import started_chromium
 from dse.api import Drives, Results, open as open_workspace
 from dse.serving.application import application
 from dse.serving.drives import LiveDrives
-from dse.serving.shelf import Shelf
+from dse.serving.study_index import Shelf
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 120_000  # ms: everything is built first

@@ -24,7 +24,7 @@ from dse.serving.application import application
 from dse.serving.drives import LiveDrives
 from dse.serving.driving import MOST_MISTAKES
 from dse.serving.guard import Limits
-from dse.serving.shelf import Shelf
+from dse.serving.study_index import Shelf
 
 TOKEN = "a-token-of-the-test"  # noqa: S105  # it is
 

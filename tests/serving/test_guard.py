@@ -9,7 +9,7 @@ import pytest
 
 from dse.serving.application import application
 from dse.serving.guard import Limits
-from dse.serving.shelf import Shelf
+from dse.serving.study_index import Shelf
 
 TOKEN = "a token of the test"  # noqa: S105  # it is
 

@@ -30,7 +30,7 @@ from dse.serving.application import application
 from dse.serving.drives import Held, LiveDrives
 from dse.serving.driving import MOST_MISTAKES
 from dse.serving.guard import Limits
-from dse.serving.shelf import Shelf
+from dse.serving.study_index import Shelf
 from dse.storage import StudyFolder
 from dse.storage.database import connection as stored
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from served_studies import add_run, store_study
 
-from dse.serving import Shelf, application, desk
+from dse.serving import Shelf, application, open_studies
 from dse.storage import StudyFolder, WriterLock
 
 
@@ -72,8 +72,8 @@ def test_a_page_is_made_once_until_there_are_other_runs(
     client, workshop: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made = []
-    read = desk.read_report
-    monkeypatch.setattr(desk, "read_report", lambda *given: made.append(given) or read(*given))
+    read = open_studies.read_report
+    monkeypatch.setattr(open_studies, "read_report", lambda *given: made.append(given) or read(*given))
     pages = [client.get("/study/out/first/").text for _ in range(3)]
     assert len(made) == 1
     assert len({*pages}) == 1
@@ -86,7 +86,7 @@ def test_a_page_is_made_once_until_there_are_other_runs(
 
 
 def test_progress_counts_and_never_makes_a_page(client, workshop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(desk, "read_report", lambda *_: pytest.fail("a page was made"))
+    monkeypatch.setattr(open_studies, "read_report", lambda *_: pytest.fail("a page was made"))
     told = json.loads(client.get("/progress?study=out/first").text)
     assert told == {"state": "interrupted", "runs": 4, "finished": 3}
 
@@ -164,7 +164,7 @@ def test_while_one_point_is_simulated_another_one_waits_and_the_end_of_the_serve
         begun.set()
         released.wait(60)
 
-    monkeypatch.setattr("dse.serving.answers.try_point", slow)
+    monkeypatch.setattr("dse.serving.point_requests.try_point", slow)
     point = {"configuration": "c1", "point": {"controller.kp": 0.5}}
     with served(application(Shelf(workshop))) as client:
         first = threading.Thread(target=client.post, args=("/simulate?study=out/first", point))

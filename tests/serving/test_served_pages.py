@@ -10,7 +10,7 @@ from chromium import rest, started_chromium
 from playwright.sync_api import Browser, Page
 from served_studies import TITLE, add_run
 
-from dse.serving.desk import Desk
+from dse.serving.open_studies import Desk
 from dse.storage import StudyFolder
 
 pytestmark = [pytest.mark.browser, pytest.mark.thorough]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from dse.errors import DseError
-from dse.serving.shelf import Shelf
+from dse.serving.study_index import Shelf
 
 
 def test_studies_are_found_below_a_folder_and_named_by_their_way(workshop: Path) -> None:

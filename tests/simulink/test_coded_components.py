@@ -12,7 +12,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from dse.errors import DseError
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.loading.component.kind import KINDS
 from dse.testing.kinds import lay_out, the_component
 

@@ -15,7 +15,7 @@ from dse.cosim.simulator import Simulator
 from dse.domain.fmu import FmuModel
 from dse.domain.system import Element, SystemStructure
 from dse.errors import DseError
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.fusion.fuse import fuse
 from dse.fmu.other_platforms import with_platforms
 from dse.fmu.toolchain.platforms import platforms_named

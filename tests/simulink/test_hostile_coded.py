@@ -16,7 +16,7 @@ from command_line import run_dse
 from hostile_codes import FAILING, GOOD, IN_THE_WAY, LONG, NOT_COMPILED, REFUSED, in_header, in_step, ports
 
 from dse.errors import DseError
-from dse.simulink import CodedModel, asking, build_library, declarations, read_model
+from dse.simulink import CodedModel, build_library, declarations, libclang_process, read_model
 
 pytest.importorskip("clang.cindex")
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="components of the kind simulink are for POSIX")
@@ -172,7 +172,7 @@ def test_thousands_of_ports_are_compiled(tmp_path: Path, cache: Path) -> None:
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names")
 def test_a_header_that_never_ends_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(asking, "_SECONDS", 0.5)
+    monkeypatch.setattr(libclang_process, "_SECONDS", 0.5)
     folder = _written(tmp_path / "code", in_header('#include "endless.h"'))
     os.mkfifo(folder / "endless.h")
     with pytest.raises(DseError, match=r"bad\.h: what it declares cannot be read: it took longer than"):
@@ -193,7 +193,7 @@ def test_a_header_is_read_once_until_it_or_what_it_includes_changes(
 
     def counted(*arguments: object) -> object:
         asked.append(arguments)
-        return asking.asked(*arguments)  # type: ignore[arg-type]
+        return libclang_process.asked(*arguments)  # type: ignore[arg-type]
 
     monkeypatch.setattr(declarations, "asked", counted)
     (tmp_path / "more.h").write_text("typedef double more;\n", encoding="utf-8")

@@ -21,8 +21,8 @@ from dse.storage.database.schema import cell_of, value_of
 from dse.storage.export.tables import EXPORTS
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import Measures, block_of
-from dse.storage.spool import SpoolWriter
 from dse.storage.waveforms import waveform_file, write_waveforms
+from dse.storage.write_ahead_log import SpoolWriter
 
 Add = Callable[[StudyFolder, Run], None]
 

@@ -16,7 +16,7 @@ from dse.domain.run import Run
 from dse.errors import DseError
 from dse.storage.attempts import Attempt
 from dse.storage.folder import StudyFolder
-from dse.storage.spool import SpoolWriter
+from dse.storage.write_ahead_log import SpoolWriter
 
 Add = Callable[[StudyFolder, Run], None]
 

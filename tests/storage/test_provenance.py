@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from dse.domain.notes import Absent, Funnel, Left, Notes, SourceText, digest_of
+from dse.domain.provenance import Absent, Funnel, Left, Notes, SourceText, digest_of
 from dse.errors import DseError
 from dse.storage import merge_studies
 from dse.storage.attempts import STOPPED, Attempt

@@ -18,10 +18,10 @@ from dse.storage.attempts import Attempt
 from dse.storage.database.definition import fingerprint
 from dse.storage.export.tables import EXPORTS
 from dse.storage.folder import StudyFolder
-from dse.storage.merging import merge_studies
+from dse.storage.merge import merge_studies
 from dse.storage.rows import Measures
-from dse.storage.spool import SpoolWriter, assemble, read_spool
 from dse.storage.waveforms import waveform_file, write_waveforms
+from dse.storage.write_ahead_log import SpoolWriter, assemble, read_spool
 
 CHUNK = waveform_file(3, 5)
 MAKER = "elsewhere/7"

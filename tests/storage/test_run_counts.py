@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from dse.api.studies.watching import status, statuses
+from dse.api.studies.status import status, statuses
 from dse.cli.commands.status import status as command
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest
@@ -17,14 +17,14 @@ from dse.errors import DseError
 from dse.storage.attempts import Attempt, this_process
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import Measures
-from dse.storage.spool import SpoolWriter
+from dse.storage.write_ahead_log import SpoolWriter
 
 Add = Callable[[StudyFolder, Run], None]
 
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dse.api.studies.watching._PATIENCE", 0.0)
+    monkeypatch.setattr("dse.api.studies.status._PATIENCE", 0.0)
 
 
 def shown(folder: Path, capsys: pytest.CaptureFixture[str]) -> str:
@@ -79,8 +79,8 @@ def test_the_rate_is_that_of_the_runs_that_came_meanwhile(
             folder.commit()
             clock[0] += 2.0
 
-        monkeypatch.setattr("dse.api.studies.watching.time.monotonic", lambda: clock[0])
-        monkeypatch.setattr("dse.api.studies.watching.time.sleep", wait)
+        monkeypatch.setattr("dse.api.studies.status.time.monotonic", lambda: clock[0])
+        monkeypatch.setattr("dse.api.studies.status.time.sleep", wait)
         assert status(stored).rate == 10.0
 
 

@@ -17,8 +17,8 @@ from dse.domain.bench import Judgement, Verdict
 from dse.domain.component import Value
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.storage.rows import Measures, block_of
-from dse.storage.spool import Spooled, SpoolWriter, assemble, clear_spool, read_spool, spooled_names
 from dse.storage.waveforms import waveform_file, write_waveforms
+from dse.storage.write_ahead_log import Spooled, SpoolWriter, assemble, clear_spool, read_spool, spooled_names
 
 MEASURES = Measures(("m", "n"), ("R", "S"))
 CHUNK = waveform_file(0, 7)

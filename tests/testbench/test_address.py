@@ -177,7 +177,7 @@ def test_what_fmus_are_told_reaches_them_and_is_kept_with_the_study(study):
 def test_the_order_of_metrics_does_not_matter(study, prepared):
     def program(bench: TestBench) -> PreparedBench:
         types = {name: setting.type for name, setting in prepared.settings.items()}
-        from dse.testbench.wired import wire_bench
+        from dse.testbench.wired_bench import wire_bench
 
         wired = wire_bench(bench, prepared.configuration)
         made = compile_metrics(bench.metrics, bench.requirements, types | wired.types, frozenset(wired.signals))

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from port_workspaces import TYPES, bench, c_part, columns, run, write
 
-from dse.api.studies.single import write_package
+from dse.api.studies.single_run import write_package
 from dse.domain.run import RunRequest
 from dse.errors import DseError
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.interchange.importing.component import import_component
 from dse.interchange.importing.ssp import import_ssp
 from dse.loading.workspace import Workspace

@@ -12,7 +12,7 @@ from port_workspaces import bench, c_part, columns, run, write
 from dse.domain.component import Kind
 from dse.domain.run import Outcome
 from dse.errors import DseError
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.unpack import open_fmu
 from dse.interchange.importing.component import import_component
 from dse.loading.workspace import Workspace

@@ -9,7 +9,7 @@ import pytest
 from port_workspaces import bench, c_part, columns, run, write
 from reference_fmus import build
 
-from dse.api.studies.single import write_package
+from dse.api.studies.single_run import write_package
 from dse.domain.run import RunRequest
 from dse.errors import DseError
 from dse.interchange.importing.component import import_component

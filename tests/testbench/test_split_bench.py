@@ -15,7 +15,7 @@ from dse.domain.udp import UdpSource, heard, sent
 from dse.errors import DseError
 from dse.loading import Workspace
 from dse.testbench import Halves, WorldPlace, check_bench, halves_of, one_configuration
-from dse.testbench.halves import far_half, near_half
+from dse.testbench.split_bench import far_half, near_half
 
 _ROOT = Path(__file__).parents[2]
 SOURCE = UdpSource(5005)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from dse.cosim.failing.failure import RunFailed
+from dse.cosim.failure.run_failed import RunFailed
 from dse.cosim.simulator import Simulator
 from dse.loading.workspace import Workspace
 from dse.space.opened import open_space

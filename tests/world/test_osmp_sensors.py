@@ -13,7 +13,7 @@ from port_workspaces import c_part, write
 
 from dse.domain.run import Outcome, RunRequest
 from dse.errors import DseError
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.loading.workspace import Workspace
 from dse.space.opened import open_space
 from dse.testbench.check import check_workspace

@@ -17,13 +17,13 @@ from dse.api.driving.view import View
 from dse.domain.design import Configuration
 from dse.domain.drive import Drive, Pace
 from dse.domain.run import Run, RunRequest
-from dse.live.offline import bench_of_drive
+from dse.live.recorded_drive import bench_of_drive
 from dse.loading.workspace import Workspace
 from dse.report import Told
 from dse.space.opened import open_space
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.runner import Runner
-from dse.testbench.wired import wire_bench
+from dse.testbench.wired_bench import wire_bench
 
 pytestmark = pytest.mark.usefixtures("kept_cache")
 ROOT = Path(__file__).parents[2]

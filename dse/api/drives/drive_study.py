@@ -13,9 +13,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dse.api.studies.driven import DRIVE, DRIVER, DRIVES, NOBODY, Kept, bench_driven, drive_name, is_drives, kept_drives
-from dse.api.studies.exploring import Tell, alone, ready
-from dse.api.studies.noting import note_sources
+from dse.api.studies.exploration import Tell, alone, ready
+from dse.api.studies.provenance import note_sources
+from dse.api.studies.recorded_drives import (
+    DRIVE,
+    DRIVER,
+    DRIVES,
+    NOBODY,
+    Kept,
+    bench_driven,
+    drive_name,
+    is_drives,
+    kept_drives,
+)
 from dse.domain.definition import DefinedSampler, DefinedVariable, StudyDefinition
 from dse.domain.drive import Drive
 from dse.domain.run import Run, RunRequest, Waveforms

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.drives.boards import Board, board_of
-from dse.api.drives.keeping import drive_again, keep_drives, thinned
-from dse.api.naming import workspace_of
-from dse.api.studies.driven import RECORDINGS, drive_name, is_drives, recordings
+from dse.api.drives.drive_study import drive_again, keep_drives, thinned
+from dse.api.drives.score_board import Board, board_of
+from dse.api.lookup import workspace_of
+from dse.api.studies.recorded_drives import RECORDINGS, drive_name, is_drives, recordings
 from dse.api.studies.run import Run
 from dse.domain.drive import Drive, bits_of
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
@@ -19,7 +19,7 @@ from dse.formats import shown
 from dse.storage import StudyFolder, changed_results, drive_id, write_drive
 
 if TYPE_CHECKING:
-    from dse.api.studies.exploring import Tell
+    from dse.api.studies.exploration import Tell
     from dse.loading import Workspace as Files
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from dse.api.showing.quantities import units_called
+from dse.api.presentation.quantities import units_called
 from dse.storage import Scale, scales_of
 from dse.units import parse_unit
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal, TypedDict, overload
 
-from dse.api.naming import condition_of
-from dse.api.showing.html import table
+from dse.api.lookup import condition_of
+from dse.api.presentation.html import table
 from dse.api.spaces.ranking import Ranking
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ class Design:
 
         ``frame.attrs["units"]`` has the units of the sums. What is left out is missing (None).
         """
-        from dse.api.showing.frames import configurations_frame
+        from dse.api.presentation.frames import configurations_frame
 
         return configurations_frame(self._part(**narrowing), limit)
 

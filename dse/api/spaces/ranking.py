@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, overload
 
-from dse.api.showing.html import table
+from dse.api.presentation.html import table
 
 if TYPE_CHECKING:
     import pandas as pd

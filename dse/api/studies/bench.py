@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Protocol, TypedDict, TypeVar
 
-from dse.api.showing.html import table
+from dse.api.presentation.html import table
 from dse.domain import study as nouns
 from dse.domain.bench import TestBench
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from typing import Unpack
 
     from dse.api.spaces.design import Design
-    from dse.api.studies.planning import Plan
+    from dse.api.studies.plan import Plan
     from dse.api.studies.results import Results
     from dse.api.studies.run import Run
     from dse.domain.design import Configuration
@@ -84,7 +84,7 @@ class Bench(_Named[TestBench]):
         *sandbox* FMUs have no network and write in their scratch folder only (Linux).
         Raises DseError if something cannot be built; a run that fails is a result.
         """
-        from dse.api.studies.single import simulate_once
+        from dse.api.studies.single_run import simulate_once
 
         wanted = configuration if configuration is None or isinstance(configuration, str) else configuration.id
         given = set or {}
@@ -144,8 +144,8 @@ class Study(_Named[nouns.Study]):
         Raises DseError with everything that is wrong, and ExplorationInterruptedError, a KeyboardInterrupt, on Ctrl-C:
         what was finished is stored, and the same call goes on from there.
         """
-        from dse.api.showing.progress import telling
-        from dse.api.studies.exploring import ExploreOptions, explore_into
+        from dse.api.presentation.progress import telling
+        from dse.api.studies.exploration import ExploreOptions, explore_into
         from dse.api.studies.results import Results
 
         options = ExploreOptions(workers, threads, fuse, fresh, fmi, sandbox, retry_failed, executor)
@@ -160,7 +160,7 @@ class Study(_Named[nouns.Study]):
 
         FMUs are built, nothing is simulated, and *folder* is left as it is. Raises DseError as `explore` would.
         """
-        from dse.api.studies.exploring import ExploreOptions, plan_into
+        from dse.api.studies.exploration import ExploreOptions, plan_into
 
         return plan_into(self.noun, Path(folder), ExploreOptions(workers, 1, fuse, fresh, fmi))
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dse.api.showing.quantities import quantity, units_called
+from dse.api.presentation.quantities import quantity, units_called
 from dse.domain.bench import VERDICTS, Verdict
 from dse.errors import fail
 from dse.storage import RunTable, Scale, StudyFolder, changed_study, scales_of

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dse.api.studies.exciting import Column, Given, excitation
-from dse.api.studies.exploring import alone
+from dse.api.studies.excitation import Column, Given, excitation
+from dse.api.studies.exploration import alone
 from dse.domain.bench import Simulation, TestBench, TestComponent
 from dse.domain.component import Causality, Component, Kind, Port, Value
 from dse.domain.design import Compound, Connection, DesignSpace

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.studies.noting import note_sources, note_space
-from dse.api.studies.planning import (
+from dse.api.studies.plan import (
     Plan,
     changes_since,
     known_checks,
@@ -20,6 +19,7 @@ from dse.api.studies.planning import (
     recall,
     start_over,
 )
+from dse.api.studies.provenance import note_sources, note_space
 from dse.domain.study import TESTBENCH, CheckStep, ExecutorChoice, Shard
 from dse.errors import DseError, fail
 from dse.exploration import (

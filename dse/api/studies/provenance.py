@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.domain.notes import Absent, Funnel, Left, Notes, SourceText, digest_of
+from dse.domain.provenance import Absent, Funnel, Left, Notes, SourceText, digest_of
 from dse.errors import DseError, is_gone
 
 if TYPE_CHECKING:

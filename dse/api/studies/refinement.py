@@ -7,7 +7,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dse.api.naming import workspace_of
+from dse.api.lookup import workspace_of
 from dse.errors import fail
 from dse.storage import StudyFolder
 

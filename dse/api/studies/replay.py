@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.naming import workspace_of
-from dse.api.studies.driven import is_drives
+from dse.api.lookup import workspace_of
+from dse.api.studies.recorded_drives import is_drives
 from dse.api.studies.run import Run
 from dse.api.studies.trust import benches_near
 from dse.errors import DseError, Location, fail
 
 if TYPE_CHECKING:
-    from dse.api.studies.exploring import OnChanged, Tell
+    from dse.api.studies.exploration import OnChanged, Tell
     from dse.domain.bench import TestBench
     from dse.domain.definition import StudyDefinition
 
@@ -61,7 +61,7 @@ def replay(
 
     *on_changed* is called before it is simulated if something has changed since the study was made, with what.
     """
-    from dse.api.studies.exploring import again
+    from dse.api.studies.exploration import again
     from dse.domain.study import TESTBENCH, Selection
     from dse.storage import changed_results
     from dse.testbench import bench_study, with_values

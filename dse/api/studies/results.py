@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from dse.api.showing import described
-from dse.api.showing.html import table
-from dse.api.showing.quantities import units_called
+from dse.api.presentation import definition_rows
+from dse.api.presentation.html import table
+from dse.api.presentation.quantities import units_called
 from dse.api.studies.run import Run
 
 if TYPE_CHECKING:
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dse.analysis import Finding, Ranking
-    from dse.api.studies.exploring import Tell
-    from dse.api.studies.replaying import Replay
+    from dse.api.studies.exploration import Tell
+    from dse.api.studies.replay import Replay
     from dse.domain import study as nouns
     from dse.domain.definition import StudyDefinition
     from dse.errors import Problem
@@ -311,7 +311,7 @@ class Results:
 
     def study(self) -> nouns.Study | None:
         """The study, read from the workspace around the current folder; None if it is not there."""
-        from dse.api.naming import workspace_of
+        from dse.api.lookup import workspace_of
         from dse.errors import DseError
 
         try:
@@ -321,7 +321,7 @@ class Results:
 
     def replay(self, number: int, *, source: str | Path | None = None, fmi: int = 2) -> Replay:
         """Simulate a run again and compare; its study is found in the workspace here, or in the file *source*."""
-        from dse.api.studies.replaying import replay
+        from dse.api.studies.replay import replay
 
         return replay(self.run(number), source=source, fmi=fmi)
 
@@ -334,7 +334,7 @@ class Results:
         return f"<Results in {self.folder}: {summary.finished} of {summary.runs} runs{failed}>"
 
     def _repr_html_(self) -> str:
-        summary, labels = self.summary, described.requirement_labels(self.definition)
+        summary, labels = self.summary, definition_rows.requirement_labels(self.definition)
         heads = dict.fromkeys(verdict for counts in summary.verdicts.values() for verdict in counts)
         rows = [(labels[name], *summary.counts(name).values()) for name in summary.verdicts]
         what = f"{self.definition.title}: {summary.finished} of {summary.runs} runs, {summary.failed} failed"
@@ -355,7 +355,7 @@ def _run(store: StudyFolder, number: int, definition: StudyDefinition) -> Run:
         return Run(noun, definition)
     errors = {name: float(table.errors(name)[0]) for name in table.header.metrics}
     certainties = {name: CERTAINTIES[table.certainties(name)[0]] for name in table.header.requirements}
-    return Run(noun, definition, check=described.Check(errors, certainties))
+    return Run(noun, definition, check=definition_rows.Check(errors, certainties))
 
 
 def _summary(runs: RunTable, causes: Mapping[int, str]) -> Summary:

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dse.api.showing import described
-from dse.api.showing.html import table
-from dse.api.showing.quantities import units_called
+from dse.api.presentation import definition_rows
+from dse.api.presentation.html import table
+from dse.api.presentation.quantities import units_called
 from dse.domain.bench import Verdict, overall_verdict
 from dse.domain.run import Outcome
 from dse.errors import fail
@@ -74,11 +74,11 @@ class Run:
         noun: nouns.Run,
         definition: StudyDefinition,
         units: Mapping[str, str] | None = None,
-        check: described.Check | None = None,
+        check: definition_rows.Check | None = None,
     ) -> None:
         self.noun = noun
         self.definition = definition
-        self.check = check or described.check_by_bars(noun, definition)
+        self.check = check or definition_rows.check_by_bars(noun, definition)
         """What finer numerics can change of it, if that was looked at (``check_step``): ``check.errors`` by metric,
         ``check.certainties`` by requirement (``certain``, ``doubtful``)."""
         self.units: Mapping[str, str] = {**units_of(definition), **(units or {})}
@@ -166,7 +166,7 @@ class Run:
         return f"<Run {self.number} of {self.configuration}: {said or f'{len(self.metrics)} metrics'}>"
 
     def _repr_html_(self) -> str:
-        rows = described.metric_rows(self.noun, self.definition, self.check)
+        rows = definition_rows.metric_rows(self.noun, self.definition, self.check)
         cells = [(r.title, r.value, r.requirement, r.bound, r.margin, r.judged) for r in rows]
         headings = ("metric", "value", "requirement", "bound", "margin", "verdict")
         shown = f"{self.definition.title}, configuration {self.configuration}"

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from dse.api.studies.exploring import Tell
+    from dse.api.studies.exploration import Tell
     from dse.api.studies.run import Run
     from dse.domain.bench import Simulation, TestBench
     from dse.domain.component import Component
@@ -52,8 +52,8 @@ def scene_of(
 
 def _bench_of(stored: Run, source: str | Path | None, near: Path, workspace: Path | None, scratch: Path) -> TestBench:
     """The bench as it was simulated for *stored*; what was driven by somebody lies as a table in *scratch*."""
-    from dse.api.studies.driven import NOBODY, bench_driven, drive_name, is_drives, recording
-    from dse.api.studies.replaying import benches_of
+    from dse.api.studies.recorded_drives import NOBODY, bench_driven, drive_name, is_drives, recording
+    from dse.api.studies.replay import benches_of
     from dse.api.studies.trust import benches_near, in_workspace
     from dse.domain.study import TESTBENCH
     from dse.testbench import with_values
@@ -69,7 +69,7 @@ def _bench_of(stored: Run, source: str | Path | None, near: Path, workspace: Pat
 
 
 def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Scene:
-    from dse.api.studies.exploring import alone
+    from dse.api.studies.exploration import alone
     from dse.domain.study import Selection
     from dse.report import Told
     from dse.testbench import bench_study, one_configuration, wire_bench

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.studies.exploring import Tell, alone, ready
+from dse.api.studies.exploration import Tell, alone, ready
 from dse.api.studies.run import Run
 from dse.domain.study import Selection
 from dse.storage import si_unit

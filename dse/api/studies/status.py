@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from math import inf, isfinite
 from pathlib import Path
 
-from dse.api.studies.glancing import is_shard, state_of
+from dse.api.studies.summary import is_shard, state_of
 from dse.storage import Maker, StudyFolder, Tally, Writer, shards_in, this_process, writer_of
 
 _PATIENCE = 1.0

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.studies.exploring import OnChanged, again
+from dse.api.studies.exploration import OnChanged, again
 from dse.api.studies.run import Run
 from dse.api.studies.trust import benches_near
 from dse.domain.run import Outcome, Run as RunNoun, RunRequest

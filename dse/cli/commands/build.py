@@ -12,7 +12,7 @@ import typer
 from dse.api import workspace_of
 from dse.cli.app import app
 from dse.cli.arguments import Configuration, FmiVersion, Platforms
-from dse.cli.completing import benches, components
+from dse.cli.completion import benches, components
 from dse.cli.terminal import console, say
 from dse.errors import DseError, Location, Problem
 from dse.scratch import make_folder

@@ -10,7 +10,7 @@ import typer
 
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import FmiVersion
-from dse.cli.completing import components
+from dse.cli.completion import components
 from dse.cli.terminal import plain, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
-from dse.cli.completing import pages as known_pages
+from dse.cli.completion import pages as known_pages
 from dse.cli.content import content
 from dse.cli.terminal import console, plain_table, print_table
 from dse.errors import closest, fail

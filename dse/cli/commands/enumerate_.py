@@ -72,7 +72,7 @@ def enumerate_(
         raise typer.BadParameter(f"'{target.name}' is not the name of a .{output.value} file", param_hint="--format")
     part = opened(design, (), where, on, off)
     if interactive:
-        from dse.cli.picking.interactive import choose
+        from dse.cli.interactive.interactive import choose
 
         choose(part, target)
     elif count:

@@ -49,7 +49,7 @@ def explore(
     the study's files it runs what that changed, and says so first. Runs that were made before are not made again.
     """
     from dse.api import ExploreOptions
-    from dse.cli.exploring import explore_and_show, show_plan
+    from dse.cli.exploration import explore_and_show, show_plan
     from dse.domain.study import Shard
 
     part = Shard(*map(int, shard.split("/"))) if shard else None

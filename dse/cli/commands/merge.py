@@ -9,7 +9,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import named_folder
-from dse.cli.completing import folders
+from dse.cli.completion import folders
 from dse.cli.status import status_line
 from dse.cli.terminal import say
 

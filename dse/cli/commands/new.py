@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.cli.app import group
-from dse.cli.completing import benches, components as components_of, designs
+from dse.cli.completion import benches, components as components_of, designs
 from dse.cli.content import content
 from dse.cli.terminal import say
 

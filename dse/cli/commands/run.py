@@ -41,7 +41,7 @@ def run(
     Interrupted and started again it goes on where it was.
     """
     from dse.api import ExploreOptions, study_of_bench
-    from dse.cli.exploring import explore_and_show
+    from dse.cli.exploration import explore_and_show
 
     space = workspace_of(bench)
     study = study_of_bench(space.bench(bench))

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
-from dse.cli.completing import kinds_of_files
+from dse.cli.completion import kinds_of_files
 from dse.cli.terminal import say
 
 

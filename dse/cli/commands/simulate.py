@@ -28,7 +28,7 @@ from dse.cli.arguments import (
     units_word,
     world_of_bench,
 )
-from dse.cli.completing import benches
+from dse.cli.completion import benches
 from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
 from dse.cli.terminal import console
 

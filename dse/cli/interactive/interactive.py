@@ -33,7 +33,7 @@ def choose(part: OpenedSpace, target: Path | None) -> None:
         hint = f"ask why: dse space conflict {space.name}"
         raise fail(f"'{space.name}' has no valid configuration", space.where, hint)
     try:
-        from dse.cli.picking.picker import Picker
+        from dse.cli.interactive.picker import Picker
     except ModuleNotFoundError as error:
         raise fail("--interactive needs textual", hint='pip install "dse-workbench[interactive]"') from error
     chosen = Picker(space, part.picking()).run()

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 from dse.cosim.binding import layout
 from dse.cosim.binding.calls import FATAL, Call, function_name
-from dse.cosim.failing import words
-from dse.cosim.failing.failure import RunFailed
-from dse.cosim.failing.master import OF_CLOCKS, OF_LOOPS, OF_OUTPUTS, of_clock, of_loop, of_output
-from dse.cosim.failing.reason import StopReason
+from dse.cosim.failure import fmu_messages
+from dse.cosim.failure.master import OF_CLOCKS, OF_LOOPS, OF_OUTPUTS, of_clock, of_loop, of_output
+from dse.cosim.failure.run_failed import RunFailed
+from dse.cosim.failure.stop_reason import StopReason
 from dse.cosim.tables.tables import Tables
 from dse.cosim.wiring.dependency import AlgebraicLoop
 from dse.domain.system import Element
@@ -38,13 +38,13 @@ def diagnose(tables: Tables, loops: Sequence[AlgebraicLoop], step: float) -> Run
         index = wiring.owners[failure.position]
         element = wiring.system.elements[index]
         call = function_name(Call.GET + wiring.group_at(failure.position).type, element.model.version)
-        what = words.of_value(reason, wiring.values[failure.position], time, failure.value)
+        what = fmu_messages.of_value(reason, wiring.values[failure.position], time, failure.value)
     elif failure.group >= 0:
         element = wiring.system.elements[index]
         call = function_name(failure.progress.place.call, element.model.version)
         label = (tables.starts.labels if reason in _OF_STARTS else tables.labels)[failure.group][failure.position]
         fmi_type = call[call.find("et") + 2 :]  # ``Real`` of ``fmi2SetReal``
-        what = words.of_value(reason, label, time, failure.value, fmi_type)
+        what = fmu_messages.of_value(reason, label, time, failure.value, fmi_type)
     else:
         return failed_call(failure, wiring.system.elements[index], time, tables.elements.log(index))
     return RunFailed(element.name, what, call, time, tables.elements.log(index))
@@ -54,10 +54,12 @@ def failed_call(failure: layout.Failure, element: Element, time: float | None, l
     """The failure of a call of *element*, or of its integration, as the kernel recorded it."""
     reason, call = StopReason(failure.kind), function_name(failure.progress.place.call, element.model.version)
     if reason.is_of_integration:
-        what = words.of_integration(reason, element, failure.position, failure.status, failure.value)
+        what = fmu_messages.of_integration(reason, element, failure.position, failure.status, failure.value)
     else:
         needs_tool = element.model.capabilities.needs_tool
-        what = words.of_call(reason, words.place(element.name, call, time), failure.status, needs_tool=needs_tool)
+        what = fmu_messages.of_call(
+            reason, fmu_messages.place(element.name, call, time), failure.status, needs_tool=needs_tool
+        )
         if reason in _BLAMED_ON_EVENTS and failure.progress.place.call in _OF_EVENTS and _may_do_without(element):
             what += " (with event mode; `event_mode: off` in the source of its component does without)"
     fatal = reason is StopReason.BAD_STATUS and failure.status == FATAL

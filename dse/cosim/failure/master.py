@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import isfinite, isnan
 
 from dse.cosim.binding.calls import MOST_EVENT_ITERATIONS
-from dse.cosim.failing.failure import RunFailed
-from dse.cosim.failing.reason import StopReason
-from dse.cosim.failing.words import moment
+from dse.cosim.failure.fmu_messages import moment
+from dse.cosim.failure.run_failed import RunFailed
+from dse.cosim.failure.stop_reason import StopReason
 from dse.cosim.wiring.dependency import AlgebraicLoop
 from dse.cosim.wiring.wiring import Wiring
 

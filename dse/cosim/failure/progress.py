@@ -10,7 +10,7 @@ import ctypes
 
 from dse.cosim.binding.calls import Call, function_name
 from dse.cosim.binding.layout import Progress
-from dse.cosim.failing.words import place
+from dse.cosim.failure.fmu_messages import place
 from dse.domain.system import SystemStructure
 
 PROGRESS_BYTES = ctypes.sizeof(Progress)

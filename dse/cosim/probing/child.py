@@ -16,10 +16,10 @@ from typing import Any
 
 import psutil
 
-from dse.cosim.failing.failure import RunFailed
+from dse.cosim.failure.run_failed import RunFailed
 from dse.cosim.probing.journal import Journal
 from dse.errors import DseError
-from dse.plain import packed, unpacked
+from dse.plain_messages import packed, unpacked
 from dse.processes import Family, forget_start, start_process
 from dse.sandbox import Sandbox, protect_parent
 from dse.scratch import ScratchFolder
@@ -100,7 +100,7 @@ def _context(*, anew: bool) -> Any:  # the stubs have no word for both kinds
     if anew or sys.platform == "win32":
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["dse.cosim.probing.experiments", "dse.cosim.probing.strain"])
+    context.set_forkserver_preload(["dse.cosim.probing.experiments", "dse.cosim.probing.stress"])
     return context
 
 

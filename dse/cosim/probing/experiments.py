@@ -11,7 +11,7 @@ import time
 from ctypes import CDLL
 from itertools import islice
 
-from dse.cosim.probing.drive import Drive
+from dse.cosim.probing.excitation import Drive
 from dse.cosim.probing.journal import Journal
 from dse.cosim.probing.subject import Row, Subject, Trajectory, difference
 from dse.domain.fmu import FmuModel

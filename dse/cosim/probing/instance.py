@@ -26,11 +26,11 @@ from dse.cosim.binding.calls import (
     type_of,
 )
 from dse.cosim.binding.library import address
-from dse.cosim.failing.diagnosis import failed_call
-from dse.cosim.failing.failure import RunFailed
-from dse.cosim.failing.reason import StopReason
-from dse.cosim.failing.words import of_call, of_value, place
-from dse.cosim.probing.drive import driven, start_of, watched
+from dse.cosim.failure.diagnosis import failed_call
+from dse.cosim.failure.fmu_messages import of_call, of_value, place
+from dse.cosim.failure.run_failed import RunFailed
+from dse.cosim.failure.stop_reason import StopReason
+from dse.cosim.probing.excitation import driven, start_of, watched
 from dse.cosim.tables.elements import KernelElements
 from dse.cosim.wiring.wiring import groups_by_type
 from dse.domain.fmu import FmuModel, Variable

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
 
 from dse.cosim.probing.child import Experiment, ExperimentOutcome, ProbeLimits, attempt
-from dse.cosim.probing.drive import Drive, drive_of, driven
-from dse.cosim.probing.refining import (
+from dse.cosim.probing.convergence import Settling
+from dse.cosim.probing.excitation import Drive, drive_of, driven
+from dse.cosim.probing.refinement import (
     digest_of_run,
     exchanged,
     forgets,
@@ -17,7 +18,6 @@ from dse.cosim.probing.refining import (
     tighter,
     tighter_tolerances,
 )
-from dse.cosim.probing.settling import Settling
 from dse.domain.fmu import FmuModel
 from dse.domain.numerics import FmuNumerics, Lever
 from dse.domain.system import Conversion, Element

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from math import nan
 
 from dse.cosim.binding.layout import kernel
-from dse.cosim.probing import experiments, strain
+from dse.cosim.probing import experiments, stress
 from dse.cosim.probing.child import Experiment, ExperimentOutcome, ProbeLimits, attempt
-from dse.cosim.probing.drive import Drive, drive_of, driven
+from dse.cosim.probing.excitation import Drive, drive_of, driven
 from dse.cosim.probing.subject import Trajectory
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import FmuModel
@@ -120,7 +120,7 @@ class _Probe:
             self.answers[Question.THREADS] = Answer.NO
             self.reasons[Question.THREADS] = "its instances disturb each other even without threads"
         else:
-            self._same(Question.THREADS, strain.runs_in_threads, drive, other, _THREADING)
+            self._same(Question.THREADS, stress.runs_in_threads, drive, other, _THREADING)
 
     def _compare_states(self, drive: Drive, expected: Trajectory) -> None:
         if not self.model.capabilities.can_save_state:
@@ -154,10 +154,10 @@ class _Probe:
     def _strain(self, facts: FmuFacts, drive: Drive) -> FmuFacts:
         if Question.LASTS in self.only:
             self.tell(Question.LASTS)
-            lasted = self._attempt(strain.instances_in_a_row, drive, _STRAINING, limits=self._longer())
+            lasted = self._attempt(stress.instances_in_a_row, drive, _STRAINING, limits=self._longer())
             self._settle(Question.LASTS, lasted)
             memory, run_growth = (nan, nan) if lasted.failure else lasted.result
-            cost = self._attempt(strain.cost_of_a_step, drive, _MEASURING)
+            cost = self._attempt(stress.cost_of_a_step, drive, _MEASURING)
             facts = replace(
                 facts,
                 instances=lasted.count,

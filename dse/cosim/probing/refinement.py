@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.cosim.binding.integration import DEFAULT_TOLERANCE
-from dse.cosim.failing.failure import RunFailed
-from dse.cosim.probing.alone import alone
-from dse.cosim.probing.drive import Drive
+from dse.cosim.failure.run_failed import RunFailed
+from dse.cosim.probing.convergence import Settling, grid_of, moves, settling_of
+from dse.cosim.probing.excitation import Drive
 from dse.cosim.probing.journal import Journal
-from dse.cosim.probing.settling import Settling, grid_of, moves, settling_of
+from dse.cosim.probing.single_fmu import alone
 from dse.cosim.probing.subject import Subject
 from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.system import Element

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from dse.cosim.probing.drive import watched
+from dse.cosim.probing.excitation import watched
 from dse.cosim.simulator import Simulator
 from dse.domain.fmu import FmuModel
 from dse.domain.system import Element, SystemStructure

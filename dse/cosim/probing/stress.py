@@ -8,10 +8,10 @@ from math import nan
 
 import psutil
 
-from dse.cosim.failing.failure import RunFailed
-from dse.cosim.probing.alone import alone, element_of
-from dse.cosim.probing.drive import Drive
+from dse.cosim.failure.run_failed import RunFailed
+from dse.cosim.probing.excitation import Drive
 from dse.cosim.probing.journal import Journal
+from dse.cosim.probing.single_fmu import alone, element_of
 from dse.cosim.simulator import Simulator
 from dse.domain.fmu import FmuModel
 

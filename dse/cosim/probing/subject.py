@@ -12,10 +12,10 @@ from dse.cosim.binding.calls import Call
 from dse.cosim.binding.layout import Element as ElementLayout
 from dse.cosim.binding.library import load
 from dse.cosim.clock import end_of
-from dse.cosim.probing.drive import Drive, watched
+from dse.cosim.probing.excitation import Drive, watched
 from dse.cosim.probing.instance import FmuInstance
 from dse.cosim.probing.journal import Journal
-from dse.cosim.probing.stepping import leave_event_mode, make_step
+from dse.cosim.probing.steps import leave_event_mode, make_step
 from dse.cosim.wiring.wiring import is_discrete_input
 from dse.domain.fmu import FmuModel
 

@@ -12,9 +12,9 @@ from dse.cosim.binding import layout
 from dse.cosim.binding.abilities import Ability, abilities_of, takes_slopes
 from dse.cosim.binding.calls import Call
 from dse.cosim.binding.integration import Integration
-from dse.cosim.binding.lasting import borrow, give_back
 from dse.cosim.binding.library import about, lifecycle, load
 from dse.cosim.binding.log import expanded
+from dse.cosim.binding.persistent_memory import borrow, give_back
 from dse.cosim.binding.resources import InstanceFolder
 from dse.cosim.wiring.wiring import VariableGroup
 from dse.domain.fmu import FmiInterface

@@ -13,9 +13,9 @@ from pydantic import Field
 
 from dse.errors import DseError, fail, remedy
 from dse.exploration.executor import Pool
-from dse.exploration.remote.carrying import carry_out
 from dse.exploration.remote.dispatcher import Dispatcher
-from dse.exploration.remote.parcels import Answer
+from dse.exploration.remote.messages import Answer
+from dse.exploration.remote.worker import carry_out
 from dse.exploration.work import Sink, Work
 from dse.loading import ExecutorSection
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import Field
 
 from dse.domain.sampler import Brief
-from dse.exploration.optimising.breeding import Breeding
-from dse.exploration.optimising.designs import Cases, Design
-from dse.exploration.optimising.judging import Worth
-from dse.exploration.optimising.searching import OptimizingSampler, Proposer
-from dse.exploration.proposing import space_of
+from dse.exploration.configuration_sampler import space_of
+from dse.exploration.optimization.designs import Cases, Design
+from dse.exploration.optimization.fitness import Worth
+from dse.exploration.optimization.offspring import Breeding
+from dse.exploration.optimization.optimizing_sampler import OptimizingSampler, Proposer
 
 if TYPE_CHECKING:
     from numpy.random import Generator

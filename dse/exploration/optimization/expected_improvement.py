@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.exploration.level_set import LevelSet, Shape, likeliest
-from dse.exploration.optimising.designs import Cases, Design
-from dse.exploration.optimising.judging import Worth
+from dse.exploration.optimization.designs import Cases, Design
+from dse.exploration.optimization.fitness import Worth
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from dse.domain.sampler import Architecture, Architectures
 from dse.errors import fail
-from dse.exploration.optimising.designs import Cases, Design
+from dse.exploration.optimization.designs import Cases, Design
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

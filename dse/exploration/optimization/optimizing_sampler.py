@@ -11,10 +11,10 @@ from pydantic import Field
 
 from dse.domain.sampler import Brief, Candidate, Grid, Outcomes, Placing, Search
 from dse.errors import fail
-from dse.exploration.once_sampler import MOST_RUNS
-from dse.exploration.optimising.designs import Cases, Design
-from dse.exploration.optimising.judging import Judge, Worth, lost
-from dse.exploration.optimising.racing import Order, Race
+from dse.exploration.one_shot_sampler import MOST_RUNS
+from dse.exploration.optimization.designs import Cases, Design
+from dse.exploration.optimization.fitness import Judge, Worth, lost
+from dse.exploration.optimization.race import Order, Race
 from dse.loading import SamplerSection
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from dse.exploration.failures import not_stored
-from dse.exploration.remote.parcels import Piece
+from dse.exploration.remote.messages import Piece
 from dse.exploration.work import Batch, Sink
 from dse.storage import read_all_waveforms, write_waveforms
 

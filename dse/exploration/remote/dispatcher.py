@@ -21,13 +21,13 @@ from queue import Empty, SimpleQueue
 from dse.cache import cache_folder
 from dse.errors import DseError, fail
 from dse.exploration.failures import failed_run
-from dse.exploration.packing import Packed, packed
-from dse.exploration.remote.carrying import carry_out, dismiss
+from dse.exploration.packed_configuration import Packed, packed
+from dse.exploration.remote.assignments import Cutter, Load
 from dse.exploration.remote.entries import digest_of_entry, sent
-from dse.exploration.remote.line import Line
-from dse.exploration.remote.loads import Cutter, Load
 from dse.exploration.remote.machine import Machine, this_machine
-from dse.exploration.remote.parcels import Answer, Carried, Missing, Parcel, Piece, Trouble, sealed
+from dse.exploration.remote.messages import Answer, Carried, Missing, Parcel, Piece, Trouble, sealed
+from dse.exploration.remote.transport import Line
+from dse.exploration.remote.worker import carry_out, dismiss
 from dse.exploration.work import Batch, Sink, Work
 from dse.storage import Attempt, RowBlock, block_of
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from concurrent.futures import Future
 from typing import Protocol
 
-from dse.exploration.remote.parcels import Answer
+from dse.exploration.remote.messages import Answer
 
 
 class Line(Protocol):

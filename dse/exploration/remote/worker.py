@@ -14,10 +14,10 @@ from multiprocessing.util import Finalize
 from pathlib import Path
 
 from dse.errors import DseError
-from dse.exploration.packing import unpacked
+from dse.exploration.packed_configuration import unpacked
 from dse.exploration.remote.entries import found, receive
 from dse.exploration.remote.machine import this_machine
-from dse.exploration.remote.parcels import Answer, Carried, Missing, Parcel, Piece, Trouble, opened
+from dse.exploration.remote.messages import Answer, Carried, Missing, Parcel, Piece, Trouble, opened
 from dse.exploration.supervision.supervisor import Supervisor
 from dse.exploration.work import Batch, Runnable, Work
 from dse.scratch import ScratchFolder

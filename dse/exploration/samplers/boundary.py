@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dse.exploration.belief import BeliefAt, Shapes
+    from dse.exploration.surrogate import BeliefAt, Shapes
 
     Array = NDArray[np.float64]
 
@@ -121,7 +121,7 @@ class _Search:
         return wanted
 
     def _doubtful(self, known: _Known, pool: Sequence[Point], left: int) -> list[Point]:
-        from dse.exploration.belief import misjudged, single_threaded
+        from dse.exploration.surrogate import misjudged, single_threaded
 
         count = min(max(self._sampler.batch, len(known.points) // _GROWTH), left)
         filling = known.fresh(self._filling)[:count]
@@ -140,7 +140,7 @@ class _Search:
         """Of each requirement, at *candidates*."""
         import numpy as np
 
-        from dse.exploration.belief import Belief, shapes_of
+        from dse.exploration.surrogate import Belief, shapes_of
 
         points, at = self._unit(known.told), self._unit(candidates)
         margins = {name: np.array(column) for name, column in known.margins.items()}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from dse.domain.sampler import Brief
 from dse.errors import fail
-from dse.exploration.once_sampler import ValueSampler
+from dse.exploration.one_shot_sampler import ValueSampler
 from dse.exploration.variables import scaled
 from dse.loading import Surroundings
 

@@ -9,8 +9,8 @@ from pydantic import Field
 
 from dse.domain.sampler import Architecture, Architectures, Brief, Placing
 from dse.errors import Problem, closest, fail, raise_if_any
-from dse.exploration.once_sampler import MOST_RUNS
-from dse.exploration.proposing import ProposingOnce
+from dse.exploration.configuration_sampler import ProposingOnce
+from dse.exploration.one_shot_sampler import MOST_RUNS
 from dse.exploration.variables import scaled
 
 if TYPE_CHECKING:

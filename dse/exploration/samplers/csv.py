@@ -14,7 +14,7 @@ from pydantic import Field
 
 from dse.domain.sampler import Brief, DesignVariable, Placing, Point
 from dse.errors import Location, Problem, closest, fail, raise_if_any
-from dse.exploration.once_sampler import ValueSampler, require_few
+from dse.exploration.one_shot_sampler import ValueSampler, require_few
 from dse.formats import shown
 from dse.loading import Surroundings, named_file, read_unit
 from dse.units import Unit

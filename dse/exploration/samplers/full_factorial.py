@@ -11,7 +11,7 @@ from pydantic import Field
 
 from dse.domain.sampler import Brief, DesignVariable, Grid, Placing, Point, Role
 from dse.errors import Problem, closest, raise_if_any
-from dse.exploration.once_sampler import MOST_RUNS, ValueSampler, require_few
+from dse.exploration.one_shot_sampler import MOST_RUNS, ValueSampler, require_few
 from dse.exploration.variables import levels
 from dse.loading import Surroundings
 

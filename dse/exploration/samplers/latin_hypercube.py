@@ -9,7 +9,7 @@ from pydantic import Field
 
 from dse.domain.sampler import Brief, Placing, Point
 from dse.errors import fail
-from dse.exploration.once_sampler import MOST_RUNS, OnceSampler
+from dse.exploration.one_shot_sampler import MOST_RUNS, OnceSampler
 from dse.exploration.variables import scaled, unit_of
 from dse.loading import Surroundings
 

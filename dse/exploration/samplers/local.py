@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import Field
 
 from dse.domain.sampler import Architecture, Brief, Placing, Point
-from dse.exploration.optimising.designs import Cases, Design
-from dse.exploration.optimising.judging import Worth
-from dse.exploration.optimising.searching import OptimizingSampler, Proposer
+from dse.exploration.optimization.designs import Cases, Design
+from dse.exploration.optimization.fitness import Worth
+from dse.exploration.optimization.optimizing_sampler import OptimizingSampler, Proposer
 from dse.exploration.variables import unit_of
 
 if TYPE_CHECKING:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import Field
 
 from dse.domain.sampler import Brief
-from dse.exploration.optimising.breeding import Breeding
-from dse.exploration.optimising.designs import Cases, Design
-from dse.exploration.optimising.judging import Worth
-from dse.exploration.optimising.searching import OptimizingSampler, Proposer
-from dse.exploration.proposing import space_of
+from dse.exploration.configuration_sampler import space_of
+from dse.exploration.optimization.designs import Cases, Design
+from dse.exploration.optimization.fitness import Worth
+from dse.exploration.optimization.offspring import Breeding
+from dse.exploration.optimization.optimizing_sampler import OptimizingSampler, Proposer
 
 if TYPE_CHECKING:
     import numpy as np
@@ -57,7 +57,7 @@ class _Promising:
     def __init__(self, sampler: MixedGp, brief: Brief, cases: Cases) -> None:
         import numpy as np
 
-        from dse.exploration.optimising.improving import Shapes
+        from dse.exploration.optimization.expected_improvement import Shapes
 
         self._shapes = Shapes()
         self._space, self._cases, self._sampler, self._seed = space_of(brief), cases, sampler, brief.seed
@@ -84,7 +84,7 @@ class _Promising:
     def _promising(self) -> list[Design]:
         import numpy as np
 
-        from dse.exploration.optimising.improving import Improvement, encoded, scalar
+        from dse.exploration.optimization.expected_improvement import Improvement, encoded, scalar
 
         known = Worth(*(np.concatenate(columns) for columns in zip(*self._told, strict=True)))
         weights = np.maximum(self._random.dirichlet(np.ones(self._objectives)), 1e-6)

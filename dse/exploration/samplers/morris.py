@@ -9,7 +9,7 @@ from pydantic import Field, field_validator
 
 from dse.domain.sampler import Brief
 from dse.errors import fail
-from dse.exploration.once_sampler import ValueSampler
+from dse.exploration.one_shot_sampler import ValueSampler
 from dse.exploration.samplers.sobol_indices import different, salib
 from dse.exploration.variables import scaled
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from dse.exploration.optimising.evolution import EvolutionSampler
+from dse.exploration.optimization.evolution import EvolutionSampler
 
 
 class Nsga2(EvolutionSampler):

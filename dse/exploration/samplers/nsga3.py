@@ -7,7 +7,7 @@ from math import comb
 from typing import Any, ClassVar
 
 from dse.errors import fail
-from dse.exploration.optimising.evolution import EvolutionSampler
+from dse.exploration.optimization.evolution import EvolutionSampler
 
 
 class Nsga3(EvolutionSampler):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import Field
 
 from dse.domain.sampler import Brief, Placing
-from dse.exploration.once_sampler import MOST_RUNS, OnceSampler
+from dse.exploration.one_shot_sampler import MOST_RUNS, OnceSampler
 
 if TYPE_CHECKING:
     import numpy as np

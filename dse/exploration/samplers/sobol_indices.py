@@ -11,7 +11,7 @@ from pydantic import Field, field_validator
 
 from dse.domain.sampler import Brief, Placing
 from dse.errors import fail
-from dse.exploration.once_sampler import ValueSampler
+from dse.exploration.one_shot_sampler import ValueSampler
 from dse.exploration.variables import scaled
 
 if TYPE_CHECKING:

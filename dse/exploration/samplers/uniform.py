@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import Field
 
 from dse.domain.sampler import Architecture, Architectures, Brief, Placing
-from dse.exploration.once_sampler import MOST_RUNS
-from dse.exploration.proposing import ProposingOnce
+from dse.exploration.configuration_sampler import ProposingOnce
+from dse.exploration.one_shot_sampler import MOST_RUNS
 from dse.exploration.variables import scaled, unit_of
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any
 
-from dse.plain import packed, unpacked
+from dse.plain_messages import packed, unpacked
 
 _MARK = b"dse line"
 _HEAD = struct.Struct("=8sQI")

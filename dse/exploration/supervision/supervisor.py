@@ -24,7 +24,7 @@ import numpy as np
 
 from dse.errors import DseError, fail
 from dse.exploration.failures import not_stored
-from dse.exploration.packing import packed
+from dse.exploration.packed_configuration import packed
 from dse.exploration.supervision.channel import GarbledError
 from dse.exploration.supervision.heartbeat import Phase, states_in
 from dse.exploration.supervision.messages import Report, Setup, in_sandbox

@@ -17,7 +17,7 @@ from dse.errors import Location, Problem, fail, raise_if_any
 from dse.formats import shown, write_flow, write_text
 from dse.interchange.importing.component import interfaces_of, name_of
 from dse.interchange.importing.files import write_new
-from dse.interchange.importing.offer import implementing, offer
+from dse.interchange.importing.fmu_component import implementing, offer
 from dse.interchange.names import numbered
 from dse.kinds import SimulinkSource
 from dse.loading import check_choice, write_component, write_interfaces

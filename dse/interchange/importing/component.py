@@ -12,7 +12,7 @@ from dse.errors import Location, Problem, raise_if_any
 from dse.fmu import open_fmu
 from dse.formats import shown, write_value
 from dse.interchange.importing.files import write_new
-from dse.interchange.importing.offer import implementing, offer
+from dse.interchange.importing.fmu_component import implementing, offer
 from dse.interchange.names import numbered
 from dse.kinds import FmuSource
 from dse.loading import Workspace, check_choice, write_fmu_component, write_interfaces

@@ -13,7 +13,7 @@ from dse.domain.fmu import FmiInterface, FmuModel, Variable
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.fmu import open_fmu
-from dse.interchange.importing.offer import offer
+from dse.interchange.importing.fmu_component import offer
 from dse.interchange.names import each_named, free_word
 from dse.interchange.resolving.resolve import ResolvedSystem
 from dse.interchange.structure import SspComponent, SspSystem

@@ -15,10 +15,10 @@ from dse.domain.study import CheckStep, ExecutorChoice, Keep, Selection, Study
 from dse.errors import DseError, Location, Problems, closest, fail
 from dse.expression import parse_expression
 from dse.formats import Entry
+from dse.loading.bench.bench_condition import bench_variable, differences
 from dse.loading.bench.candidates import bench_candidates
 from dse.loading.bench.objectives import read_objective
-from dse.loading.bench.several import bench_variable, differences
-from dse.loading.bench.uncertain import UncertainSection, read_correlations, read_uncertain
+from dse.loading.bench.uncertainty import UncertainSection, read_correlations, read_uncertain
 from dse.loading.bench.variables import Place, VariableSection, read_derived, read_variable
 from dse.loading.extensions import EXECUTORS, SAMPLERS, Surroundings, read_extension
 from dse.loading.include import read_document

@@ -8,7 +8,7 @@ from dse.domain.design import Connection
 from dse.domain.labels import tightened
 from dse.errors import Location, Problems
 from dse.formats import Entry
-from dse.loading.design.passages import part, written
+from dse.loading.design.located_text import part, written
 
 
 def read_connections(entry: Entry, connections: object, problems: Problems) -> tuple[Connection, ...]:

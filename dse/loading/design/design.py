@@ -11,7 +11,7 @@ from dse.domain.design import DesignSpace, candidates
 from dse.errors import Problems, raise_if_any
 from dse.formats import Entry
 from dse.loading.design.constraints import ConstraintSetSection, Rules, read_constraints, read_sets
-from dse.loading.design.exchangeable import misfits
+from dse.loading.design.exchangeability import misfits
 from dse.loading.design.forms import ConstraintSection
 from dse.loading.design.scope import Scope
 from dse.loading.design.tree import FindComponent, read_tree

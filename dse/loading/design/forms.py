@@ -8,7 +8,7 @@ from dse.domain.component import Component, Kind
 from dse.domain.expression import Binary, Conditional, Expression, Name, Node, Number, Unary
 from dse.errors import Location, Problem, Problems, closest, fail, raise_if_any
 from dse.formats import Entry
-from dse.loading.design.passages import Passage, added, joined, listed, written
+from dse.loading.design.located_text import Passage, added, joined, listed, written
 from dse.loading.sections import Plain, Section
 from dse.loading.values import read_quantity
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from dse.domain.expression import Binary, Call, Chosen, Conditional, Name, Node, Span, is_rollup
 from dse.errors import Problem, closest, raise_if_any
 from dse.expression import children
-from dse.loading.design.passages import Passage, added, joined, with_insertions
+from dse.loading.design.located_text import Passage, added, joined, with_insertions
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from dse.domain.expression import Binary, Call, Chosen, Expression, Name, Node, is_rollup
 from dse.errors import DseError, Location
 from dse.expression import rewritten, same, show_expression
-from dse.loading.design.passages import written
+from dse.loading.design.located_text import written
 from dse.loading.design.scope import Scope, inside
 
 

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.report.content.nouns import Floats
+from dse.report.content.data import Floats
 from dse.report.verdicts import Mark
 
 Limits = tuple[float, float]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.report.charts.chart import Band, Bars, Chart, Drawn, Line, Points, Rule, Steps
-from dse.report.content.nouns import Floats
+from dse.report.content.data import Floats
 
 MOST_POINTS = 20_000
 """Points of one chart that a page carries."""

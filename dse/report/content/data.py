@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.domain.notes import Notes
+from dse.domain.provenance import Notes
 from dse.domain.sampler import Role
 from dse.errors import Problem
 from dse.report.content.insight import Insight

@@ -6,7 +6,7 @@ import numpy as np
 
 from dse.domain.definition import DefinedObjective, StudyDefinition
 from dse.domain.sampler import Objective
-from dse.report.content.nouns import MetricColumn, ObjectiveEntry
+from dse.report.content.data import MetricColumn, ObjectiveEntry
 from dse.storage import RunTable
 from dse.testbench import compile_objective
 

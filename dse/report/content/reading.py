@@ -23,7 +23,7 @@ from dse.domain.sampler import Grid
 from dse.domain.study import TESTBENCH
 from dse.errors import DseError, Location, Problem
 from dse.report.content.architecture import parts_and_links
-from dse.report.content.nouns import (
+from dse.report.content.data import (
     ConfigurationEntry,
     FigureSpec,
     Floats,

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from dse.domain.definition import DefinedConfiguration, StudyDefinition
-from dse.report.content.nouns import ReportContent, Scenes
+from dse.report.content.data import ReportContent, Scenes
 
 _LANE = {"position", "gap"}
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dse.report.charts.chart import Axis, Band, Bars, Chart, Drawn, Line, Points, Rule, Steps, limits
-from dse.report.content.nouns import label
+from dse.report.content.data import label
 from dse.report.drawing.style import COLOURS, LINE, MARKS, MUTED, STYLE, TARGET
 from dse.report.verdicts import Mark
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.report.content.nouns import Floats
+from dse.report.content.data import Floats
 from dse.report.drawing.style import BROKEN, COLOURS, FEASIBLE, HATCHES, INK, MARKS, MUTED, PASS, STYLE
 from dse.report.verdicts import Mark, Marks
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.report.content.nouns import Floats
+from dse.report.content.data import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)

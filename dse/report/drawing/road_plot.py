@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dse.report.content.nouns import Floats
+from dse.report.content.data import Floats
 from dse.report.drawing.road_picture import Along, Box, RoadPicture, Strip, around, around_points, crossings
 from dse.report.drawing.sheets import axes_of, gridded, say, style
 from dse.report.drawing.style import COLOURS, CURRENT, INK, LINE, MUTED, TARGET

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dse.report.content.nouns import Floats
+from dse.report.content.data import Floats
 from dse.report.drawing.style import CURRENT, LINE, STYLE, TARGET
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dse.report.content.nouns import Flags, Floats, MetricColumn, RequirementRow
+from dse.report.content.data import Flags, Floats, MetricColumn, RequirementRow
 from dse.report.verdicts import Mark, Marks
 
 JUDGED = ((Mark.FAIL, "fail"), (Mark.PASS, "pass"))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dse.report.content.nouns import MetricColumn, ReportContent, label
+from dse.report.content.data import MetricColumn, ReportContent, label
 from dse.report.drawing.sheets import axes_of, gridded, say, sheet, style, ticks
 from dse.report.drawing.style import CURRENT, INK, MUTED
 from dse.report.figure import PrintOnly, View

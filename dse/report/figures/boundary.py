@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dse.report.content.data import ReportContent, label
 from dse.report.content.insight import ChanceMap
-from dse.report.content.nouns import ReportContent, label
 from dse.report.drawing.sheets import axes_of, say, sheet, style
 from dse.report.drawing.style import INK
 from dse.report.figure import PrintOnly, View

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from dse.report.content.nouns import ReportContent, Variable, label
+from dse.report.content.data import ReportContent, Variable, label
 from dse.report.drawing.sheets import axes_of, say, sheet, style, ticks
 from dse.report.figure import PrintOnly, View
 from dse.report.verdicts import Mark, Marks, marks_of, overall_marks

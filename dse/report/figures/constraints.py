@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from dse.domain.sampler import Role
 from dse.errors import fail
 from dse.exploration import equal_rows
-from dse.report.content.nouns import Floats, ReportContent, RequirementRow, Variable, label
+from dse.report.content.data import Floats, ReportContent, RequirementRow, Variable, label
 from dse.report.drawing.constraint_plot import ConstraintPlotData, Line, RequirementLayer, draw_constraint_plot
 from dse.report.figure import PrintOnly, View
 from dse.report.interpolation.planes import Plane, PlaneFields, plane_of

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dse.report.content.data import ReportContent
 from dse.report.content.insight import Part, Response
-from dse.report.content.nouns import ReportContent
 from dse.report.drawing.sheets import axes_of, gridded, say, sheet, style, ticks
 from dse.report.drawing.style import CURRENT, INK
 from dse.report.figure import PrintOnly, View

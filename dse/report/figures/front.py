@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dse.domain.sampler import Role
 from dse.exploration import equal_rows, front_of
 from dse.report.charts.chart import Axis, Chart, Line, Points, Rule
-from dse.report.content.nouns import Floats, ReportContent, Variable
+from dse.report.content.data import Floats, ReportContent, Variable
 from dse.report.drawing.chart import draw_chart
 from dse.report.figure import PrintOnly, View
 from dse.report.verdicts import Mark, alike, conditions_of, worst_marks

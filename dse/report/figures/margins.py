@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dse.report.charts.chart import Axis, Chart, Points, Rule, Steps, bulk
-from dse.report.content.nouns import ReportContent, RequirementRow
+from dse.report.content.data import ReportContent, RequirementRow
 from dse.report.figures._judged import JUDGED, bounds, counted, hidden
 from dse.report.verdicts import Mark, conditions_of, deciding_runs, margins
 

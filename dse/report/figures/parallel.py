@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dse.report.content.nouns import Floats, ReportContent, label
+from dse.report.content.data import Floats, ReportContent, label
 from dse.report.drawing.sheets import axes_of, sheet, style, ticks
 from dse.report.drawing.style import MUTED, PASS
 from dse.report.figure import PrintOnly, View

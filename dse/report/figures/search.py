@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dse.report.charts.chart import Axis, Chart, Steps
-from dse.report.content.nouns import ReportContent
+from dse.report.content.data import ReportContent
 from dse.report.drawing.chart import draw_chart
 from dse.report.figure import PrintOnly, View
 

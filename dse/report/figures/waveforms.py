@@ -11,7 +11,7 @@ import numpy as np
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Run
 from dse.errors import fail
-from dse.report.content.nouns import FigureSpec, Floats, ReportContent, label
+from dse.report.content.data import FigureSpec, Floats, ReportContent, label
 from dse.report.content.reading import content_of_run
 from dse.report.drawing.style import save_drawing
 from dse.report.drawing.waveform_plot import WaveformData, WaveformPanel, draw_waveforms

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.report.content.nouns import Floats
+from dse.report.content.data import Floats
 
 _TURNS = 36
 _STRETCHES = np.geomspace(1, 8, 25)

@@ -14,12 +14,12 @@ from dse.domain.definition import DefinedVariable
 from dse.domain.sampler import DesignVariable, Role
 from dse.errors import DseError, fail
 from dse.exploration import Band, Chances, design_variable, equal_rows, scaled, unit_of
+from dse.report.content.data import Floats
 from dse.report.content.insight import Around, ChanceMap
-from dse.report.content.nouns import Floats
-from dse.report.insight.drawing import part_of_table
 from dse.report.insight.ellipses import largest_ellipse
+from dse.report.insight.findings import whole_of
 from dse.report.insight.naming import Naming
-from dse.report.insight.told import whole_of
+from dse.report.insight.sample import part_of_table
 from dse.storage import RunTable
 from dse.units import parse_unit
 

@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 
 from dse.analysis import drawn, essentials, planes
+from dse.report.content.data import ReportContent
 from dse.report.content.insight import Insight
-from dse.report.content.nouns import ReportContent
 from dse.report.content.reading import MAX_WAVEFORMS, read_content
-from dse.report.insight.asked import asked_of
-from dse.report.insight.chances import chances_of
-from dse.report.insight.drawing import part_of_table
+from dse.report.insight.findings import boxes_of, centres_of, told_of
 from dse.report.insight.naming import Naming
+from dse.report.insight.probability_maps import chances_of
+from dse.report.insight.question import asked_of
 from dse.report.insight.responses import part_of
+from dse.report.insight.sample import part_of_table
 from dse.report.insight.search import search_of
-from dse.report.insight.told import boxes_of, centres_of, told_of
 from dse.storage import RunTable, StudyFolder
 
 MOST_RUNS = 20_000

@@ -25,8 +25,8 @@ from dse.analysis import (
     sobol_indices,
 )
 from dse.errors import DseError, fail
+from dse.report.content.data import Floats
 from dse.report.content.insight import Bar, Effect, Estimate, FactorAxis, Pair, Part, Profile, Response, Together
-from dse.report.content.nouns import Floats
 from dse.report.insight.naming import Naming
 from dse.units import Unit, parse_unit
 

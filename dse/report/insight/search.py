@@ -7,8 +7,8 @@ import numpy as np
 from dse.analysis import Ranking, Standing, objectives_of, ranked, slack_of_runs, stages, unit_of_objective
 from dse.domain.definition import StudyDefinition
 from dse.errors import DseError
+from dse.report.content.data import Floats
 from dse.report.content.insight import Pick, Search, Stage
-from dse.report.content.nouns import Floats
 from dse.report.insight.naming import Naming
 from dse.storage import RunTable
 from dse.units import parse_unit

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.report.content.nouns import Flags, Floats, MetricColumn, ReportContent, RequirementRow, SamplerKind, Variable
+from dse.report.content.data import Flags, Floats, MetricColumn, ReportContent, RequirementRow, SamplerKind, Variable
 from dse.report.interpolation.radial import MOST_CENTRES, evaluate, has_value, radial_fields, unit_points
 
 _SIZE = 81

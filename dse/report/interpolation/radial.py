@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.report.content.nouns import Floats, MetricColumn, ReportContent
+from dse.report.content.data import Floats, MetricColumn, ReportContent
 
 MOST_CENTRES = 3000
 """More runs than this per configuration are drawn as points only: the system of equations grows with the cube."""

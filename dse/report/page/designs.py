@@ -8,8 +8,8 @@ import numpy as np
 
 from dse.domain.diagram import Diagram, Link
 from dse.pictures import ComponentLayout, lay_out
-from dse.report.content.nouns import ConfigurationEntry, Floats, ReportContent
-from dse.report.page.packing import Block
+from dse.report.content.data import ConfigurationEntry, Floats, ReportContent
+from dse.report.page.encoding import Block
 from dse.units import parse_unit
 
 Json = dict[str, object]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.report.content.nouns import Floats
+from dse.report.content.data import Floats
 
 STEPS = 65534
 """Steps between a waveform's smallest and largest value; code 65535 is a missing value."""

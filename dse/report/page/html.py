@@ -10,7 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from dse.errors import Problem, fail
-from dse.report.content.nouns import ReportContent
+from dse.report.content.data import ReportContent
 from dse.report.figure import ShownFigure, shown_figures
 from dse.report.page.payload import payload_of, script_json
 from dse.scratch import write_whole

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from dse.report.content.insight import Insight
-from dse.report.page.packing import Block
+from dse.report.page.encoding import Block
 
 _KINDS = {"float32": "f4", "uint8": "u1"}
 

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.report.charts.chart import Axis, Chart, Drawn, Limits, Points, Rule, limits, values_of
-from dse.report.content.nouns import FigureSpec, ReportContent, SamplerKind
+from dse.report.content.data import FigureSpec, ReportContent, SamplerKind
 from dse.report.figure import ShownFigure
 from dse.report.interpolation.radial import MOST_CENTRES, radial_fields
 from dse.report.page.designs import designs_of
+from dse.report.page.encoding import Block, quantise, second_differences
 from dse.report.page.insight import insight_json
-from dse.report.page.notes import notes_of
-from dse.report.page.packing import Block, quantise, second_differences
+from dse.report.page.provenance import notes_of
 
 Json = dict[str, object]
 

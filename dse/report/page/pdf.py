@@ -8,7 +8,7 @@ import subprocess
 from pathlib import Path
 
 from dse.errors import Location, fail
-from dse.report.content.nouns import ReportContent
+from dse.report.content.data import ReportContent
 from dse.report.figure import shown_figures
 from dse.report.page.html import page_of
 from dse.scratch import ScratchFolder, written_whole

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from dse.domain.notes import Funnel, Notes
-from dse.report.content.nouns import ReportContent
+from dse.domain.provenance import Funnel, Notes
+from dse.report.content.data import ReportContent
 
 Json = dict[str, object]
 

@@ -16,7 +16,7 @@ from typing import Any
 
 from dse.errors import DseError, Location, fail
 from dse.json_data import read_json
-from dse.report.page.printing import OPTIONS, browser_for, rights
+from dse.report.page.pdf import OPTIONS, browser_for, rights
 from dse.scratch import ScratchFolder
 
 _PATIENCE = 60.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from dse.report.content.nouns import Floats
+from dse.report.content.data import Floats
 from dse.report.drawing.road_picture import Area, StandingLight, Strip
 
 CLASSES = ("none", "car", "truck", "motorcycle", "bicycle", "pedestrian", "obstacle")

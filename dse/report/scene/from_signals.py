@@ -10,8 +10,8 @@ import numpy as np
 
 from dse.domain.bench import Figure
 from dse.domain.component import Type
-from dse.report.content.nouns import Floats
-from dse.report.scene.nouns import Host, Instrument, Sensor
+from dse.report.content.data import Floats
+from dse.report.scene.data import Host, Instrument, Sensor
 from dse.units import Unit
 
 _MOTION = ("x", "y", "heading", "speed")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from dse.report.content.nouns import Floats
+from dse.report.content.data import Floats
 from dse.report.drawing.road_picture import Strip
 from dse.report.roads import road_picture, standing_lights
-from dse.report.scene.nouns import Ground
+from dse.report.scene.data import Ground
 from dse.world import Network
 
 _LANE = 3.5

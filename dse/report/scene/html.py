@@ -10,12 +10,12 @@ from typing import Protocol
 
 import numpy as np
 
-from dse.report.content.nouns import Floats
+from dse.report.content.data import Floats
 from dse.report.drawing.road_picture import StandingLight, Strip
+from dse.report.page.encoding import Block
 from dse.report.page.html import HEAD, ICON, bundle, hash_of
-from dse.report.page.packing import Block
 from dse.report.page.payload import script_json
-from dse.report.scene.nouns import CLASSES, COLOURS, Scene
+from dse.report.scene.data import CLASSES, COLOURS, Scene
 from dse.scratch import write_whole
 
 _PAGE = (

@@ -10,7 +10,7 @@ import numpy as np
 
 from dse.storage.checks import NO_CHECKS, Checks
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.seal import cells_of, seals
+from dse.storage.database.row_checksum import cells_of, seals
 
 
 def write_checks(connection: sqlite3.Connection, checks: Checks) -> None:

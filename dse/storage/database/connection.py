@@ -17,11 +17,11 @@ from typing import Any
 from dse.domain.definition import StudyDefinition, to_json
 from dse.errors import DseError, Location, fail, remedy
 from dse.json_data import read_json, read_noun
-from dse.storage.database.asks import Asks, Block, read_asks, write_asks
 from dse.storage.database.attempts import ATTEMPTS, FROM_TIMING
 from dse.storage.database.definition import definition_from_json, definition_to_json
 from dse.storage.database.files import FILES
 from dse.storage.database.header import StudyHeader
+from dse.storage.database.sampler_requests import Asks, Block, read_asks, write_asks
 from dse.storage.database.schema import APPLICATION_ID, ASKS, SEALED, SEALS, VERSION, checks_table, statements
 from dse.storage.disk import FULL, GO_ON, refused
 

@@ -6,7 +6,7 @@ import json
 import sqlite3
 
 from dse.domain.definition import to_json
-from dse.domain.notes import Notes
+from dse.domain.provenance import Notes
 from dse.json_data import read_json, read_noun
 
 _KEY = "notes"

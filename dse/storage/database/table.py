@@ -21,8 +21,8 @@ from dse.domain.sampler import Outcomes
 from dse.storage.checks import NO_CHECKS, Checks, certainties, certainties_by_bars
 from dse.storage.database.checks import read_checks
 from dse.storage.database.header import StudyHeader
+from dse.storage.database.row_checksum import Cells, cells_of, seals
 from dse.storage.database.schema import SEALED, columns, quoted, value_of
-from dse.storage.database.seal import Cells, cells_of, seals
 from dse.storage.rows import RowBlock
 
 _AT_ONCE = 10_000

@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from dse.cosim.probing.settling import grid_of, moves, settling_of
+from dse.cosim.probing.convergence import grid_of, moves, settling_of
 
 TIME = np.linspace(0.0, 1.0, 11)[:, None]
 

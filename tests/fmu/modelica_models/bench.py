@@ -13,7 +13,7 @@ from dse.csolve import headers
 from dse.fmu.toolchain import compilation
 from dse.fmu.toolchain.compiler import find_compiler
 from dse.fmu.toolchain.platforms import this_platform
-from dse.formats.zipped import pack_zip
+from dse.formats.zip import pack_zip
 
 RUNTIME = Path(__file__).parents[3] / "dse" / "fmu" / "runtime"
 

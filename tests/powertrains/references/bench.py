@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from dse.domain.component import NO_INTERFACE, Component, ModelicaSource, Solver
 from dse.domain.fmu import FmuModel
-from dse.fmu.building import build
+from dse.fmu.component_build import build
 from dse.fmu.unpack import open_fmu
 
 Rows = NDArray[np.float64]

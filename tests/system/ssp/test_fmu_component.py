@@ -12,7 +12,7 @@ from dse.domain.component import Causality, Interface, Kind, Port, Type
 from dse.domain.fmu import FmuModel, UnitDefinition, Variable
 from dse.errors import Location
 from dse.formats.yaml_text import write_value
-from dse.interchange.importing.offer import Offer, implementing, offer
+from dse.interchange.importing.fmu_component import Offer, implementing, offer
 from dse.kinds.fmu import FmuSource
 from dse.loading.values import read_value
 from dse.units import parse_unit

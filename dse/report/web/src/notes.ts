@@ -1,4 +1,4 @@
-// What is kept with a study besides its runs, as dse/report/page/notes.py has it: the fields are called the same.
+// What is kept with a study besides its runs, as dse/report/page/provenance.py has it: the fields are called the same.
 import { shortened } from "./format";
 
 const MOST_NAME = 80;

@@ -1,4 +1,4 @@
-// Reads the blocks written by dse/report/page/packing.py. Browsers are little-endian on every machine they run on.
+// Reads the blocks written by dse/report/page/encoding.py. Browsers are little-endian on every machine they run on.
 
 export interface Entry {
   name: string;

@@ -1,4 +1,4 @@
-// One run's waveform out of the 16-bit steps written by dse/report/page/packing.py.
+// One run's waveform out of the 16-bit steps written by dse/report/page/encoding.py.
 import type { Numbers } from "./packing";
 import type { Figure } from "./study";
 

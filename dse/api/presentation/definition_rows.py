@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from dse.api.showing.quantities import checked_quantity, difference, quantity
+from dse.api.presentation.quantities import checked_quantity, difference, quantity
 
 if TYPE_CHECKING:
     from dse.domain.definition import DefinedRequirement, StudyDefinition

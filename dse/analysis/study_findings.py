@@ -10,11 +10,11 @@ from dse.analysis.boxes import best_boxes
 from dse.analysis.conditions import share_met, worst_case, worst_designs
 from dse.analysis.data import ALL, StudyData
 from dse.analysis.dependence import DESIGNED, designed_findings, interactions, metric_label, shares
+from dse.analysis.finding import Account, Finding, Topic
 from dse.analysis.phrases import at_all, between, condition, likely, listed, percent, point, requirement_label, value
 from dse.analysis.probability import Basis, Met
-from dse.analysis.reading import planes
 from dse.analysis.robust import robust_centre
-from dse.analysis.said import Account, Finding, Topic
+from dse.analysis.study_reader import planes
 from dse.storage import RunTable
 
 
