@@ -24,10 +24,10 @@ from dse.report.content.data import (
     ConfigurationEntry,
     MetricColumn,
     ReportContent,
+    ReportVariable,
     RequirementRow,
     Runs,
     SamplerKind,
-    Variable,
 )
 from dse.report.page.html import write_report
 
@@ -53,7 +53,7 @@ def study(runs: int, sampler: SamplerKind) -> ReportContent:
         "out/benchmark",
         Runs(np.arange(runs), ("c1",) * runs, np.ones(runs, dtype=bool), ("",) * runs),
         (ConfigurationEntry("c1", {}, {}),),
-        tuple(Variable(name, name, "1/s", 0.0, 1.0, None, 0.5, points[i]) for i, name in enumerate(VARIABLES)),
+        tuple(ReportVariable(name, name, "1/s", 0.0, 1.0, None, 0.5, points[i]) for i, name in enumerate(VARIABLES)),
         (MetricColumn("overshoot", "overshoot", "%", overshoot), MetricColumn("gap", "undershoot", "%", undershoot)),
         (
             RequirementRow("R1", "no overshoot", "overshoot", 0.5, None, np.ones(runs, dtype=bool)),

@@ -27,7 +27,7 @@ from dse.exploration.executors.local import Local
 from dse.exploration.known_runs import NOTHING_KNOWN, KnownRuns
 from dse.exploration.loop import explore
 from dse.exploration.samplers.full_factorial import FullFactorial
-from dse.exploration.scheduler import Asking
+from dse.exploration.scheduler import AskTellScheduler
 from dse.exploration.work import MakeRunner, Runnable
 from dse.loading.workspace import Workspace
 from dse.storage.database.header import StudyHeader
@@ -75,7 +75,7 @@ def main() -> None:
 def first_ask(study: Study, definition: StudyDefinition) -> list[RunRequest]:
     """The runs that a new *study* asks for first, numbered from 0."""
     with tempfile.TemporaryDirectory() as scratch, StudyFolder.create(Path(scratch), definition) as folder:
-        asking = Asking(study, folder)
+        asking = AskTellScheduler(study, folder)
         asking.ask()
         return list(asking.requests.values())
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from dse.domain.component import Component, CSource, Source
     from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes, Placing
     from dse.errors import DseError, Location, Problem, fail
-    from dse.exploration import Batch, FuturesExecutor, OnceSampler, Pool, Sink, Work, scaled, unit_of
+    from dse.exploration import Batch, FuturesExecutor, OneShotSampler, Pool, Sink, Work, scaled, unit_of
     from dse.kinds import build_generated
     from dse.loading import ComponentKind, ExecutorSection, SamplerSection, SourcePlace, SourceSection, Surroundings
     from dse.metrics import Argument, Wants, metric_function, same
@@ -23,7 +23,7 @@ _PLACES = {
     "dse.domain.component": ("CSource", "Component", "Source"),
     "dse.domain.sampler": ("Brief", "Candidate", "DesignVariable", "Outcomes", "Placing"),
     "dse.errors": ("DseError", "Location", "Problem", "fail"),
-    "dse.exploration": ("Batch", "FuturesExecutor", "OnceSampler", "Pool", "Sink", "Work", "scaled", "unit_of"),
+    "dse.exploration": ("Batch", "FuturesExecutor", "OneShotSampler", "Pool", "Sink", "Work", "scaled", "unit_of"),
     "dse.kinds": ("build_generated",),
     "dse.loading": (
         "ComponentKind",
@@ -56,7 +56,7 @@ __all__ = [  # as above: type checkers read a list of words only
     "FuturesExecutor",
     "Line",
     "Location",
-    "OnceSampler",
+    "OneShotSampler",
     "Outcomes",
     "Placing",
     "Points",

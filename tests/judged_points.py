@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.exploration.surrogate import Belief, BeliefAt, misjudged, shapes_of, single_threaded
+from dse.exploration.surrogate import Surrogate, SurrogateAt, misjudged, shapes_of, single_threaded
 
 Array = NDArray[np.float64]
 
@@ -18,10 +18,10 @@ def classes(margins: Mapping[str, Array]) -> NDArray[np.intp]:
     return np.where((table < 0).any(axis=0), 1, np.where(np.isnan(table).any(axis=0), 2, 0))
 
 
-def believed(points: Array, margins: Mapping[str, Array], fine: Array) -> list[BeliefAt]:
+def believed(points: Array, margins: Mapping[str, Array], fine: Array) -> list[SurrogateAt]:
     """At *fine*, of each requirement, by what the runs at *points* tell."""
     with single_threaded():
-        return [Belief.of(points, column, shapes_of(points, column)).at(fine) for column in margins.values()]
+        return [Surrogate.of(points, column, shapes_of(points, column)).at(fine) for column in margins.values()]
 
 
 def predicted(points: Array, margins: Mapping[str, Array], fine: Array) -> NDArray[np.intp]:

@@ -21,8 +21,8 @@ from dse.analysis import (
     Together,
     best_boxes,
     courses,
-    first_order_shares,
     importances,
+    model_first_order_shares,
     robust_centre,
     share_met,
     study_data,
@@ -167,7 +167,8 @@ def judged(name: str, data: StudyData) -> Iterator[tuple[str, bool | None]]:
 
     # A hundredth is what is printed.
     yield from _each(
-        "first order", lambda: [_holds(each.share, first[each.factor], 0.01) for each in first_order_shares(data, "y")]
+        "first order",
+        lambda: [_holds(each.share, first[each.factor], 0.01) for each in model_first_order_shares(data, "y")],
     )
     yield from _each("total", lambda: [_holds(e.share, total(name, e.factors), 0.01) for e in found().factors])
     yield from _each("pair", lambda: [_holds(e.share, _both(name, e), 0.01) for e in found().pairs])

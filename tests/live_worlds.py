@@ -11,7 +11,7 @@ from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from dse.live import Line
+from dse.live import ClientLine
 
 MAGIC, START, END, BUSY, ANSWER = 0x44534531, 1, 2, 8, 16
 STEP = 0.01
@@ -110,7 +110,7 @@ class World:
         return magic == MAGIC and closing == sequence and not flags & ANSWER and math.isfinite(time + value)
 
 
-class DirectLine(Line):
+class DirectLine(ClientLine):
     """A line to *world* without a socket: an answer comes *latency* s after its request, of a clock of its own."""
 
     def __init__(self, world: World, latency: float = 0.0) -> None:

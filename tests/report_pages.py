@@ -13,10 +13,10 @@ from dse.report.content.data import (
     ConfigurationEntry,
     MetricColumn,
     ReportContent,
+    ReportVariable,
     RequirementRow,
     Runs,
     SamplerKind,
-    Variable,
 )
 from dse.report.verdicts import overall_marks
 from dse.storage import RunTable
@@ -88,7 +88,7 @@ def content_of(table: RunTable, title: str = "made up", problem: str = "it broke
         ),
         tuple(ConfigurationEntry(c.id, dict(c.choices), {}) for c in definition.configurations),
         tuple(
-            Variable(
+            ReportVariable(
                 v.name, v.title, v.unit, v.low, v.high, v.levels or None, v.nominal, table.points[v.name].astype(float)
             )
             for v in definition.variables

@@ -30,8 +30,8 @@ from .importance import (
     Importance as Importance,
     Importances as Importances,
     Together as Together,
-    first_order_shares as first_order_shares,
     importances as importances,
+    model_first_order_shares as model_first_order_shares,
 )
 from .limits import Limit as Limit
 from .narrowing import (
@@ -61,7 +61,7 @@ from .robust import Centre as Centre, robust_centre as robust_centre
 from .sensitivity_indices import (
     Designed as Designed,
     Effects as Effects,
-    Indices as Indices,
+    IndexEstimates as IndexEstimates,
     morris_effects as morris_effects,
     sobol_indices as sobol_indices,
 )

@@ -14,7 +14,7 @@ import numpy as np
 from dse.analysis.cells import effective
 from dse.analysis.data import ALL, Factor, Floats, Rows, StudyData, withheld
 from dse.analysis.limits import Limit, holds, looser
-from dse.analysis.memoize import once
+from dse.analysis.memoize import memoized
 from dse.analysis.probability import Interval, wilson
 
 LEAST = 60
@@ -54,7 +54,7 @@ class Box:
         return holds(self.limits, data)
 
 
-@once
+@memoized
 def best_boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[Box, ...]:
     """The best box, then the best of what is outside of it, as long as that is worth it; none if all are luck.
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from dse.analysis.data import ALL, MET, Rows, StudyData, withheld
 from dse.analysis.measure import modelled_share
-from dse.analysis.memoize import once
+from dse.analysis.memoize import memoized
 from dse.analysis.probability import LEAST_EVEN, Basis, Met, met_by_runs, probability_met
 from dse.analysis.slack import FAILING, slack
 from dse.analysis.study_reader import weighted
@@ -56,7 +56,7 @@ class WorstCase:
         )
 
 
-@once
+@memoized
 def worst_designs(data: StudyData) -> StudyData:
     """The designs of *data* as its rows, each with the worst of its verdicts and margins and the number of the run that
     decides; without metrics. *data* itself where no condition differs.

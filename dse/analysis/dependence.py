@@ -9,10 +9,10 @@ from dataclasses import asdict
 from dse.analysis.data import StudyData
 from dse.analysis.finding import Finding, Topic
 from dse.analysis.first_order import LEAST, courses, going_together
-from dse.analysis.importance import first_order_shares, importances
+from dse.analysis.importance import importances, model_first_order_shares
 from dse.analysis.phrases import between, difference, listed, parts, percent
 from dse.analysis.probability import Interval
-from dse.analysis.sensitivity_indices import Effects, Indices, morris_effects, sobol_indices
+from dse.analysis.sensitivity_indices import Effects, IndexEstimates, morris_effects, sobol_indices
 from dse.errors import fail
 
 DESIGNED = {"sobol_indices": sobol_indices, "morris": morris_effects}
@@ -30,7 +30,7 @@ def metric_label(data: StudyData, name: str) -> str:
 def shares(data: StudyData, metric: str) -> Iterator[Finding]:
     """What explains how much of its variance by itself. Raises DseError."""
     data = data.evenly(metric, LEAST)
-    found = sorted(first_order_shares(data, metric), key=lambda share: -round(share.share.value, 9))
+    found = sorted(model_first_order_shares(data, metric), key=lambda share: -round(share.share.value, 9))
     if not found:
         raise fail(f"{metric}: its runs differ in nothing that could explain it")
     label, named = metric_label(data, metric), [each for each in found if each.share.low > 0][:_MOST_NAMED]
@@ -73,7 +73,7 @@ def designed_findings(data: StudyData, metric: str) -> Iterator[Finding]:
     unit = next(entry.unit for entry in data.definition.metrics if entry.name == metric)
     label, factors = metric_label(data, metric), [*found.factors]
     lacking = f", {found.lacking} left out for want of results" if found.lacking else ""
-    indices = [each for each in factors if isinstance(each, Indices)]
+    indices = [each for each in factors if isinstance(each, IndexEstimates)]
     if indices:
         ranked = sorted(indices, key=lambda each: -round(each.total.value, 9))
         named = [each for each in ranked if each.total.high >= _HARDLY][:_MOST_NAMED]
@@ -97,7 +97,7 @@ def _called(data: StudyData, factor: str) -> str:
     return factor + " (condition)" * data.factors[data.factor(factor)].is_condition
 
 
-def _alone(each: Indices) -> str:
+def _alone(each: IndexEstimates) -> str:
     return percent(_capped(each.first).value)
 
 

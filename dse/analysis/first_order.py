@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from dse.analysis.bins import binned
 from dse.analysis.cells import effective
 from dse.analysis.data import Floats, Rows, StudyData
-from dse.analysis.memoize import once
+from dse.analysis.memoize import memoized
 from dse.analysis.probability import Interval
 
 LEAST = 40
@@ -41,7 +41,7 @@ class Share:
     runs: int
 
 
-@once
+@memoized
 def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
     """The share of each factor, in the order of the factors, of what varies where the metric is defined.
 
@@ -65,7 +65,7 @@ def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
     return tuple(found)
 
 
-@once
+@memoized
 def courses(data: StudyData, metric: str) -> dict[str, str]:
     """``rising``, ``falling``, ``with a peak``, ``with a valley`` or ``up and down``: what the mean of a metric does
     along each factor that is a number. Nothing is said of one where chance would look the same.
@@ -108,7 +108,7 @@ def _legs(means: Floats, variances: Floats) -> tuple[int, ...]:
     return tuple(legs) if back <= _DOUBTED * most else ()
 
 
-@once
+@memoized
 def going_together(data: StudyData) -> tuple[tuple[str, str], ...]:
     """Pairs of factors that are not independent in these runs: what one of them explains, the other does as well.
 
@@ -127,7 +127,7 @@ def going_together(data: StudyData) -> tuple[tuple[str, str], ...]:
     return tuple(pairs)
 
 
-@once
+@memoized
 def _binnings(data: StudyData, k: int) -> tuple[tuple[Rows, NDArray[np.intp]], ...]:
     """The bins of factor *k*, few and then more, as many as its runs bear."""
     found = [binned(data.places[:, k], data.factors[k], _BINS[0])]

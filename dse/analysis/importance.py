@@ -15,7 +15,7 @@ import numpy as np
 
 from dse.analysis.data import Floats, StudyData, withheld
 from dse.analysis.first_order import Share, first_order_shares as given_data_shares
-from dse.analysis.memoize import once
+from dse.analysis.memoize import memoized
 from dse.analysis.phrases import listed, percent
 from dse.analysis.probability import Interval
 from dse.analysis.radial import drawn
@@ -79,7 +79,7 @@ class Importances:
         return f"{self.model} that explains {percent(self.explained)} of it in held-out runs"
 
 
-@once
+@memoized
 def importances(data: StudyData, metric: str) -> Importances:
     """From the evenly drawn runs in which *metric* is defined, of 500 at most.
 
@@ -120,8 +120,8 @@ def importances(data: StudyData, metric: str) -> Importances:
     return Importances(tuple(map(Importance, names_, totals)), tuple(pairs), model.name, explained, len(there))
 
 
-@once
-def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
+@memoized
+def model_first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
     """What each factor explains by itself, from given data; of judged metrics no more than its total, if there is one.
 
     Raises DseError, as `given_data_shares` does.

@@ -13,7 +13,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-def once(function: Callable[Concatenate[StudyData, P], T]) -> Callable[Concatenate[StudyData, P], T]:
+def memoized(function: Callable[Concatenate[StudyData, P], T]) -> Callable[Concatenate[StudyData, P], T]:
     """*function* of data and names, whose values, and reasons for none, are kept with the data."""
 
     @wraps(function)

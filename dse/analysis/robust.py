@@ -13,7 +13,7 @@ import numpy as np
 
 from dse.analysis.data import ALL, Rows, StudyData, withheld
 from dse.analysis.measure import chances_at
-from dse.analysis.memoize import once
+from dse.analysis.memoize import memoized
 from dse.analysis.probability import Interval, wilson
 from dse.analysis.radial import drawn
 from dse.analysis.study_reader import groups
@@ -42,7 +42,7 @@ class Centre:
     share: Interval
 
 
-@once
+@memoized
 def robust_centre(data: StudyData, requirement: str = ALL) -> Centre:
     """The passing run with the largest margin: the distance, in the factor that differs most and as a part of its
     range, to the nearest point with the same choices that does not pass or would hardly, or to the end of a range.

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.analysis.data import Factor, Floats, StudyData, withheld
-from dse.analysis.memoize import once
+from dse.analysis.memoize import memoized
 from dse.analysis.probability import Interval
 from dse.domain.sampler import Brief, Outcomes
 from dse.errors import fail
@@ -27,7 +27,7 @@ _SEED = 1
 
 
 @dataclass(frozen=True, slots=True)
-class Indices:
+class IndexEstimates:
     """Of a *factor*: the part of the variance that is due to it alone, and *total*, with all others together."""
 
     factor: str
@@ -51,12 +51,12 @@ class Effects:
 class Designed:
     """Of every factor, from so many *blocks* or trajectories, *lacking* of which were left out."""
 
-    factors: tuple[Indices, ...] | tuple[Effects, ...]
+    factors: tuple[IndexEstimates, ...] | tuple[Effects, ...]
     blocks: int
     lacking: int
 
 
-@once
+@memoized
 def sobol_indices(data: StudyData, metric: str) -> Designed:
     """Sobol' indices of the runs of a study with the sampler ``sobol_indices``, with SALib's intervals.
 
@@ -70,7 +70,7 @@ def sobol_indices(data: StudyData, metric: str) -> Designed:
     analysis = _salib("sobol")
     found = analysis.analyze(_problem(factors), values.ravel(), calc_second_order=second, seed=_SEED)
     indices = zip(factors, *(found[key] for key in ("S1", "S1_conf", "ST", "ST_conf")), strict=True)
-    told = tuple(Indices(f.name, _around(s, s_half), _around(t, t_half)) for f, s, s_half, t, t_half in indices)
+    told = tuple(IndexEstimates(f.name, _around(s, s_half), _around(t, t_half)) for f, s, s_half, t, t_half in indices)
     return Designed(told, len(values), lacking)
 
 

@@ -81,9 +81,9 @@ from .studies.status import (
     statuses as statuses,
 )
 from .studies.stop import stop as stop
-from .studies.summary import Glance as Glance, glance as glance
+from .studies.summary import StudySummary as StudySummary, study_summary as study_summary
 from .studies.trust import trust as trust
-from .studies.what_if import Tried as Tried, try_point as try_point
+from .studies.what_if import WhatIfRun as WhatIfRun, what_if_run as what_if_run
 from .studies.worlds import (
     HEAD_BYTES as HEAD_BYTES,
     VALUE_BYTES as VALUE_BYTES,

@@ -124,12 +124,12 @@ def _text(top: Entry, key: str) -> str:
 
 
 def _results(path: Path) -> ListedResults:
-    from dse.api.studies.summary import glance
+    from dse.api.studies.summary import study_summary
     from dse.formats import shown
 
     folder = Path(shown(path))
     try:
-        now = glance(path)
+        now = study_summary(path)
     except DseError as error:
         return ListedResults(folder, problem=error.problems[0].what)
     verdicts = {str(verdict): count for verdict, count in now.verdicts.items()}

@@ -23,4 +23,4 @@ from .maintenance import (
     unused as unused,
 )
 from .plain_data import keep as keep, kept as kept
-from .sections import SHELVES as SHELVES, Entry as Entry, Shelf as Shelf
+from .sections import SECTIONS as SECTIONS, CacheSection as CacheSection, Entry as Entry

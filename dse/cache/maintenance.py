@@ -10,28 +10,28 @@ from pathlib import Path
 
 from dse.cache.entries import digest_file, remove
 from dse.cache.folder import is_aside, unwritable
-from dse.cache.sections import SHELVES, Entry, Shelf, entries_of, names
+from dse.cache.sections import SECTIONS, CacheSection, Entry, entries_of, names
 from dse.scratch import is_left_over
 
 
-def survey(root: Path) -> dict[Shelf, list[Entry]]:
-    """The entries of every shelf of the cache *root* that has any."""
-    found = {shelf: list(entries_of(shelf, root)) for shelf in SHELVES}
-    return {shelf: entries for shelf, entries in found.items() if entries}
+def survey(root: Path) -> dict[CacheSection, list[Entry]]:
+    """The entries of every section of the cache *root* that has any."""
+    found = {section: list(entries_of(section, root)) for section in SECTIONS}
+    return {section: entries for section, entries in found.items() if entries}
 
 
-def damaged(root: Path, tell: Callable[[Shelf], None]) -> list[Entry]:
+def damaged(root: Path, tell: Callable[[CacheSection], None]) -> list[Entry]:
     """Every entry that is not what was kept, or has nothing to tell that by. *tell* is told what is looked at."""
     found = []
-    for shelf, entries in survey(root).items():
-        tell(shelf)
-        found += [entry for entry in entries if not shelf.is_whole(entry.path)]
+    for section, entries in survey(root).items():
+        tell(section)
+        found += [entry for entry in entries if not section.is_whole(entry.path)]
     return found
 
 
 def unused(root: Path, days: float = math.inf, size: float = math.inf) -> list[Entry]:
     """The entries that were not used for *days*; then those used longest ago, until the others have *size* bytes."""
-    removable = (entry for shelf, entries in survey(root).items() if not shelf.stay for entry in entries)
+    removable = (entry for section, entries in survey(root).items() if not section.stay for entry in entries)
     oldest, room = time.time() - days * 86400, size
     found = []
     for entry in sorted(removable, key=lambda entry: (-entry.used, entry.path)):
@@ -44,8 +44,8 @@ def unused(root: Path, days: float = math.inf, size: float = math.inf) -> list[E
 def left_overs(root: Path) -> list[Path]:
     """What processes that have ended were making; of other machines and earlier versions, what is a day old."""
     found = []
-    for shelf in SHELVES:
-        for path in (root / shelf.name / name for name in names(root / shelf.name)):
+    for section in SECTIONS:
+        for path in (root / section.name / name for name in names(root / section.name)):
             has_ended = is_left_over(path.name)
             if is_aside(path) and (has_ended or (has_ended is None and path.lstat().st_mtime < time.time() - 86400)):
                 found.append(path)

@@ -27,7 +27,7 @@ _IN_THE_MAKING = 3600.0
 
 
 @dataclass(frozen=True, slots=True)
-class Shelf:
+class CacheSection:
     """The entries in the folder *name* of the cache: *holds* says what they are, *is_whole* whether one is whole.
 
     Those that *stay* are small, and others cannot be found without them.
@@ -39,32 +39,32 @@ class Shelf:
     stay: bool = False
 
 
-SHELVES = (
-    Shelf("built", "FMUs made of components"),
-    Shelf("unpacked", "FMUs, unpacked"),
-    Shelf("compiled", "libraries of FMUs that came as sources"),
-    Shelf("bridges", "bridges to libraries for Windows"),
-    Shelf("wine", "folders of Windows, made by wine", Path.is_dir),
-    Shelf("fused", "fused configurations"),
-    Shelf("fused/parts", "components of fused configurations"),
-    Shelf("fused/names", "names in the C of fused components"),
-    Shelf("generated", "C written by kinds of components"),
-    Shelf("sumo", "roads as networks of SUMO"),
-    Shelf("coded", "libraries of code from Simulink"),
-    Shelf("modelica", "Modelica models, translated"),
-    Shelf("objects", "Modelica models, compiled"),
-    Shelf("checked", "Modelica models found right"),
-    Shelf("declared", "headers of code from Simulink, read"),
-    Shelf("statics", "C components searched for static variables"),
-    Shelf("facts", "what was found out about FMUs by dse probe"),
-    Shelf("numerics", "how exact FMUs were found to be"),
-    Shelf("ssp", "SSP packages, unpacked"),
-    Shelf("runs", "runs that were simulated", Path.is_dir),  # what is damaged in it is found when it is read
-    Shelf("received", "FMUs that other machines sent"),
-    Shelf("compilers", "compilers that made what is here", stay=True),
-    Shelf("documents", "YAML files of workspaces, read", _matches_head),
-    Shelf("units", "units, looked up", _matches_head),
-    Shelf("trusted", "workspaces that were trusted", _matches_head, stay=True),
+SECTIONS = (
+    CacheSection("built", "FMUs made of components"),
+    CacheSection("unpacked", "FMUs, unpacked"),
+    CacheSection("compiled", "libraries of FMUs that came as sources"),
+    CacheSection("bridges", "bridges to libraries for Windows"),
+    CacheSection("wine", "folders of Windows, made by wine", Path.is_dir),
+    CacheSection("fused", "fused configurations"),
+    CacheSection("fused/parts", "components of fused configurations"),
+    CacheSection("fused/names", "names in the C of fused components"),
+    CacheSection("generated", "C written by kinds of components"),
+    CacheSection("sumo", "roads as networks of SUMO"),
+    CacheSection("coded", "libraries of code from Simulink"),
+    CacheSection("modelica", "Modelica models, translated"),
+    CacheSection("objects", "Modelica models, compiled"),
+    CacheSection("checked", "Modelica models found right"),
+    CacheSection("declared", "headers of code from Simulink, read"),
+    CacheSection("statics", "C components searched for static variables"),
+    CacheSection("facts", "what was found out about FMUs by dse probe"),
+    CacheSection("numerics", "how exact FMUs were found to be"),
+    CacheSection("ssp", "SSP packages, unpacked"),
+    CacheSection("runs", "runs that were simulated", Path.is_dir),  # what is damaged in it is found when it is read
+    CacheSection("received", "FMUs that other machines sent"),
+    CacheSection("compilers", "compilers that made what is here", stay=True),
+    CacheSection("documents", "YAML files of workspaces, read", _matches_head),
+    CacheSection("units", "units, looked up", _matches_head),
+    CacheSection("trusted", "workspaces that were trusted", _matches_head, stay=True),
 )
 
 
@@ -72,24 +72,24 @@ SHELVES = (
 class Entry:
     """One entry: its place, its bytes, and when it was used last, to the hour, in seconds since 1970."""
 
-    shelf: Shelf
+    section: CacheSection
     path: Path
     size: int
     used: float
 
 
-def entries_of(shelf: Shelf, root: Path) -> Iterator[Entry]:
-    """The entries on *shelf* of the cache *root*, by name; those of which a digest is left over are among them."""
-    folder = root / shelf.name
-    others = {other.name for other in SHELVES}
+def entries_of(section: CacheSection, root: Path) -> Iterator[Entry]:
+    """The entries on *section* of the cache *root*, by name; those of which a digest is left over are among them."""
+    folder = root / section.name
+    others = {other.name for other in SECTIONS}
     for name in sorted({name.removesuffix(DIGEST) for name in names(folder)}):
         path = folder / name
-        if is_aside(path) or f"{shelf.name}/{name}" in others:
+        if is_aside(path) or f"{section.name}/{name}" in others:
             continue
         files = stamp(path)
         used = [when for _, _, _, when, *_ in stamp(digest_file(path)) or files]
         if used:
-            yield Entry(shelf, path, sum(size for _, _, size, *_ in files), max(used) / 1e9)
+            yield Entry(section, path, sum(size for _, _, size, *_ in files), max(used) / 1e9)
 
 
 def names(folder: Path) -> list[str]:

@@ -249,10 +249,10 @@ Seed = Annotated[int, typer.Option("--seed", min=0, help="Where random draws sta
 def _sandbox(asked: bool) -> bool:
     """Say what holds in the sandbox; DseError, before anything is done, where there is none."""
     if asked:
-        from dse.cli.terminal import say
+        from dse.cli.terminal import print_line
         from dse.sandbox import enforced
 
-        say(f"sandbox: FMUs have {enforced()}", stderr=True)
+        print_line(f"sandbox: FMUs have {enforced()}", stderr=True)
     return asked
 
 

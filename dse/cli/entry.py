@@ -16,7 +16,7 @@ from dse.cli.commands import register
 from dse.cli.completion import words
 from dse.cli.signals import interrupt, stop_code, tidy_up
 from dse.cli.streams import OutputError, silence
-from dse.cli.terminal import say, show_problems
+from dse.cli.terminal import print_line, show_problems
 from dse.errors import DseError, Location, fail, remedy
 
 _python_shows = warnings.showwarning
@@ -55,7 +55,7 @@ def _carry_out() -> int:
         if not stop_code():
             return _told(error)
         said = str(error) if isinstance(error, InterruptedCommandError) else ""
-    say(said or "stopped", stderr=True)
+    print_line(said or "stopped", stderr=True)
     return stop_code()
 
 
@@ -124,6 +124,6 @@ def _unforeseen(error: BaseException) -> DseError:
 def _show_warning(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
     """What was wrong with the cache is told as a note."""
     if issubclass(category, CacheWarning):
-        say(f"note: {message}", stderr=True)
+        print_line(f"note: {message}", stderr=True)
     else:
         _python_shows(message, category, *place, **more)

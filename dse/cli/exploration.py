@@ -11,10 +11,10 @@ import typer
 
 from dse.cli.app import DONE, RUNS_FAILED
 from dse.cli.arguments import Output
-from dse.cli.findings import say_findings
+from dse.cli.findings import print_findings
 from dse.cli.ranking import show_ranking
 from dse.cli.status import status_line
-from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
+from dse.cli.terminal import console, plain, plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -36,7 +36,7 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
 
     def tell_changes(plan: Plan) -> None:
         for line in _plan_lines(plan):
-            say(line, stderr=True)
+            print_line(line, stderr=True)
 
     try:
         with ExitStack() as waiting, progress_bar(screen) as show:
@@ -67,9 +67,9 @@ def show_plan(study: Study, folder: Path, options: ExploreOptions, form: Output)
     if form is Output.JSON:
         print_json(asdict(plan))
         return
-    say(f"{folder}: {plan.runs} runs, configurations: {plan.configurations}")
+    print_line(f"{folder}: {plan.runs} runs, configurations: {plan.configurations}")
     for line in _plan_lines(plan):
-        say(line)
+        print_line(line)
 
 
 def _plan_lines(plan: Plan) -> Iterator[str]:
@@ -125,7 +125,7 @@ def _say(study: Study, results: Results, summary: Summary, explored: Explored, f
         doubtful = sum(sum(counts.values()) for counts in summary.doubtful.values())
         what = f"{doubtful} verdicts doubtful" if doubtful else "no verdict doubtful"
         screen.print(f"{summary.checked} runs checked with finer numerics: {what}", soft_wrap=True)
-    said = said_of(summary)
+    said = outcome_text(summary)
     for line in said[:_MOST_PROBLEMS]:
         screen.print(f"  {plain(line)}", soft_wrap=True)
     if len(said) > _MOST_PROBLEMS:
@@ -134,13 +134,13 @@ def _say(study: Study, results: Results, summary: Summary, explored: Explored, f
         if results.definition.objectives:
             show_ranking(results, results.best(_MOST_SHOWN), study)
         else:
-            say_findings(results.essentials())
+            print_findings(results.essentials())
     if summary.failures:
         screen.print("to try failed runs again: the same command with --retry-failed", soft_wrap=True)
     screen.print(f"next: {following}", soft_wrap=True)
 
 
-def said_of(summary: Summary) -> list[str]:
+def outcome_text(summary: Summary) -> list[str]:
     """What runs have to say, those with the same words but for numbers together; and what was tried twice."""
     groups: dict[tuple[str, str], list[int]] = {}
     for number, problem in summary.problems.items():

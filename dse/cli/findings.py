@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from dse.cli.terminal import say
+from dse.cli.terminal import print_line
 
 if TYPE_CHECKING:
     from dse.analysis import Finding
 
 
-def say_findings(found: Sequence[Finding]) -> None:
+def print_findings(found: Sequence[Finding]) -> None:
     """Line by line, under what they are about."""
     for plane, those in groupby(found, lambda each: each.plane):
         if plane:
-            say(f"varied: {', '.join(plane)}; all else held", style="bold")
+            print_line(f"varied: {', '.join(plane)}; all else held", style="bold")
         for topic, some in groupby(those, lambda each: each.topic):
-            say(f"{topic}:", style="bold")
+            print_line(f"{topic}:", style="bold")
             for each in some:
-                say(f"  {each.text}")
+                print_line(f"  {each.text}")

@@ -11,7 +11,7 @@ import typer
 
 from dse.cli.app import DONE, RUNS_FAILED
 from dse.cli.arguments import Output
-from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say, say_some
+from dse.cli.terminal import console, plain, plain_table, print_json, print_line, print_some, print_table
 from dse.errors import raise_if_any
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def simulate_package(
     _say_ignored(prepared.resolved, strict=strict)
     run = simulated(prepared, sandbox=sandbox)
     if run.waveforms is None:
-        say(f"{path.name} failed to run: {run.problem}", style="bold red", stderr=True)
+        print_line(f"{path.name} failed to run: {run.problem}", style="bold red", stderr=True)
         raise typer.Exit(RUNS_FAILED)
     columns = run.waveforms.values
     if target is not None:
@@ -93,13 +93,13 @@ def simulate_package(
         is_csv = target.suffix.lower() == ".csv"
         units = {} if is_csv else {signal.name: signal.unit for signal in prepared.resolved.signals}
         Waveforms(run.waveforms, units).write(target, _about(prepared))
-        say(f"{target}: {len(columns)} waveforms of {len(run.waveforms.time)} points")
+        print_line(f"{target}: {len(columns)} waveforms of {len(run.waveforms.time)} points")
     elif output is Output.JSON:
         print_json(_data(columns, prepared))
     else:
         _show(path, columns, prepared)
     if run.problem:
-        say(run.problem, style="yellow", stderr=True)
+        print_line(run.problem, style="yellow", stderr=True)
     raise typer.Exit(DONE)
 
 
@@ -110,14 +110,14 @@ def check_package(path: Path, *, strict: bool) -> None:
     with console(stderr=True).status("opening FMUs"):
         resolved = check_ssp(path)
     _say_ignored(resolved, strict=strict)
-    say(f"ok: {len(resolved.structure.elements)} FMUs, {len(resolved.signals)} outputs")
+    print_line(f"ok: {len(resolved.structure.elements)} FMUs, {len(resolved.signals)} outputs")
 
 
 def _say_ignored(resolved: ResolvedSystem, *, strict: bool) -> None:
     if strict:
         raise_if_any(resolved.ignored)
-    say_some("note", resolved.notes)
-    say_some("ignored", resolved.ignored)
+    print_some("note", resolved.notes)
+    print_some("ignored", resolved.ignored)
 
 
 def seconds(option: str, text: str | None) -> float | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dse.cli.terminal import plain_table, print_table, say
+from dse.cli.terminal import plain_table, print_line, print_table
 from dse.domain.sampler import Role
 
 if TYPE_CHECKING:
@@ -25,13 +25,13 @@ def show_ranking(results: Results, found: Ranking, study: Study | None = None) -
     from dse.analysis import claim, what_would_change
 
     order = " and ".join(map(str, found.objectives)) or "without objectives, by their least margin"
-    say(f"{claim(found)}; {order}", style="bold")
+    print_line(f"{claim(found)}; {order}", style="bold")
     if found.best:
         _print_table(results, found)
     for line in results.strength(found, study):
-        say(f"  {line}")
+        print_line(f"  {line}")
     for sentence in what_would_change(found, results.definition):
-        say(f"  {sentence}")
+        print_line(f"  {sentence}")
 
 
 def _print_table(results: Results, found: Ranking) -> None:
@@ -71,7 +71,7 @@ def _print_table(results: Results, found: Ranking) -> None:
         )
     print_table(table)
     if len(differing) > len(shown):
-        say(f"they differ in {len(differing) - len(shown)} more places; --format json lists all")
+        print_line(f"they differ in {len(differing) - len(shown)} more places; --format json lists all")
 
 
 def _aggregations(definition: StudyDefinition) -> tuple[str, str]:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dse.cli.arguments import Output
-from dse.cli.terminal import plain_table, print_json, print_table, say, say_some
+from dse.cli.terminal import plain_table, print_json, print_line, print_some, print_table
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -22,25 +22,25 @@ def present_run(run: Run, output: Output, plot: Path | None, units: str) -> None
     if output is Output.JSON:
         print_json(_data(run, units) | ({"ignored": list(ignored)} if ignored else {}))
     else:
-        say_some("ignored", ignored)
+        print_some("ignored", ignored)
         _show(run)
     if plot is not None and not run.has_waveforms:
-        say(f"{plot}: not drawn, the run has no waveforms", stderr=True)
+        print_line(f"{plot}: not drawn, the run has no waveforms", stderr=True)
     elif plot is not None:
         from dse.report import draw_run
 
         draw_run(run.noun, run.definition, plot)
-        say(f"figures: {plot}")
+        print_line(f"figures: {plot}")
 
 
 def write_run(run: Run, target: Path) -> None:
     """Write the waveforms that the bench records, if the run has come to some."""
     if not run.has_waveforms or not len(run.waveforms):
         why = "the bench records nothing" if run.has_waveforms else "the run has no waveforms"
-        say(f"{target}: not written, {why}", stderr=True)
+        print_line(f"{target}: not written, {why}", stderr=True)
         return
     run.waveforms.write(target, {"bench": run.definition.bench.name, "configuration": run.configuration})
-    say(f"{target}: {len(run.waveforms)} waveforms of {len(run.waveforms.time)} points", stderr=True)
+    print_line(f"{target}: {len(run.waveforms)} waveforms of {len(run.waveforms.time)} points", stderr=True)
 
 
 def metric_table(run: Run) -> Table:
@@ -61,12 +61,12 @@ def metric_table(run: Run) -> Table:
 def _show(run: Run) -> None:
     """The configuration, the point, and every metric with its verdicts."""
     chosen = ", ".join(f"{place} {choice}" for place, choice in run.choices.items())
-    say(run.definition.title, style="bold")
-    say(f"configuration {run.configuration}{f': {chosen}' if chosen else ''}")
+    print_line(run.definition.title, style="bold")
+    print_line(f"configuration {run.configuration}{f': {chosen}' if chosen else ''}")
     if run.problem and not run.is_done:
-        say(f"failed to run: {run.problem}", style="bold red")
+        print_line(f"failed to run: {run.problem}", style="bold red")
     elif run.problem:
-        say(run.problem, style="yellow")
+        print_line(run.problem, style="yellow")
     print_table(metric_table(run))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from dse.cli.terminal import say
+from dse.cli.terminal import print_line
 from dse.space import significant
 
 if TYPE_CHECKING:
@@ -67,8 +67,8 @@ def show_constraints(constraints: Iterable[Constraint]) -> None:
     """Constraints in the user's words, the reason and the place in the file below each."""
     for constraint in constraints:
         text = " ".join(constraint.rule.text.split())
-        say(f"  {constraint.name}: {text}")
+        print_line(f"  {constraint.name}: {text}")
         beside = [constraint.because] if constraint.because and constraint.because != text else []
         beside += [str(constraint.where)] if constraint.where else []
         if beside:
-            say(f"      {' · '.join(beside)}", style="dim")
+            print_line(f"      {' · '.join(beside)}", style="dim")

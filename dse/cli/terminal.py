@@ -50,7 +50,7 @@ def console(*, stderr: bool = False) -> Console:
     return Console(stderr=stderr, highlight=False, markup=False, emoji=False)
 
 
-def say(text: str, *, style: str | None = None, stderr: bool = False) -> None:
+def print_line(text: str, *, style: str | None = None, stderr: bool = False) -> None:
     """A line as it is, however narrow the terminal; control characters in it are shown as such."""
     console(stderr=stderr).print(plain(text), style=style, soft_wrap=True)
 
@@ -60,15 +60,15 @@ def show_page(address: str) -> None:
     import webbrowser
 
     if not webbrowser.open(address):
-        say(f"no browser could be started here; open {address} in one", stderr=True)
+        print_line(f"no browser could be started here; open {address} in one", stderr=True)
 
 
-def say_some(kind: str, told: Sequence[object]) -> None:
+def print_some(kind: str, told: Sequence[object]) -> None:
     """The first of *told*, each as a line that begins with *kind*, and how many there are besides."""
     for one in told[:_MOST_NOTES]:
-        say(f"{kind}: {one}", stderr=True)
+        print_line(f"{kind}: {one}", stderr=True)
     if len(told) > _MOST_NOTES:
-        say(f"{kind}: and {len(told) - _MOST_NOTES} more", stderr=True)
+        print_line(f"{kind}: and {len(told) - _MOST_NOTES} more", stderr=True)
 
 
 def plain_table(*headings: str, right: Collection[str] = (), header: bool = True) -> Table:

@@ -21,7 +21,7 @@ def most_runs(system: SystemStructure, facts: Mapping[str, FmuFacts]) -> int | N
     return None if most is None else max(1, most)
 
 
-class Wear:
+class InstanceBudget:
     """Counts the instances made in this process of FMUs that bear only so many of them."""
 
     def __init__(self, system: SystemStructure, facts: Mapping[str, FmuFacts]) -> None:

@@ -18,7 +18,7 @@ from dse.cosim.failure.diagnosis import diagnose
 from dse.cosim.failure.run_failed import RunFailed
 from dse.cosim.failure.stop_reason import StopReason
 from dse.cosim.feasibility import refusals
-from dse.cosim.instance_budget import Wear
+from dse.cosim.instance_budget import InstanceBudget
 from dse.cosim.tables.method import CompiledMethod, columns_of
 from dse.cosim.tables.tables import Tables
 from dse.cosim.wiring.check import check_wired, is_plain, own_steps
@@ -95,7 +95,7 @@ class Simulator:
         is_live = any(element.model.is_live for element in system.elements)
         self.reset_is_trusted: bool | None = False if self.reset_differs or is_live else None
         self.ended = ""
-        self._wear = Wear(system, facts)
+        self._budget = InstanceBudget(system, facts)
         wiring = wire_up(system)
         check_wired(wiring, method)
         columns = columns_of(wiring, method, record)
@@ -167,7 +167,7 @@ class Simulator:
     @property
     def runs_left(self) -> int | None:
         """How many more runs this process may make of the system; None for any number."""
-        return 0 if self._lost else self._wear.runs_left
+        return 0 if self._lost else self._budget.runs_left
 
     @property
     def fused_steps(self) -> int:
@@ -247,7 +247,7 @@ class Simulator:
     def _renew(self) -> None:
         self._kernel.dse_free(self._system)
         self._given = frozenset()
-        self._wear.note()
+        self._budget.note()
         self._tables.elements.renew_folders()
         if self._kernel.dse_instantiate(self._system):
             raise self._failure(0.0)

@@ -110,7 +110,7 @@ class TestBench:
     """Design space + test components + connections + settings + metrics + requirements.
 
     *derived* parameters are set in every run, in their order. *direct* connections join single ports and parameters of
-    parts wherever they stand, as no file of a user can: those of a seat, that sees and tunes everything.
+    parts wherever they stand, as no file of a user can: those of a driver in the loop, that sees and tunes everything.
     """
 
     name: str

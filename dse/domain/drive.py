@@ -13,7 +13,7 @@ from dse.domain.component import Value
 from dse.domain.run import Run
 
 TUNE = "tune"
-"""The group of a seat's outputs that go to parameters: ``tune.<part>.<parameter>``."""
+"""The group of a driver in the loop's outputs that go to parameters: ``tune.<part>.<parameter>``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,8 +29,8 @@ class Pace:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drive:
-    """*inputs* are what the seat put out, by its port (``accelerator``, ``tune.controller.gain``), SI, Booleans 0/1,
-    items by number: a value for each *time* in s, which are *step* apart and begin at 0.
+    """*inputs* are what the driver in the loop put out, by its port (``accelerator``, ``tune.controller.gain``), SI,
+    Booleans 0/1, items by number: a value for each *time* in s, which are *step* apart and begin at 0.
 
     *bench* and *configuration* are names; *settings* are what the bench was given besides, by ``part.parameter``.
     *driver* is what somebody called themself: any text. A drive that ended early has fewer rows than its bench.

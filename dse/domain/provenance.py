@@ -56,7 +56,7 @@ class Funnel:
 
 
 @dataclass(frozen=True, slots=True)
-class Notes:
+class Provenance:
     """All of it, as of the last time the study was explored; *unfunnelled* says why there is no funnel."""
 
     sources: tuple[SourceText, ...] = ()

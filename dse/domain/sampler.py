@@ -245,7 +245,7 @@ class Everywhere(Sequence[Candidate]):
         return Candidate(self.configurations[configuration], tuple(self.points[row].tolist()))
 
 
-class Once:
+class OneShot:
     """The search of a sampler that asks once, for *points*, (n, variables), on every configuration."""
 
     def __init__(self, points: NDArray[np.float64], configurations: Sequence[str]) -> None:
@@ -282,4 +282,4 @@ class Nominal:
         """Asks once."""
         import numpy as np
 
-        return Once(np.array([[variable.nominal for variable in brief.variables]]), brief.configurations)
+        return OneShot(np.array([[variable.nominal for variable in brief.variables]]), brief.configurations)

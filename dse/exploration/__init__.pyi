@@ -14,7 +14,7 @@ from .executor import Executor as Executor, Pool as Pool, load_executor as load_
 from .failures import in_words as in_words
 from .known_runs import KnownRuns as KnownRuns, give as give, unsettled as unsettled
 from .loop import ExplorationInterruptedError as ExplorationInterruptedError, Explored as Explored, explore as explore
-from .one_shot_sampler import OnceSampler as OnceSampler
+from .one_shot_sampler import OneShotSampler as OneShotSampler
 from .optimization.front import hypervolume as hypervolume, knee as knee
 from .progress import Progress as Progress
 from .remote.futures import FuturesExecutor as FuturesExecutor

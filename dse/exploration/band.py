@@ -12,7 +12,7 @@ import numpy as np
 from dse.domain.bench import VERDICTS, Verdict
 from dse.errors import closest, fail
 from dse.exploration.level_set import Array
-from dse.exploration.surrogate import Belief, shapes_of, single_threaded
+from dse.exploration.surrogate import Surrogate, shapes_of, single_threaded
 from dse.exploration.variables import design_variable, unit_of
 from dse.storage import RunTable
 
@@ -45,7 +45,7 @@ class VerdictModel:
 
     def __init__(self, points: Array, margins: Array) -> None:
         with single_threaded():
-            self._belief = Belief.of(points, margins, shapes_of(points, margins))
+            self._surrogate = Surrogate.of(points, margins, shapes_of(points, margins))
 
     def at(self, points: Array) -> Chances:
         """At *points* of the unit cube, (m, d)."""
@@ -53,7 +53,7 @@ class VerdictModel:
         with single_threaded():
             for first in range(0, len(points), _AT_ONCE):
                 part = slice(first, first + _AT_ONCE)
-                there = self._belief.at(points[part])
+                there = self._surrogate.at(points[part])
                 passing[part], failing[part] = there.passing(), there.failing()
         return Chances(passing, failing, np.maximum(1 - passing - failing, 0.0))
 

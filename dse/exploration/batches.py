@@ -13,7 +13,7 @@ from itertools import groupby
 from dse.domain.run import RunRequest
 from dse.domain.study import Shard
 from dse.exploration.work import Batch
-from dse.storage import Asks, waveform_file
+from dse.storage import SamplerRequests, waveform_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +24,7 @@ class Chunks:
     """
 
     requests: Mapping[int, RunRequest]
-    asks: Asks
+    asks: SamplerRequests
     most: Callable[[str], int | None]
 
     def runs(self, missing: Iterable[int]) -> Iterator[Batch]:

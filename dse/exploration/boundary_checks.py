@@ -162,7 +162,7 @@ class _Checking:
             self._make_runner,
             folder.waveform_folder,
             check_measures(folder.header.measures),
-            folder.spool_folder / "checks",
+            folder.log_folder / "checks",
             f"{folder.header.fingerprint}-checks",
         )
         try:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-class ProposingOnce(SamplerSection):
+class ConfigurationSampler(SamplerSection):
     """A sampler that asks once, for configurations it chooses, each with points of its own."""
 
     once: ClassVar[bool] = True

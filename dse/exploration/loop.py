@@ -20,9 +20,9 @@ from dse.exploration.known_runs import NOT_REPRODUCIBLE, NOTHING_KNOWN, KnownRun
 from dse.exploration.near_boundary import near_boundary
 from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.repeat_check import Made, first_differences
-from dse.exploration.scheduler import Asking, Prepare
+from dse.exploration.scheduler import AskTellScheduler, Prepare
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage import Attempt, FileFacts, Rehearsal, RowBlock, StudyFolder
+from dse.storage import Attempt, DryRun, FileFacts, RowBlock, StudyFolder
 from dse.testbench import make_runner
 
 _TELL_EVERY = 0.1
@@ -101,11 +101,11 @@ def explore(
     Raises DseError if workers cannot work at all or end without a run, ExplorationInterruptedError on Ctrl-C.
     """
     header = folder.header
-    work = Work(prepared, make_runner, folder.waveform_folder, header.measures, folder.spool_folder, header.fingerprint)
+    work = Work(prepared, make_runner, folder.waveform_folder, header.measures, folder.log_folder, header.fingerprint)
     sink = _Sink(folder, on_progress, known)
     before = len(sink.finished)
     try:
-        asking = Asking(study, folder, space, prepare)
+        asking = AskTellScheduler(study, folder, space, prepare)
         # Of an extended study there may be runs of configurations that are not explored any more.
         most = cache(lambda name: prepared[name].most_runs if name in prepared else None)
         chunks = Chunks(asking.requests, folder.asks, most)
@@ -118,7 +118,7 @@ def explore(
                 sink.begin(Stage.RUNS, asked, there)
                 left = asked - there
                 pool.work_off(sink.unknown(chunks.waveforms(left, sink.kept)) if keeps else chunks.runs(left))
-                if (lost := asked - sink.finished) and not isinstance(folder, Rehearsal):
+                if (lost := asked - sink.finished) and not isinstance(folder, DryRun):
                     what = f"the executor '{executor.name}' ended without {len(lost)} of the runs that it was given"
                     raise fail(what, hint="finished runs are stored: the same command resumes")
                 asking.tell()

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar
 
-from dse.domain.sampler import Brief, Grid, Once, Point, Search
+from dse.domain.sampler import Brief, Grid, OneShot, Point, Search
 from dse.errors import Location, fail
 from dse.exploration.variables import at_conditions, free, scaled
 from dse.loading import SamplerSection
@@ -46,10 +46,10 @@ class ValueSampler(SamplerSection):
         variables = free(brief)
         points = self.values(replace(brief, variables=variables, conditions=()))
         asked = at_conditions(np.array(points, dtype=np.float64).reshape(len(points), len(variables)), brief)
-        return Once(asked if brief.allowed is None else asked[brief.allowed(asked)], brief.configurations)
+        return OneShot(asked if brief.allowed is None else asked[brief.allowed(asked)], brief.configurations)
 
 
-class OnceSampler(ValueSampler):
+class OneShotSampler(ValueSampler):
     """A sampler that asks once, for the same *points* of the unit cube on every configuration.
 
     What a variable's range, scale, values, distribution and correlations make of a point is not its concern.

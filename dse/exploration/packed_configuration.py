@@ -20,7 +20,7 @@ from dse.exploration.work import Runnable
 
 
 @dataclass(frozen=True, slots=True)
-class Packed:
+class PackedConfiguration:
     """*content* is for ``pickle.loads``, or `unpacked`.
 
     *entries* are what it needs of the cache (``unpacked/0123``), *elsewhere* the absolute paths that lie outside of it.
@@ -31,12 +31,12 @@ class Packed:
     elsewhere: tuple[Path, ...]
 
 
-def packed(configuration: Runnable) -> Packed:
+def packed(configuration: Runnable) -> PackedConfiguration:
     """*configuration*, ready to be sent."""
     stream = io.BytesIO()
     pickler = _Pickler(stream, protocol=pickle.HIGHEST_PROTOCOL)
     pickler.dump(configuration)
-    return Packed(stream.getvalue(), tuple(sorted(pickler.entries)), tuple(pickler.elsewhere))
+    return PackedConfiguration(stream.getvalue(), tuple(sorted(pickler.entries)), tuple(pickler.elsewhere))
 
 
 def unpacked(content: bytes, places: Mapping[str, Path]) -> Any:

@@ -33,7 +33,7 @@ def region(points: Array, inside: Bools, shape: Shape) -> LevelSet:
 
     Of many, those that tell most are taken.
     """
-    rows = telling(points, inside, _MOST)
+    rows = informative(points, inside, _MOST)
     precision, shift, _ = _sites(points[rows], inside[rows], shape)
     scale = np.sqrt(_VARIANCE)
     values, noise = shift / precision / scale, 1 / (precision * _VARIANCE)
@@ -41,11 +41,11 @@ def region(points: Array, inside: Bools, shape: Shape) -> LevelSet:
     return LevelSet(points[rows], shape, values, noise, 0.0, 1.0, learnt=_BIT if inside.any() else 0.0)
 
 
-def most_telling(points: Array, inside: Bools) -> Shape:
+def most_informative_shape(points: Array, inside: Bools) -> Shape:
     """The shape with which each of *points*, (n, d), is foretold best by the others whether it is *inside*, (n,)."""
     if inside.all() or not inside.any():
         return Shape(np.ones(points.shape[1]), _NUGGET)
-    rows = telling(points, inside, MOST_FITTED)
+    rows = informative(points, inside, MOST_FITTED)
     return _cheapest(lambda shape: -_sites(points[rows], inside[rows], shape)[2], points.shape[1])
 
 
@@ -74,7 +74,7 @@ def _changed(shape: Shape, variable: int, change: float) -> Shape | None:
     return Shape(lengths, shape.nugget) if is_within else None
 
 
-def telling(points: Array, inside: Bools, most: int) -> Rows:
+def informative(points: Array, inside: Bools, most: int) -> Rows:
     """At most so many of *points*, (n, d), in their order: half of them nearest to one of the other kind, then evenly.
 
     Without those far off, nothing would be known there.
@@ -108,7 +108,7 @@ def _sites(points: Array, inside: Bools, shape: Shape) -> tuple[Array, Array, fl
         inner = solved(np.linalg.cholesky(np.eye(count) + root[:, None] * prior * root), root[:, None] * prior)
         variance = np.maximum(_VARIANCE - (inner**2).sum(axis=0), 1e-10)
         mean = prior @ shift - inner.T @ (inner @ shift)
-        # The belief without the bit, then with it, (3.57) and (3.58); what the bit adds becomes its factor, (3.59).
+        # The surrogate without the bit, then with it, (3.57) and (3.58); what the bit adds becomes its factor, (3.59).
         others = np.maximum(1 / variance - precision, 1e-10)
         from_others = (mean / variance - shift) / others
         blurred = np.sqrt(1 + 1 / others)

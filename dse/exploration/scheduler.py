@@ -27,7 +27,7 @@ Prepare = Callable[[Sequence[str]], None]
 """Has configurations, by their ids, ready to be simulated and known to the study's folder."""
 
 
-class Asking:
+class AskTellScheduler:
     """The asks of one *study*, which are noted in *folder*.
 
     *requests* holds every run that was asked for so far by its number, *asked* are the numbers of the last ask. A

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dse.exploration.level_set import Array, LevelSet, Posterior, Rows, Shape, likeliest, thinned
-from dse.exploration.region import most_telling, region, telling
+from dse.exploration.region import informative, most_informative_shape, region
 
 # How margins are compressed, in units of the median size of the first: plain, then more and more.
 _COMPRESSED = (np.inf, 4.0, 1.0, 0.25)
@@ -19,7 +19,7 @@ _MOST = 2000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shapes:
+class SurrogateShapes:
     """Of the region where a requirement has a margin, and of the margin, compressed beyond *scale*."""
 
     judged: Shape
@@ -28,14 +28,14 @@ class Shapes:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Belief:
+class Surrogate:
     """Of one requirement: is there a margin, and is it positive? No *judged* where every run has a margin."""
 
     judged: LevelSet | None
     margin: LevelSet
 
     @classmethod
-    def of(cls, points: Array, margins: Array, shapes: Shapes) -> Belief:
+    def of(cls, points: Array, margins: Array, shapes: SurrogateShapes) -> Surrogate:
         """From *margins*, (n,), at *points* of the unit cube, (n, d), n at least 1; NaN where there is none.
 
         Of more than 2,000 those that tell most are taken.
@@ -45,22 +45,26 @@ class Belief:
         # With no margin anywhere, no run tells one.
         rows, learnt = (judged, 1.0) if judged.any() else (~judged, 0.0)
         values = _compressed(np.nan_to_num(margins[rows]), shapes.scale)
-        few = telling(points[rows], values >= 0, _MOST)
+        few = informative(points[rows], values >= 0, _MOST)
         return cls(where, LevelSet.through(points[rows][few], values[few], shapes.margin, learnt))
 
-    def at(self, points: Array) -> BeliefAt:
+    def at(self, points: Array) -> SurrogateAt:
         """What is believed at *points*, (m, d)."""
-        return BeliefAt(None if self.judged is None else self.judged.at(points), self.margin.at(points))
+        return SurrogateAt(None if self.judged is None else self.judged.at(points), self.margin.at(points))
 
 
-def shapes_of(points: Array, margins: Array) -> Shapes:
+def shapes_of(points: Array, margins: Array) -> SurrogateShapes:
     """The shapes that fit *margins*, (n,), at *points*, (n, d), NaN where there is none.
 
     Margins are compressed more and more as long as that raises the log density of each, held out, by all others.
     """
     judged = np.isfinite(margins)
     there, size = points[judged][thinned(judged.sum())], margins[judged][thinned(judged.sum())]
-    region_shape, best, most = most_telling(points, judged), (Shape(np.ones(points.shape[1]), 1e-6), np.inf), -np.inf
+    region_shape, best, most = (
+        most_informative_shape(points, judged),
+        (Shape(np.ones(points.shape[1]), 1e-6), np.inf),
+        -np.inf,
+    )
     first = np.abs(margins[judged][:_TYPICAL_OF])
     typical = float(np.median(first) or first.max() or 1.0) if len(first) else 1.0
     for scale in (typical * factor for factor in (_COMPRESSED if len(first) else ())):
@@ -70,12 +74,12 @@ def shapes_of(points: Array, margins: Array) -> Shapes:
         if round(density, _DIGITS) <= most:
             break
         best, most = (shape, scale), round(density, _DIGITS)
-    return Shapes(region_shape, *best)
+    return SurrogateShapes(region_shape, *best)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class BeliefAt:
-    """A belief at m points."""
+class SurrogateAt:
+    """The surrogate at m points."""
 
     judged: Posterior | None
     margin: Posterior
@@ -109,13 +113,13 @@ class BeliefAt:
             self.judged.include(index)
 
 
-def misjudged(beliefs: Sequence[BeliefAt]) -> Array:
+def misjudged(surrogates: Sequence[SurrogateAt]) -> Array:
     """The probability that what is believed of all requirements together is wrong, (m,).
 
     They pass, one fails, or neither: one has no margin.
     """
-    passing = np.prod([belief.passing() for belief in beliefs], axis=0)
-    failing = 1 - np.prod([1 - belief.failing() for belief in beliefs], axis=0)
+    passing = np.prod([surrogate.passing() for surrogate in surrogates], axis=0)
+    failing = 1 - np.prod([1 - surrogate.failing() for surrogate in surrogates], axis=0)
     return np.asarray(1 - np.maximum(np.maximum(passing, failing), 1 - passing - failing), dtype=np.float64)
 
 

@@ -59,7 +59,8 @@ MakeRunner = Callable[[Any, memoryview], Runner]
 class Batch:
     """Runs of one configuration that go to one worker together, sorted by number.
 
-    If *file* is not "", waveforms are kept in the file of that name. Runs in *made* are in the spool already: with it,
+    If *file* is not "", waveforms are kept in the file of that name. Runs in *made* are in the write-ahead log
+    already: with it,
     they come into the file. *alone* has the others made one at a time, *fresh* by a process that has made none before.
     A *part* is not all that its file is made of. It goes to another worker than the maker *unlike*, where there is one.
     """
@@ -86,7 +87,7 @@ class Batch:
 
     @property
     def name(self) -> str:
-        """What its runs are found under in the spool, the same whenever it is made."""
+        """What its runs are found under in the write-ahead log, the same whenever it is made."""
         return self.file or f"runs-{self.identity:08d}"
 
     @property
@@ -124,13 +125,13 @@ class Sink(Protocol):
 class Work:
     """What a study's runs are made from: its configurations by id, who simulates them, and what every run has to give.
 
-    Files of waveforms go into the folder *waveforms*, what is needed aside into *spool*; *study* is the fingerprint of
-    what is studied.
+    Files of waveforms go into the folder *waveforms*, what is needed aside into *write-ahead log*; *study* is the
+    fingerprint of what is studied.
     """
 
     configurations: Mapping[str, Runnable]
     make_runner: MakeRunner
     waveforms: Path
     measures: Measures
-    spool: Path
+    log_folder: Path
     study: str = ""

@@ -1,14 +1,14 @@
 from .checks import Check as Check, Checked as Checked, Latencies as Latencies
-from .client import Line as Line, connected_line as connected_line
+from .client import ClientLine as ClientLine, connected_line as connected_line
 from .client_check import check_client as check_client
 from .datagram_tap import listen_at as listen_at, tap as tap
 from .driver_in_the_loop import (
     DRIVER as DRIVER,
-    Seat as Seat,
+    DriverInTheLoop as DriverInTheLoop,
     can_be_driven as can_be_driven,
     driver_of as driver_of,
-    prepare_seat as prepare_seat,
-    take_seat as take_seat,
+    prepare_driver as prepare_driver,
+    put_driver_in_the_loop as put_driver_in_the_loop,
     with_driver as with_driver,
 )
 from .esmini import (
@@ -51,4 +51,4 @@ from .recording import (
 )
 from .session import Ended as Ended, Patience as Patience, Seen as Seen, Session as Session, Why as Why
 from .world import News as News, What as What, require_free as require_free, serve_world as serve_world
-from .world_check import Trial as Trial, check_world as check_world
+from .world_check import WorldTrial as WorldTrial, check_world as check_world

@@ -30,7 +30,7 @@ def trial_values(count: int, sequence: int, wholes: frozenset[int]) -> tuple[flo
 
 
 @dataclass(slots=True)
-class Line:
+class ClientLine:
     """A datagram socket that is connected to the other side; what it says of the other side is kept in *refused*."""
 
     socket: socket.socket
@@ -73,7 +73,7 @@ class Timings:
     quickest: float = math.inf
 
 
-def connected_line(host: str, port: int) -> Line:
+def connected_line(host: str, port: int) -> ClientLine:
     """A line to *host*, by IPv4 or IPv6. Raises OSError: no such host."""
     family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
     opened = socket.socket(family, kind, protocol)
@@ -82,7 +82,7 @@ def connected_line(host: str, port: int) -> Line:
     except BaseException:
         opened.close()
         raise
-    return Line(opened)
+    return ClientLine(opened)
 
 
 def request(

@@ -1,4 +1,4 @@
-"""A bench with somebody at the wheel: the component that drives is replaced by a seat, which talks while it runs."""
+"""A bench with a driver in the loop: its driver component is replaced by one whose outputs a person sets as it runs."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ DRIVER = "driver"
 
 ECHO, OVERRUNS, LATENESS = "echo", "link.overruns", "link.lateness"
 _OWN = (ECHO, OVERRUNS, LATENESS)
-"""What the seat shows to itself again, so that whoever talks with it knows what the run has used."""
+"""What the driver in the loop shows to itself again, so that whoever talks with it knows what the run has used."""
 
 _MOST = 4000
-"""Signals that a seat sees."""
+"""Signals that a driver in the loop sees."""
 
 
 @dataclass(frozen=True, slots=True)
-class Seat:
+class DriverInTheLoop:
     """Where somebody sits in a run of *bench*: the test component *part*, which puts out *controls*, numbers for the
     parameters *tunables* by ``part.parameter``, and sees the signals *seen*."""
 
@@ -43,7 +43,7 @@ class Seat:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """The outputs of the seat that are a drive: controls, then ``tune.<part>.<parameter>``."""
+        """The outputs of the driver in the loop that are a drive: controls, then ``tune.<part>.<parameter>``."""
         return (*(port.name for port in self.controls), *(f"{TUNE}.{name}" for name in self.tunables))
 
 
@@ -102,8 +102,10 @@ def with_driver(bench: TestBench, component: Component, tuned: Sequence[str]) ->
     return replace(bench, test_components=replaced, direct=(*bench.direct, *ways))
 
 
-def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[str], *, version: int = 2) -> Seat:
-    """*bench* with a seat in the driver's place, which sees the signals *wanted*.
+def put_driver_in_the_loop(
+    bench: TestBench, configuration: Configuration, wanted: Sequence[str], *, version: int = 2
+) -> DriverInTheLoop:
+    """*bench* with a driver in the loop in the driver's place, which sees the signals *wanted*.
 
     It talks through the socket that its process is given, in real time and SI units, and all that it puts out is kept.
     Raises DseError if the bench cannot be driven.
@@ -111,7 +113,10 @@ def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[s
     raise_if_any(_refusals(bench))
     part, wired = driver_of(bench), wire_bench(bench, configuration)
     if len(wanted) > _MOST:
-        raise fail(f"bench '{bench.name}' shows {len(wanted):,} signals; a seat sees {_MOST:,} at most", bench.where)
+        raise fail(
+            f"bench '{bench.name}' shows {len(wanted):,} signals; a driver in the loop sees {_MOST:,} at most",
+            bench.where,
+        )
     ports = (port for port in part.component.interface.ports if port.causality is Causality.OUTPUT)
     controls = tuple(replace(port, type=_si(port.type)) for port in ports)
     tunables = tunables_of(bench, configuration, version=version)
@@ -130,25 +135,28 @@ def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[s
         bench.simulation, record=(*bench.simulation.record, *shown), record_every=bench.simulation.step
     )
     seated = replace(driven, direct=(*driven.direct, *views), simulation=simulation)
-    return Seat(seated, configuration, part.name, controls, tunables, tuple(wanted))
+    return DriverInTheLoop(seated, configuration, part.name, controls, tunables, tuple(wanted))
 
 
-def prepare_seat(seat: Seat, *, version: int = 2) -> PreparedBench:
-    """The run that somebody drives, its elements in the order that they have with a record in place of the seat.
+def prepare_driver(driver_in_loop: DriverInTheLoop, *, version: int = 2) -> PreparedBench:
+    """The run that somebody drives, its elements in the order that they have with a record in place of the driver in
+    the loop.
 
     Only so a method that goes from one element to the next gives the same again. Raises DseError.
     """
-    prepared = prepare_bench(seat.bench, [seat.configuration], version=version)[seat.configuration.id]
+    prepared = prepare_bench(driver_in_loop.bench, [driver_in_loop.configuration], version=version)[
+        driver_in_loop.configuration.id
+    ]
     system = prepared.system
-    ranked = [*wire_bench(seat.bench, seat.configuration).parts]
-    order = along_the_flow(ranked, [wire for wire in system.wires if wire.target != seat.part])
+    ranked = [*wire_bench(driver_in_loop.bench, driver_in_loop.configuration).parts]
+    order = along_the_flow(ranked, [wire for wire in system.wires if wire.target != driver_in_loop.part])
     elements = {each.name: each for each in system.elements}
-    elements[seat.part] = _heedless(elements[seat.part])
+    elements[driver_in_loop.part] = _heedless(elements[driver_in_loop.part])
     return replace(prepared, system=replace(system, elements=tuple(elements[name] for name in order)))
 
 
 def _heedless(element: Element) -> Element:
-    """A seat, whose outputs follow from no input: they are what somebody wants, from the start on."""
+    """A driver in the loop, whose outputs follow from no input: they are what somebody wants, from the start on."""
     nothing: dict[str, tuple[str, ...]] = {variable.name: () for variable in element.outputs}
     return replace(element, model=replace(element.model, depends=nothing, initially_depends=nothing))
 

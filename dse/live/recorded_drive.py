@@ -1,4 +1,4 @@
-"""A drive made again with nobody at the wheel: what the seat put out comes from a table in its place."""
+"""A drive made again with nobody at the wheel: what the driver in the loop put out comes from a table in its place."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ _NAME = "drive"
 def bench_of_drive(drive: Drive, bench: TestBench, configuration: Configuration, folder: Path) -> TestBench:
     """*bench* as it was driven with *configuration*, to be simulated as any other: the same bits as in the drive.
 
-    *folder* gets the table of what the seat put out, named by its content, which must stay there until the bench's FMUs
+    *folder* gets the table of what the driver in the loop put out, named by its content, which must stay there until
+    the bench's FMUs
     are built. What follows after a drive that ended early is not simulated. Raises DseError for a drive of something
     else.
     """

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from dse.domain.drive import Pace
 from dse.domain.run import Outcome, Run
-from dse.live.driver_in_the_loop import LATENESS, OVERRUNS, Seat
+from dse.live.driver_in_the_loop import LATENESS, OVERRUNS, DriverInTheLoop
 from dse.live.packet import Flag, Packet, PacketError, pack, unpack
 from dse.live.run_process import LOG, PREPARED, PROGRESS, PROGRESS_BYTES, Bounds, make_run, read_run
 from dse.processes import start_process
@@ -32,7 +32,7 @@ _MOST_ASKED = 100
 _LARGEST = 1 << 17
 _LAST_WORDS = 2000
 _OWN = 3
-"""Values ahead of the signals that a seat sees: echo, overruns, lateness."""
+"""Values ahead of the signals that a driver in the loop sees: echo, overruns, lateness."""
 
 
 class Why(StrEnum):
@@ -45,7 +45,8 @@ class Why(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seen:
-    """What the run shows at *time* (s): the newest, as the seat sees it. *echo* is the number of the last command that
+    """What the run shows at *time* (s): the newest, as the driver in the loop sees it. *echo* is the number of the
+    last command that
     the run has used, *lateness* by how many s the last step ended too late, *overruns* counts missed deadlines."""
 
     time: float
@@ -76,19 +77,23 @@ class Patience:
 
 
 class Session:
-    """Makes the run of *prepared* and is who sits in its *seat*, until `ended` says why it is over.
+    """Makes the run of *prepared* and is who sits in its *driver_in_loop*, until `ended` says why it is over.
 
-    *first* are what the seat puts out at first, by its ports. What is told from any thread is used from the next step
-    on; nothing waits. No two sessions share anything.
+    *first* are what the driver in the loop puts out at first, by its ports. What is told from any thread is used from
+    the next step on; nothing waits. No two sessions share anything.
     """
 
     def __init__(
-        self, prepared: PreparedBench, seat: Seat, first: Mapping[str, float], patience: Patience | None = None
+        self,
+        prepared: PreparedBench,
+        driver_in_loop: DriverInTheLoop,
+        first: Mapping[str, float],
+        patience: Patience | None = None,
     ) -> None:
-        self.seat = seat
+        self.driver_in_loop = driver_in_loop
         self._prepared = prepared
         self._patience = patience or Patience()
-        self._values = {name: first.get(name, 0.0) for name in seat.inputs}
+        self._values = {name: first.get(name, 0.0) for name in driver_in_loop.inputs}
         self._number = 0
         self._lock = threading.Lock()
         self._wants_end = threading.Event()
@@ -112,7 +117,8 @@ class Session:
         return self._ended if self._over.is_set() else None
 
     def command(self, values: Mapping[str, float], number: int = 0) -> None:
-        """Have the seat put out *values* by its ports, in SI, from the next step on; *number* is echoed then."""
+        """Have the driver in the loop put out *values* by its ports, in SI, from the next step on; *number* is echoed
+        then."""
         with self._lock:
             self._values.update(values)
             self._number = number or self._number + 1
@@ -171,7 +177,7 @@ class Session:
         sent, began, heard = Packet(0, 0, Flag(0), 0.0, ()), time.monotonic(), 0.0
         while True:
             ready = wait([line, process.sentinel], _TURN)
-            for packet in _arrived(line, _OWN + len(self.seat.seen)):
+            for packet in _arrived(line, _OWN + len(self.driver_in_loop.seen)):
                 if packet.flags & Flag.END:
                     continue  # of a start that is made again, or of the run: then its process ends
                 heard = time.monotonic()
@@ -217,7 +223,7 @@ class Session:
                     del self._asked[int(echo)]
 
     def _end(self, folder: Path, exit_code: int, cut: tuple[Why, str] | None) -> Ended:
-        run = read_run(folder, self.seat.configuration.id)
+        run = read_run(folder, self.driver_in_loop.configuration.id)
         if run is not None and run.outcome is Outcome.DONE:
             stop = self._prepared.simulation.stop
             at = run.waveforms.time[-1] if run.waveforms is not None and len(run.waveforms.time) else 0.0
@@ -234,10 +240,10 @@ class Session:
 
     def _pace(self, run: Run) -> Pace:
         waveforms = run.waveforms
-        late = np.empty(0) if waveforms is None else waveforms.values[f"{self.seat.part}.{LATENESS}"][1:]
+        late = np.empty(0) if waveforms is None else waveforms.values[f"{self.driver_in_loop.part}.{LATENESS}"][1:]
         if waveforms is None or not len(late):
             return Pace(0, 0, 0.0, 0.0)
-        overruns = waveforms.values[f"{self.seat.part}.{OVERRUNS}"][-1]
+        overruns = waveforms.values[f"{self.driver_in_loop.part}.{OVERRUNS}"][-1]
         return Pace(len(late), int(overruns), float(np.median(late)), float(np.quantile(late, 0.99)))
 
 

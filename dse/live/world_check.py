@@ -6,7 +6,7 @@ import struct
 from dataclasses import dataclass, field, replace
 
 from dse.live.checks import Checked, Findings, Latencies
-from dse.live.client import FIRST_PATIENCE, LONGEST_PATIENCE, PLAIN, Line, Timings, new_session, request
+from dse.live.client import FIRST_PATIENCE, LONGEST_PATIENCE, PLAIN, ClientLine, Timings, new_session, request
 from dse.live.packet import Flag, Packet, pack, unpack
 from dse.live.packet_mistakes import explain
 
@@ -26,7 +26,7 @@ class _Silent(Exception):  # noqa: N818  # nothing can be asked any more
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class WorldTrial:
     """*out* and *back* values each way; steps of *step* s, *steps* of them; *patience* s for an answer."""
 
     out: int
@@ -40,8 +40,8 @@ class Trial:
 
 @dataclass(slots=True)
 class _Client:
-    line: Line
-    trial: Trial
+    line: ClientLine
+    trial: WorldTrial
     findings: Findings
     session: int = field(default_factory=new_session)
     timings: Timings = field(default_factory=Timings)
@@ -133,7 +133,7 @@ class _Client:
         return None
 
 
-def check_world(line: Line, trial: Trial) -> Checked:
+def check_world(line: ClientLine, trial: WorldTrial) -> Checked:
     """All checks of a lockstep world on *line*; they take some seconds."""
     client = _Client(line, trial, Findings(NAMES))
     measured = Latencies((), 0, 0.0)
@@ -283,7 +283,7 @@ def _ends(client: _Client) -> None:
     client.line.send(pack(again.packet(2, Flag.END)))
 
 
-def _session_of(data: bytes, trial: Trial) -> int:
+def _session_of(data: bytes, trial: WorldTrial) -> int:
     return unpack(data, trial.back).session
 
 

@@ -14,10 +14,10 @@ from .content.data import (
     MetricColumn as MetricColumn,
     Property as Property,
     ReportContent as ReportContent,
+    ReportVariable as ReportVariable,
     RequirementRow as RequirementRow,
     Runs as Runs,
     SamplerKind as SamplerKind,
-    Variable as Variable,
 )
 from .content.reading import content_of_run as content_of_run, read_content as read_content
 from .content.scenes import with_replays as with_replays
@@ -48,7 +48,7 @@ from .page.pdf import print_report as print_report
 from .roads import road_picture as road_picture, with_driven as with_driven
 from .scene.data import Ground as Ground, Scene as Scene
 from .scene.film import VIEWS as VIEWS, Shot as Shot, film as film, require_target as require_target
-from .scene.from_signals import Told as Told
+from .scene.from_signals import SceneSignals as SceneSignals
 from .scene.ground import ground_of as ground_of, straight_ground as straight_ground
 from .scene.html import (
     scene_document as scene_document,

@@ -12,7 +12,7 @@ from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.sampler import Role
 from dse.exploration import equal_rows
 from dse.metrics import Codes, margin_to_bounds, overall_codes, verdict_codes, worst_codes
-from dse.report.content.data import Floats, ReportContent, RequirementRow, Variable
+from dse.report.content.data import Floats, ReportContent, ReportVariable, RequirementRow
 
 
 class Mark(IntEnum):
@@ -45,7 +45,9 @@ def alike(content: ReportContent, names: Sequence[str]) -> list[NDArray[np.intp]
     return equal_rows(np.column_stack([codes.reshape(-1), *(content.variable(name).values for name in names)]))
 
 
-def worst_marks(content: ReportContent, designs: Sequence[NDArray[np.intp]], conditions: Sequence[Variable]) -> Marks:
+def worst_marks(
+    content: ReportContent, designs: Sequence[NDArray[np.intp]], conditions: Sequence[ReportVariable]
+) -> Marks:
     """The mark of each of *designs*, given by its runs, over all *conditions*: one that lacks some does not pass."""
     each = [worst_codes(marks_of(content, requirement), designs) for requirement in content.requirements]
     done = np.array([content.runs.done[rows].all() for rows in designs], dtype=np.bool_)
@@ -81,7 +83,7 @@ def deciding_runs(content: ReportContent, requirement: RequirementRow) -> tuple[
     return rows, worst_codes(marks, designs)
 
 
-def conditions_of(content: ReportContent) -> list[Variable]:
+def conditions_of(content: ReportContent) -> list[ReportVariable]:
     """The variables that are conditions."""
     return [variable for variable in content.variables if variable.role == Role.CONDITION]
 

@@ -8,17 +8,17 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dse.api import Compared, Glance, compare, glance, stop
+from dse.api import Compared, StudySummary, compare, stop, study_summary
 from dse.errors import DseError, fail
 from dse.serving.comparison import compare_page
 from dse.serving.drives import LiveDrives
 from dse.serving.driving import drive_routes
 from dse.serving.guard import Application, Guard, Limits
-from dse.serving.open_studies import Desk
+from dse.serving.open_studies import OpenStudies
 from dse.serving.pages import problem_page, start_page
-from dse.serving.point_requests import AskedPoint, BusyError, problem_of, read_request, simulated
+from dse.serving.point_requests import AskedPoint, BusyError, problem_of, read_request, simulated_point
 from dse.serving.replays import Replays, run_number, waiting_page
-from dse.serving.study_index import Shelf
+from dse.serving.study_index import StudyIndex
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -31,14 +31,14 @@ _MOST_COMPARED = 8
 
 
 def application(
-    shelf: Shelf,
+    index: StudyIndex,
     *,
     token: str = "",
     is_open: bool = False,
     limits: Limits | None = None,
     drives: LiveDrives | None = None,
 ) -> Application:
-    """An ASGI application for the studies of *shelf*, and for *drives* if there are some, guarded as `Guard` says.
+    """An ASGI application for the studies of *index*, and for *drives* if there are some, guarded as `Guard` says.
 
     DseError without the extra ``serve``.
     """
@@ -51,44 +51,44 @@ def application(
         raise fail("serving needs the packages starlette and uvicorn", hint=hint) from None
     # Two pages of each drive, as one that is loaded anew connects before the old one is gone.
     limits = limits or Limits(sockets=2 * drives.most + 16 if drives else 16)
-    desk = Desk()
-    replays = Replays(shelf.workspace)
+    open_studies = OpenStudies()
+    replays = Replays(index.workspace)
 
     def name_of(request: Request) -> str:
         return request.query_params.get("study", "")
 
     def start(_: Request) -> Response:
-        return HTMLResponse(start_page(str(shelf.root), {n: _glance(shelf, n) for n in shelf.studies}))
+        return HTMLResponse(start_page(str(index.root), {n: _glance(index, n) for n in index.studies}))
 
     def study(request: Request) -> Response:
         name = request.path_params["name"]
-        return HTMLResponse(desk.page(name, shelf.folder(name)))
+        return HTMLResponse(open_studies.page(name, index.folder(name)))
 
     def progress(request: Request) -> Response:
-        return JSONResponse(desk.progress(shelf.folder(name_of(request))))
+        return JSONResponse(open_studies.progress(index.folder(name_of(request))))
 
     def compared(request: Request) -> Response:
         names = dict.fromkeys(name for _, name in request.query_params.multi_items())
-        return HTMLResponse(compare_page(_compared(shelf, [*names])))
+        return HTMLResponse(compare_page(_compared(index, [*names])))
 
     async def simulate(request: Request) -> Response:
         asked = read_request(await request.body(), AskedPoint)
-        folder = shelf.folder(name_of(request))
-        return JSONResponse(await _aside(lambda: simulated(folder, asked, shelf.workspace)))
+        folder = index.folder(name_of(request))
+        return JSONResponse(await _aside(lambda: simulated_point(folder, asked, index.workspace)))
 
     def replay(request: Request) -> Response:
         name, run = request.path_params["name"], run_number(request.path_params["run"])
-        page = replays.page(shelf.folder(name), run)
+        page = replays.page(index.folder(name), run)
         return HTMLResponse(waiting_page(name, run) if page is None else page)
 
     async def replayed(request: Request) -> Response:
-        folder, run = shelf.folder(name_of(request)), run_number(request.query_params.get("run", ""))
+        folder, run = index.folder(name_of(request)), run_number(request.query_params.get("run", ""))
         if request.method == "POST":
             await _aside(lambda: replays.make(folder, run))
         return JSONResponse({"told": replays.told(folder, run)})
 
     def stopped(request: Request) -> Response:
-        writer = stop(shelf.folder(name_of(request)))
+        writer = stop(index.folder(name_of(request)))
         return JSONResponse({"asked": str(writer)})
 
     def unfit(request: Request, error: Exception) -> Response:
@@ -143,14 +143,14 @@ async def _aside(work: Callable[[], T]) -> T:
     return await done
 
 
-def _glance(shelf: Shelf, name: str) -> Glance | DseError:
+def _glance(index: StudyIndex, name: str) -> StudySummary | DseError:
     try:
-        return glance(shelf.folder(name))
+        return study_summary(index.folder(name))
     except DseError as error:
         return error
 
 
-def _compared(shelf: Shelf, names: list[str]) -> dict[str, Compared]:
+def _compared(index: StudyIndex, names: list[str]) -> dict[str, Compared]:
     if not 2 <= len(names) <= _MOST_COMPARED:
         raise fail(f"two to {_MOST_COMPARED} studies can be compared", hint="tick them in the list of all studies")
-    return dict(zip(names, compare([shelf.folder(name) for name in names]), strict=True))
+    return dict(zip(names, compare([index.folder(name) for name in names]), strict=True))

@@ -12,7 +12,7 @@ from threading import Lock
 from typing import Generic, TypeVar
 from urllib.parse import urlencode
 
-from dse.api import glance, status
+from dse.api import status, study_summary
 from dse.errors import fail
 from dse.report import read_report, served_page
 
@@ -55,7 +55,7 @@ class _Kept(Generic[T]):
         return value
 
 
-class Desk:
+class OpenStudies:
     """Reads study folders for whoever looks at them; nothing is written there. All may be called from any thread."""
 
     def __init__(self) -> None:
@@ -67,7 +67,7 @@ class Desk:
 
         def make() -> tuple[object, bytes]:
             mark = _mark(folder)
-            content = read_report(folder, _MANY if glance(folder).finished <= _MANY else _FEW)
+            content = read_report(folder, _MANY if study_summary(folder).finished <= _MANY else _FEW)
             query = urlencode({"study": name})
             live = {"study": name, "runs": len(content.runs), "query": query, "problems": [*map(str, content.missing)]}
             return mark, served_page(content, live).encode()
@@ -88,7 +88,7 @@ class Desk:
 
 
 def _progress(folder: Path) -> Mapping[str, object]:
-    now = glance(folder)
+    now = study_summary(folder)
     told: dict[str, object] = {"state": now.state, "runs": now.runs, "finished": now.finished}
     if now.state == "running":
         running = status(folder)  # takes a second, in which it counts

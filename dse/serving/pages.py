@@ -7,7 +7,7 @@ from datetime import datetime
 from html import escape
 from urllib.parse import quote
 
-from dse.api import Glance
+from dse.api import StudySummary
 from dse.domain.bench import VERDICTS, Verdict
 from dse.errors import DseError
 from dse.report import HEAD, ICON, bundle, hash_of, script_json
@@ -76,9 +76,9 @@ def study_address(name: str) -> str:
     return f"/study/{quote(name)}/"
 
 
-def start_page(place: str, studies: Mapping[str, Glance | DseError]) -> str:
+def start_page(place: str, studies: Mapping[str, StudySummary | DseError]) -> str:
     """The list of *studies* by name, those that cannot be read with what is wrong; *place* is where they lie."""
-    running = sum(isinstance(each, Glance) and each.state == "running" for each in studies.values())
+    running = sum(isinstance(each, StudySummary) and each.state == "running" for each in studies.values())
     beside = f'<span class="muted">{escape(place)} · {_count(len(studies), "study", "studies")}</span>'
     if not studies:
         empty = "<p>There is no study here yet. <code>dse explore STUDY -o out/STUDY</code> makes one.</p>"
@@ -142,7 +142,7 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]], kind: str = "plai
     return f'<div class="scroll" tabindex="0">{whole}</div>'
 
 
-def _row(name: str, study: Glance | DseError) -> str:
+def _row(name: str, study: StudySummary | DseError) -> str:
     shown = escape(name)
     if isinstance(study, DseError):
         what = escape(study.problems[0].what)

@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.api import metric_rows, results, try_point
+from dse.api import metric_rows, results, what_if_run
 from dse.errors import DseError, fail
 from dse.json_data import read_json, read_noun
 from dse.report import content_of_run
@@ -44,7 +44,7 @@ def read_request(content: bytes | str, shape: type[T]) -> T:
     return noun
 
 
-def simulated(folder: Path, asked: AskedPoint, workspace: Path | None = None) -> dict[str, object]:
+def simulated_point(folder: Path, asked: AskedPoint, workspace: Path | None = None) -> dict[str, object]:
     """What came of the point, simulated now: metrics, verdicts and waveforms; or, with nothing simulated, what has
     changed in the workspace that the user has not accepted. Raises DseError; also while it is busy."""
 
@@ -54,7 +54,7 @@ def simulated(folder: Path, asked: AskedPoint, workspace: Path | None = None) ->
 
     try:
         with the_only_one():
-            tried = try_point(
+            tried = what_if_run(
                 results(folder).definition,
                 asked.configuration,
                 asked.point,

@@ -17,7 +17,7 @@ from dse.serving.application import application
 from dse.serving.connections import protocol
 from dse.serving.drives import LiveDrives
 from dse.serving.guard import Application, Limits
-from dse.serving.study_index import Shelf
+from dse.serving.study_index import StudyIndex
 
 if TYPE_CHECKING:
     import uvicorn
@@ -46,21 +46,21 @@ class Announced:
 
 
 def serve(
-    shelf: Shelf,
+    index: StudyIndex,
     *,
     listen: str = "",
     port: int = PORT,
     tell: Callable[[Announced], None],
     drives: LiveDrives | None = None,
 ) -> None:
-    """Serve the studies of *shelf*, and *drives*, until the program is interrupted; *tell* is called once it listens.
+    """Serve the studies of *index*, and *drives*, until the program is interrupted; *tell* is called once it listens.
 
     On the loopback address, or on *listen*, an address in numbers of this machine (``0.0.0.0``: all), with a token.
     Port 0 is any free one. Raises DseError if it cannot listen there, or without the extra ``serve``.
     """
     token = secrets.token_urlsafe(32) if listen else ""
     address = _address(listen or LOOPBACK)
-    guarded = application(shelf, token=token, is_open=not address.is_loopback, drives=drives)
+    guarded = application(index, token=token, is_open=not address.is_loopback, drives=drives)
     with _listening(address, port) as listener, drives or nullcontext():
         tell(_announced(address, listener.getsockname()[1], token, "drive" if drives else ""))
         server_of(guarded).run(sockets=[listener])

@@ -21,7 +21,7 @@ _FRESH = 2.0
 """Seconds for which a list is good enough to show."""
 
 
-class Shelf:
+class StudyIndex:
     """The studies in *root*, which may be one itself; links are not followed, so that each lies below *root*.
 
     They are simulated with *workspace*, or one that is trusted. DseError if *root* is no folder.

@@ -8,8 +8,8 @@ from .checks import (
 )
 from .database.connection import damaged_study as damaged_study
 from .database.header import StudyHeader as StudyHeader
-from .database.run_counts import Maker as Maker, Tally as Tally
-from .database.sampler_requests import Asks as Asks
+from .database.run_counts import Maker as Maker, RunCounts as RunCounts
+from .database.sampler_requests import SamplerRequests as SamplerRequests
 from .database.table import RunTable as RunTable
 from .difference import (
     changed_inputs as changed_inputs,
@@ -23,7 +23,7 @@ from .drives import (
     read_drive as read_drive,
     write_drive as write_drive,
 )
-from .dry_run import Rehearsal as Rehearsal
+from .dry_run import DryRun as DryRun
 from .export.headings import (
     Scale as Scale,
     Units as Units,
@@ -54,11 +54,11 @@ from .waveforms import (
     write_waveforms as write_waveforms,
 )
 from .write_ahead_log import (
-    Spooled as Spooled,
-    SpoolWriter as SpoolWriter,
+    LoggedBatch as LoggedBatch,
+    LogWriter as LogWriter,
     assemble as assemble,
-    clear_spool as clear_spool,
-    read_spool as read_spool,
-    spooled_names as spooled_names,
-    write_spooled as write_spooled,
+    clear_log as clear_log,
+    logged_names as logged_names,
+    read_log as read_log,
+    write_logged as write_logged,
 )

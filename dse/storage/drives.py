@@ -1,4 +1,5 @@
-"""A drive as a file: Parquet with a column for each thing the seat put out, and what else is known as JSON in its head.
+"""A drive as a file: Parquet with a column for each thing the driver in the loop put out, and what else is known as
+JSON in its head.
 
 Files come from anybody: what is no drive is refused by name, before much of it is read.
 """

@@ -14,15 +14,15 @@ from dse.storage.folder import StudyFolder
 from dse.storage.waveform_check import FileFacts
 
 
-class Rehearsal(StudyFolder):
+class DryRun(StudyFolder):
     """What `StudyFolder.resume` would give, as a copy that is gone when it is closed: the folder is left as it is.
 
-    Runs that were spooled and not stored are not in it.
+    Runs that were logged and not stored are not in it.
     """
 
     @property
-    def spool_folder(self) -> Path:
-        """Nothing is spooled here."""
+    def log_folder(self) -> Path:
+        """Nothing is logged here."""
         return self.path / "nothing"
 
     def add_kept(self, numbers: Sequence[int], file: str) -> FileFacts | None:
@@ -30,7 +30,7 @@ class Rehearsal(StudyFolder):
         return super().add_kept(numbers, file if (self.waveform_folder / file).is_file() else "")
 
     @classmethod
-    def of(cls, path: Path, definition: StudyDefinition) -> Rehearsal:
+    def of(cls, path: Path, definition: StudyDefinition) -> DryRun:
         """The folder at *path* as it would be taken up; a new one if there is none. DseError as from `resume`."""
         with ExitStack() as undo, located(path):
             copy = sqlite3.connect("", isolation_level=None)  # a file that SQLite removes

@@ -19,7 +19,7 @@ from dse.domain.address import Address
 from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
-from dse.domain.provenance import Notes
+from dse.domain.provenance import Provenance
 from dse.domain.run import Outcome, RunRequest
 from dse.domain.study import SHARD_FOLDER
 from dse.errors import Location, fail
@@ -30,23 +30,23 @@ from dse.storage.database.attempts import write_attempts
 from dse.storage.database.checks import write_checks
 from dse.storage.database.connection import (
     NAME,
-    lay_out,
+    create_tables,
     located,
     migrate,
     write_header,
 )
 from dse.storage.database.files import write_files
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.provenance import write_notes
-from dse.storage.database.row_checksum import kept_seal, seals
-from dse.storage.database.sampler_requests import Asks, blocks_of, write_asks
+from dse.storage.database.provenance import write_provenance
+from dse.storage.database.row_checksum import row_checksums, stored_checksum
+from dse.storage.database.sampler_requests import SamplerRequests, blocks_of, write_sampler_requests
 from dse.storage.database.schema import cell_of, columns, quoted
 from dse.storage.lock import LOCK, WRITER, WriterLock
 from dse.storage.reader import SPOOL, WAVEFORMS, StudyReader
 from dse.storage.rows import RowBlock
 from dse.storage.waveform_check import FileFacts, checked, facts_of
 from dse.storage.waveforms import PART
-from dse.storage.write_ahead_log import Spooled, clear_spool, read_spool, spool_files
+from dse.storage.write_ahead_log import LoggedBatch, clear_log, log_files, read_log
 
 _COMMIT_EVERY = 0.25
 _OURS = (WAVEFORMS, SPOOL, LOCK, WRITER, "report.html", "figures")
@@ -62,7 +62,7 @@ class StudyFolder(StudyReader):
     than that. If something cannot be written, all that was not committed is taken back.
     """
 
-    def __init__(self, path: Path, header: StudyHeader, connection: sqlite3.Connection, asks: Asks) -> None:
+    def __init__(self, path: Path, header: StudyHeader, connection: sqlite3.Connection, asks: SamplerRequests) -> None:
         super().__init__(path, header, connection, asks)
         self.is_extended = False
         self.damaged: frozenset[int] = frozenset()
@@ -82,7 +82,7 @@ class StudyFolder(StudyReader):
         """The folder at *path* to go on with, or a new one; DseError if it holds the results of another study.
 
         If *definition* only asks for other points or more configurations than the stored one, the study is extended:
-        a new era begins. Runs that were spooled and not stored are. Waveforms whose file is gone, cut or changed count
+        a new era begins. Runs that were logged and not stored are. Waveforms whose file is gone, cut or changed count
         as never kept, so that they are made again. DseError if somebody else writes into the folder.
         """
         _require_room(path)
@@ -91,7 +91,7 @@ class StudyFolder(StudyReader):
             with located(path):
                 (path / WAVEFORMS).mkdir(exist_ok=True)
             if not (path / NAME).exists():
-                lay_out(path, StudyHeader(definition))
+                create_tables(path, StudyHeader(definition))
             folder = cls._connected(path, write=True)
             undo.callback(folder.close)
             folder.lock = lock
@@ -151,7 +151,7 @@ class StudyFolder(StudyReader):
         if not stored or header != self.header:
             self.header = header
             with self._writing() as connection:
-                write_asks(connection, () if stored else blocks)
+                write_sampler_requests(connection, () if stored else blocks)
                 write_header(connection, header, self.asks)
             self.commit()
 
@@ -163,11 +163,11 @@ class StudyFolder(StudyReader):
         self.commit()
         self.header = header
 
-    def note(self, notes: Notes) -> None:
+    def note(self, notes: Provenance) -> None:
         """Keep *notes* in place of what was kept."""
         if notes != self.notes():
             with self._writing() as connection:
-                write_notes(connection, notes)
+                write_provenance(connection, notes)
             self.commit()
 
     def note_addresses(self, addresses: Mapping[str, Address]) -> None:
@@ -201,10 +201,13 @@ class StudyFolder(StudyReader):
         ]
         if not rows:
             return
-        sealed = [(*row, seal) for row, seal in zip(rows, seals([*zip(*rows, strict=True)]).tolist(), strict=True)]
-        places = ", ".join("?" * len(sealed[0]))
+        checked = [
+            (*row, checksum)
+            for row, checksum in zip(rows, row_checksums([*zip(*rows, strict=True)]).tolist(), strict=True)
+        ]
+        places = ", ".join("?" * len(checked[0]))
         with self._writing() as connection:
-            connection.executemany(f"INSERT OR IGNORE INTO runs VALUES ({places})", sealed)  # noqa: S608  # marks only
+            connection.executemany(f"INSERT OR IGNORE INTO runs VALUES ({places})", checked)  # noqa: S608  # marks only
             tries = zip(numbers, repeat(""), block.wall.tolist(), strict=False)
             write_attempts(connection, block.maker, tries)
         self.commit_if_due()
@@ -229,7 +232,7 @@ class StudyFolder(StudyReader):
         """
         facts = None
         with self._writing() as connection:
-            rows = [(number, file or None, kept_seal(number, file)) for number in numbers]
+            rows = [(number, file or None, stored_checksum(number, file)) for number in numbers]
             connection.executemany("INSERT OR REPLACE INTO kept VALUES (?, ?, ?)", rows)
             if file:
                 facts = facts_of(self.waveform_folder / file)
@@ -238,7 +241,7 @@ class StudyFolder(StudyReader):
         return facts
 
     def release(self, name: str) -> None:
-        """Let the spool of the batch *name* go when what has been added is committed."""
+        """Let the write-ahead log of the batch *name* go when what has been added is committed."""
         self._released.add(name)
 
     def set_problem(self, number: int, problem: str) -> None:
@@ -248,8 +251,8 @@ class StudyFolder(StudyReader):
             choice = ", ".join(map(quoted, columns(self.header)))
             query = f"SELECT {choice} FROM runs WHERE number = ?"  # noqa: S608  # quoted
             for row in connection.execute(query, (number,)).fetchall():
-                seal = int(seals([(cell,) for cell in row])[0])
-                connection.execute("UPDATE runs SET seal = ? WHERE number = ?", (seal, number))
+                checksum = int(row_checksums([(cell,) for cell in row])[0])
+                connection.execute("UPDATE runs SET seal = ? WHERE number = ?", (checksum, number))
         self.commit_if_due()
 
     def commit_if_due(self) -> None:
@@ -264,7 +267,7 @@ class StudyFolder(StudyReader):
                 connection.execute("COMMIT")
         if self._released:
             with suppress(OSError):  # what stays is known to be stored
-                clear_spool(self.spool_folder, self._released)
+                clear_log(self.log_folder, self._released)
             self._released.clear()
 
     def close(self) -> None:
@@ -278,7 +281,7 @@ class StudyFolder(StudyReader):
     def end(self) -> None:
         """Commit; the study is complete, and nothing is needed aside any more."""
         self.commit()
-        shutil.rmtree(self.spool_folder, ignore_errors=True)
+        shutil.rmtree(self.log_folder, ignore_errors=True)
 
     def take_up(self, definition: StudyDefinition) -> None:
         """Make *definition* the folder's, in a new era if it asks for other runs; DseError if it is another study's."""
@@ -306,20 +309,22 @@ class StudyFolder(StudyReader):
         self.header = header
 
     def recover(self) -> None:
-        """Store the runs that are in the spool and not here; waveforms stay there until their chunk is complete."""
-        needed = self.take_spooled(self.spool_folder)
+        """Store the runs that are in the write-ahead log and not here; waveforms stay there until their chunk is
+        complete."""
+        needed = self.take_logged(self.log_folder)
         self.commit()
-        for file in spool_files(self.spool_folder):
+        for file in log_files(self.log_folder):
             if file not in needed:
                 file.unlink(missing_ok=True)
 
-    def take_spooled(self, spool: Path) -> set[Path]:
-        """Store the runs that are in the folder *spool* and not here; the files whose waveforms are still needed."""
+    def take_logged(self, log_folder: Path) -> set[Path]:
+        """Store the runs that are in the folder *write-ahead log* and not here; the files whose waveforms are still
+        needed."""
         finished, kept = self.finished(), self.kept()
-        spooled = read_spool(spool, self.header.measures, self.header.fingerprint)
-        known = {(a.run, a.maker, a.seconds) for a in self.attempts()} if spooled else set()
+        logged = read_log(log_folder, self.header.measures, self.header.fingerprint)
+        known = {(a.run, a.maker, a.seconds) for a in self.attempts()} if logged else set()
         needed: set[Path] = set()
-        for each in spooled:
+        for each in logged:
             if not self._asked_for(each):
                 continue
             numbers, block = each.block.numbers.tolist(), each.block
@@ -344,7 +349,7 @@ class StudyFolder(StudyReader):
         gone = self.finished() & numbers
         earlier = sum(number < self.header.base for number in gone)
         header = replace(self.header, earlier=self.header.earlier - earlier, runs=self.header.runs - earlier)
-        for each in read_spool(self.spool_folder, header.measures, header.fingerprint):
+        for each in read_log(self.log_folder, header.measures, header.fingerprint):
             if gone.intersection(each.block.numbers.tolist()):
                 each.path.unlink(missing_ok=True)
         with self._writing() as connection:
@@ -355,19 +360,19 @@ class StudyFolder(StudyReader):
         self.commit()
         self.header = header
 
-    def _asked_for(self, spooled: Spooled) -> bool:
+    def _asked_for(self, logged: LoggedBatch) -> bool:
         """Whether the study asked for runs like these; a file of another one may say it is of this."""
         header = self.header
-        if spooled.configuration not in header.configurations:
+        if logged.configuration not in header.configurations:
             return False
-        has = header.has(spooled.configuration).tolist()
-        if spooled.variables != tuple(name for name, there in zip(header.variables, has, strict=True) if there):
+        has = header.has(logged.configuration).tolist()
+        if logged.variables != tuple(name for name, there in zip(header.variables, has, strict=True) if there):
             return False
-        values = (value for point in spooled.points for value in point)
-        numbers = spooled.block.numbers.tolist()
+        values = (value for point in logged.points for value in point)
+        numbers = logged.block.numbers.tolist()
         return all(
             isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value) for value in values
-        ) and all(self.asks.configuration(number) == spooled.configuration for number in numbers)
+        ) and all(self.asks.configuration(number) == logged.configuration for number in numbers)
 
     @contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:

@@ -14,8 +14,8 @@ from dse.domain.study import SHARD_FOLDER
 from dse.errors import Location, fail
 from dse.storage.database.connection import NAME, attachable, located, write_header
 from dse.storage.database.files import write_files
-from dse.storage.database.row_checksum import kept_seal
-from dse.storage.database.sampler_requests import write_asks
+from dse.storage.database.row_checksum import stored_checksum
+from dse.storage.database.sampler_requests import write_sampler_requests
 from dse.storage.database.schema import columns, quoted
 from dse.storage.folder import StudyFolder
 from dse.storage.reader import StudyReader
@@ -58,7 +58,7 @@ def merge_studies(target: Path, sources: Sequence[Path]) -> Merged:
             _require_same(first, other)
         merging = stack.enter_context(_Merging.resume(target, first.header.definition))
         different = {number for reader in readers for number in merging.take_in(reader)}
-        of = {reader.path: len(reader.finished() | reader.spooled()) for reader in readers}
+        of = {reader.path: len(reader.finished() | reader.logged()) for reader in readers}
         finished = len(merging.finished())
         return Merged(merging.header.runs, finished, of, _absent(sources), tuple(sorted(different)))
 
@@ -102,7 +102,7 @@ class _Merging(StudyFolder):
         with self._attached(other.path), self._writing() as connection:
             if not self.asks.blocks:
                 self.asks = other.asks
-                write_asks(connection, other.asks.blocks)
+                write_sampler_requests(connection, other.asks.blocks)
                 counts = {name: getattr(other.header, name) for name in ("runs", "asked", "numbers")}
                 self.header = replace(self.header, **counts)
                 write_header(connection, self.header, self.asks)
@@ -110,11 +110,13 @@ class _Merging(StudyFolder):
             copy = f"INSERT OR IGNORE INTO runs ({names}) SELECT {names} FROM other.runs"  # noqa: S608  # quoted
             for statement in (copy, *_COPY_ATTEMPTS):
                 connection.execute(statement)
-            rows = [(n, file or None, kept_seal(n, file)) for n, file in kept.items() if not file or file in files]
+            rows = [
+                (n, file or None, stored_checksum(n, file)) for n, file in kept.items() if not file or file in files
+            ]
             connection.executemany("INSERT OR IGNORE INTO kept VALUES (?, ?, ?)", rows)
             write_files(connection, files)
             connection.execute("COMMIT")
-        self.take_spooled(other.spool_folder)  # whoever made these was killed before they were stored
+        self.take_logged(other.log_folder)  # whoever made these was killed before they were stored
         self.commit()
         return tuple(number for number, is_other in zip(both, differ.tolist(), strict=True) if is_other)
 

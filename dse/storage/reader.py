@@ -11,7 +11,7 @@ from typing import Any, Self
 
 from dse.domain.address import Address
 from dse.domain.definition import StudyDefinition
-from dse.domain.provenance import Notes
+from dse.domain.provenance import Provenance
 from dse.domain.run import Run, Waveforms
 from dse.errors import Location, fail
 from dse.storage.attempts import Attempt
@@ -21,14 +21,14 @@ from dse.storage.database.connection import connect, damaged_study, located, rea
 from dse.storage.database.definition import unit_flaws
 from dse.storage.database.files import read_files
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.provenance import read_notes
-from dse.storage.database.row_checksum import seals
-from dse.storage.database.run_counts import Tally, read_tally
-from dse.storage.database.sampler_requests import Asks
+from dse.storage.database.provenance import read_provenance
+from dse.storage.database.row_checksum import row_checksums
+from dse.storage.database.run_counts import RunCounts, read_run_counts
+from dse.storage.database.sampler_requests import SamplerRequests
 from dse.storage.database.table import RunTable, read_table, read_verdicts
 from dse.storage.waveform_check import FileFacts, size_of
 from dse.storage.waveforms import is_file_name, read_waveforms
-from dse.storage.write_ahead_log import read_spool
+from dse.storage.write_ahead_log import read_log
 
 WAVEFORMS = "waveforms"
 SPOOL = "spool"
@@ -37,7 +37,7 @@ SPOOL = "spool"
 class StudyReader:
     """One study's results. Close it, or use it in a with statement; others may read and one may write meanwhile."""
 
-    def __init__(self, path: Path, header: StudyHeader, connection: sqlite3.Connection, asks: Asks) -> None:
+    def __init__(self, path: Path, header: StudyHeader, connection: sqlite3.Connection, asks: SamplerRequests) -> None:
         self.path = path
         self.header = header
         self.asks = asks
@@ -60,7 +60,7 @@ class StudyReader:
         return self.path / WAVEFORMS
 
     @property
-    def spool_folder(self) -> Path:
+    def log_folder(self) -> Path:
         """What those who make the runs need aside: what is not in the database yet, and nothing after a study's end."""
         return self.path / SPOOL
 
@@ -147,11 +147,11 @@ class StudyReader:
         with located(self.path):
             return read_retried(self._connection)
 
-    def notes(self) -> Notes | None:
+    def notes(self) -> Provenance | None:
         """What is kept besides the results, None if nothing is, as of a study that an earlier version made."""
         try:
             with located(self.path):
-                return read_notes(self._connection)
+                return read_provenance(self._connection)
         except ValueError as error:
             raise damaged_study(self.path, str(error)) from error
 
@@ -160,15 +160,15 @@ class StudyReader:
         with located(self.path):
             return read_causes(self._connection)
 
-    def spooled(self) -> set[int]:
-        """Numbers of the runs that are made and lie in the spool only."""
-        found = read_spool(self.spool_folder, self.header.measures, self.header.fingerprint)
+    def logged(self) -> set[int]:
+        """Numbers of the runs that are made and lie in the write-ahead log only."""
+        found = read_log(self.log_folder, self.header.measures, self.header.fingerprint)
         return {number for each in found for number in each.block.numbers.tolist()} - self.finished()
 
-    def tally(self) -> Tally:
+    def tally(self) -> RunCounts:
         """How far it is, and who made its runs."""
         with located(self.path):
-            return read_tally(self._connection)
+            return read_run_counts(self._connection)
 
     def verdicts(self) -> Mapping[tuple[str, ...], int]:
         """How many runs came to each combination of verdicts on the requirements, in the header's order."""
@@ -207,16 +207,16 @@ class StudyReader:
             return read_files(self._connection)
 
     def _checked(self, rows: Sequence[tuple[Any, ...]]) -> dict[int, str]:
-        """Files by number of rows (number, file, and a seal if the database has such)."""
+        """Files by number of rows (number, file, and a row checksum if the database has such)."""
         files = [row[1] or "" for row in rows]
         # The database may come from anywhere: what it names must lie in the folder of waveforms.
         for file in {*files} - {""}:
             if not (isinstance(file, str) and is_file_name(file)):
                 raise damaged_study(self.path, f"'{file}' is no file of waveforms")
         numbers = [row[0] for row in rows]
-        wanted = seals([numbers, files]).tolist() if rows else []
-        for row, seal in zip(rows, wanted, strict=True):
-            if row[2:] and row[2] not in (None, seal):
+        wanted = row_checksums([numbers, files]).tolist() if rows else []
+        for row, checksum in zip(rows, wanted, strict=True):
+            if row[2:] and row[2] not in (None, checksum):
                 raise damaged_study(self.path, f"where the waveforms of run {row[0]} are is not what was written")
         return dict(zip(numbers, files, strict=True))
 

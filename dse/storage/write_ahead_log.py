@@ -41,7 +41,7 @@ _FLOAT = np.dtype("<f8")
 _HEAD = {"name", "maker", "study", "metrics", "requirements", "configuration", "variables"}
 
 
-class SpoolWriter:
+class LogWriter:
     """Appends runs of one configuration to a file of its own in *folder*, which is made when the first run comes.
 
     *name* is that of the batch, *maker* who makes it, *study* the fingerprint of what is studied.
@@ -74,7 +74,7 @@ class SpoolWriter:
         self._size += len(record)
 
     def alone(self, run: Run, wall: float) -> bytes:
-        """What a file with nothing but *run* holds, for `write_spooled`."""
+        """What a file with nothing but *run* holds, for `write_logged`."""
         return self._header(run) + _framed(self._content(run, wall))
 
     def close(self) -> None:
@@ -83,7 +83,7 @@ class SpoolWriter:
             self._file.close()
             self._file = None
 
-    def __enter__(self) -> SpoolWriter:
+    def __enter__(self) -> LogWriter:
         return self
 
     def __exit__(
@@ -128,8 +128,8 @@ class SpoolWriter:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Spooled:
-    """What one file of the spool holds: runs of one *configuration*, made for the batch *name*.
+class LoggedBatch:
+    """What one file of the write-ahead log holds: runs of one *configuration*, made for the batch *name*.
 
     *points* has for each row of *block* the values of *variables*; *numbers_kept* are the runs that have waveforms.
     """
@@ -155,41 +155,41 @@ class Spooled:
         return Waveforms(time, dict(zip(place.columns, values, strict=True)))
 
 
-def write_spooled(folder: Path, name: str, content: bytes) -> None:
+def write_logged(folder: Path, name: str, content: bytes) -> None:
     """Write what a writer of the batch *name* could not. OSError if it cannot be written here either."""
     with _new_file(folder, name) as file:
         while content:  # the disk is nearly full: the next try says so
             content = content[file.write(content) :]
 
 
-def read_spool(folder: Path, measures: Measures, study: str = "", name: str | None = None) -> list[Spooled]:
-    """What the spool in *folder* holds of *study*, only of the batch *name* if it is given; sorted by name.
+def read_log(folder: Path, measures: Measures, study: str = "", name: str | None = None) -> list[LoggedBatch]:
+    """What the write-ahead log in *folder* holds of *study*, only of the batch *name* if it is given; sorted by name.
 
     Files of another study, and records that are torn or damaged, are passed over. OSError if one cannot be read.
     """
-    found = (_spooled(file, measures, study) for file in spool_files(folder) if name in (None, _batch_of(file)))
-    return [spooled for spooled in found if spooled]
+    found = (_logged(file, measures, study) for file in log_files(folder) if name in (None, _batch_of(file)))
+    return [logged for logged in found if logged]
 
 
-def spooled_names(folder: Path) -> set[str]:
-    """The batches that the spool in *folder* holds something of."""
-    return {_batch_of(file) for file in spool_files(folder)}
+def logged_names(folder: Path) -> set[str]:
+    """The batches that the write-ahead log in *folder* holds something of."""
+    return {_batch_of(file) for file in log_files(folder)}
 
 
-def clear_spool(folder: Path, names: Container[str]) -> None:
-    """Remove what the spool in *folder* holds of the batches *names*."""
-    for file in spool_files(folder):
+def clear_log(folder: Path, names: Container[str]) -> None:
+    """Remove what the write-ahead log in *folder* holds of the batches *names*."""
+    for file in log_files(folder):
         if _batch_of(file) in names:
             file.unlink(missing_ok=True)
 
 
-def assemble(file: Path, spooled: Iterable[Spooled], numbers: Iterable[int]) -> tuple[int, ...]:
-    """Write the waveforms that *spooled* has of *numbers* into *file*, as `write_waveforms` does; whose they are.
+def assemble(file: Path, logged: Iterable[LoggedBatch], numbers: Iterable[int]) -> tuple[int, ...]:
+    """Write the waveforms that *logged* has of *numbers* into *file*, as `write_waveforms` does; whose they are.
 
     Of runs that were made twice the first is taken; they are the same.
     """
-    holders: dict[int, Spooled] = {}
-    for each in spooled:
+    holders: dict[int, LoggedBatch] = {}
+    for each in logged:
         for number in each.kept:
             holders.setdefault(number, each)
     kept = tuple(sorted(holders.keys() & set(numbers)))
@@ -198,8 +198,8 @@ def assemble(file: Path, spooled: Iterable[Spooled], numbers: Iterable[int]) -> 
     return kept
 
 
-def spool_files(folder: Path) -> list[Path]:
-    """The files of the spool in *folder*, sorted; none if it is not there. OSError if it cannot be read."""
+def log_files(folder: Path) -> list[Path]:
+    """The files of the write-ahead log in *folder*, sorted; none if it is not there. OSError if it cannot be read."""
     # Path.glob takes a folder that may not be read for an empty one.
     try:
         return sorted(file for file in folder.iterdir() if file.suffix == SUFFIX)
@@ -230,7 +230,7 @@ class _Place:
     columns: tuple[str, ...]
 
 
-def _spooled(file: Path, measures: Measures, study: str) -> Spooled | None:
+def _logged(file: Path, measures: Measures, study: str) -> LoggedBatch | None:
     wanted = [_batch_of(file), study, [*measures.metrics], [*measures.requirements]]
     with (
         # It has just been cleared, is empty, which cannot be mapped, or none of ours. What cannot be read for another
@@ -272,7 +272,7 @@ def _head(data: mmap.mmap, records: Iterator[tuple[int, int]]) -> dict[str, Any]
 
 def _rows(
     file: Path, data: mmap.mmap, records: Iterator[tuple[int, int]], head: Mapping[str, Any], measures: Measures
-) -> Spooled:
+) -> LoggedBatch:
     variables, m, r = tuple(head["variables"]), len(measures.metrics), len(measures.requirements)
     shape = _shape(len(variables), measures)
     rows: dict[int, _Record] = {}
@@ -293,7 +293,7 @@ def _rows(
     )
     points = tuple(row.point for row in rows.values())
     places = {number: row.place for number, row in rows.items() if row.place}
-    return Spooled(file, head["name"], head["configuration"], variables, points, block, places)
+    return LoggedBatch(file, head["name"], head["configuration"], variables, points, block, places)
 
 
 @dataclass(frozen=True, slots=True)
@@ -310,7 +310,7 @@ class _Record:
 
 
 def _record(data: mmap.mmap, begin: int, end: int, shape: struct.Struct, variables: int) -> _Record | None:
-    """The run whose record begins and ends there; None if it is none that `SpoolWriter` writes."""
+    """The run whose record begins and ends there; None if it is none that `LogWriter` writes."""
     with suppress(struct.error, ValueError, KeyError, TypeError):
         number, wall, done, length, noted, *cells = shape.unpack(data[begin : begin + shape.size])
         behind = begin + shape.size + noted

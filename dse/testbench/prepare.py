@@ -22,7 +22,7 @@ from dse.system import assemble, wiring_problems
 from dse.testbench.facts import facts_of, is_thread_safe
 from dse.testbench.method import method_of, signal_name
 from dse.testbench.prepared_bench import PreparedBench, Recording, Setting
-from dse.testbench.split_bench import Halves, WorldPlace, far_half, in_world, near_half, signal_in_near, split
+from dse.testbench.split_bench import Halves, WorldPlace, far_half, in_world, near_half, signal_in_near, split_in_two
 from dse.testbench.timing import sampling_problems, stepping_problems
 from dse.testbench.wired_bench import WiredBench, wire_bench
 from dse.units import parse_unit
@@ -124,7 +124,7 @@ def _near(whole: CheckedBench, world: WorldPlace) -> CheckedBench:
 
 def halves_of(whole: CheckedBench, world: WorldPlace) -> Halves:
     """The halves of a bench. Raises DseError if it has none, or parameters of the world change from run to run."""
-    halves = split(whole.wired, whole.simulation, world.parts, whole.sources)
+    halves = split_in_two(whole.wired, whole.simulation, world.parts, whole.sources)
     raise_if_any(
         Problem(f"{name} follows from others in every run, and is in the world's half", each.where, "leave it out")
         for each in whole.wired.bench.derived

@@ -64,7 +64,9 @@ class Halves:
         return _free(NEAR, self.far)
 
 
-def split(wired: WiredBench, simulation: Simulation, parts: Iterable[str] | None, columns: Iterable[str]) -> Halves:
+def split_in_two(
+    wired: WiredBench, simulation: Simulation, parts: Iterable[str] | None, columns: Iterable[str]
+) -> Halves:
     """*wired* in two halves: the world's has *parts*, or what `default_parts` names.
 
     *columns* are the signals that the near half records, ``part.port``, wherever they are. Raises DseError for parts

@@ -16,10 +16,10 @@ from dse.report import (
     PrintedFigure,
     Property,
     ReportContent,
+    ReportVariable,
     RequirementRow,
     Runs,
     SamplerKind,
-    Variable,
     View,
     chart_problems,
 )
@@ -61,7 +61,10 @@ def study(kind: str) -> ReportContent:
         tuple(ConfigurationEntry(name, {"brake": name}, {"mass": Property(3.0, "kg")}) for name in configurations),
         ()
         if bare
-        else (Variable("v.x", "gain", "1/s", 0, 1, None, 0.5, x), Variable("v.y", "", "", 0, 1, None, 0.5, y)),
+        else (
+            ReportVariable("v.x", "gain", "1/s", 0, 1, None, 0.5, x),
+            ReportVariable("v.y", "", "", 0, 1, None, 0.5, y),
+        ),
         () if bare else metrics,
         () if bare else requirements,
     )

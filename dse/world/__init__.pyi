@@ -1,8 +1,8 @@
 from .code import STRUCT as STRUCT, road_files as road_files
-from .conflict_areas import WIDTH as WIDTH, Meeting as Meeting, meetings as meetings
+from .conflict_areas import WIDTH as WIDTH, ConflictArea as ConflictArea, find_conflict_areas as find_conflict_areas
 from .cross_section import borders_of as borders_of
 from .evaluation import (
-    Placed as Placed,
+    PathPoint as PathPoint,
     lane_middle as lane_middle,
     place as place,
     project as project,
@@ -25,8 +25,8 @@ from .tables import (
     LaneBand as LaneBand,
     Leg as Leg,
     Light as Light,
-    Order as Order,
     Patch as Patch,
+    PathOrder as PathOrder,
     Piecewise as Piecewise,
     RoadPath as RoadPath,
     RoadTables as RoadTables,

@@ -33,7 +33,7 @@ Points = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, slots=True)
-class Meeting:
+class ConflictArea:
     """The stations of two paths between which vehicles of ``WIDTH`` on them would be in each other's way.
 
     A station is in the way if the vehicle's width there, at a right angle to its lane, touches what the other one
@@ -48,7 +48,7 @@ class Meeting:
     other_exit: float
 
 
-def meetings(one: RoadPath, other: RoadPath) -> Iterator[Meeting]:
+def find_conflict_areas(one: RoadPath, other: RoadPath) -> Iterator[ConflictArea]:
     """Where *one* crosses or joins *other*, on the middles of their own lanes; where they part they do not meet."""
     a, b = _Course(one), _Course(other)
     a, b = a.away_from(b), b.away_from(a)
@@ -57,7 +57,7 @@ def meetings(one: RoadPath, other: RoadPath) -> Iterator[Meeting]:
             for here in _touching(a, b, (whole.start, whole.end), (there.start, there.end)):
                 parts = here.joined == here.start or there.joined == there.start
                 if not parts and abs(a.height(here.start) - b.height(there.start)) < CLEARANCE:
-                    yield Meeting(*a.counted(here), *b.counted(there))
+                    yield ConflictArea(*a.counted(here), *b.counted(there))
 
 
 @dataclass(frozen=True, slots=True)

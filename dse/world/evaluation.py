@@ -16,7 +16,7 @@ _STEPS = 50
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Placed:
+class PathPoint:
     """Points beside a path, in the world: m and rad. *curvature* is that of the reference line there, in 1/m.
 
     *grade* and *bank* are dz/ds along the reference line and the angle across it.
@@ -36,14 +36,14 @@ def wrapped(path: RoadPath, stations: Reals) -> Reals:
     return np.mod(stations, path.length) if path.closed else stations
 
 
-def place(path: RoadPath, stations: Reals, t: Reals | float = 0.0) -> Placed:
+def place(path: RoadPath, stations: Reals, t: Reals | float = 0.0) -> PathPoint:
     """Where points are that lie *t* m to the left of the reference line at *stations*."""
     s = wrapped(path, np.asarray(stations, dtype=np.float64))
     x, dx, ddx = (value(path.x, s, order) for order in range(3))
     y, dy, ddy = (value(path.y, s, order) for order in range(3))
     pace = np.hypot(dx, dy)
     bank = value(path.bank, s)
-    return Placed(
+    return PathPoint(
         x - t * dy / pace,
         y + t * dx / pace,
         value(path.height, s) + t * np.tan(bank),

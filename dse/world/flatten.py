@@ -17,11 +17,11 @@ from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph
 from dse.world.opendrive.curves import curve_of
 from dse.world.opendrive.driving import DRIVEN, runs_along
 from dse.world.opendrive.reading import read_network
-from dse.world.opendrive.structure import Cubic, Network, Order as Ordered, Road, Sign, Signal
+from dse.world.opendrive.structure import Cubic, Network, Road, Sign, Signal, TrafficOrder as Ordered
 from dse.world.pieces import backwards, from_cubics, in_a_row, joined, quintics, steps
 from dse.world.right_of_way import conflicts
 from dse.world.routes import Route, Way, way_of
-from dse.world.tables import LaneBand, Leg, Light, Order, Patch, Piecewise, RoadPath, RoadTables
+from dse.world.tables import LaneBand, Leg, Light, Patch, PathOrder, Piecewise, RoadPath, RoadTables
 
 _Standing = TypeVar("_Standing", Signal, Sign, Ordered)
 _NO_LANE = 1e-3  # m: a lane that is narrower is not there yet
@@ -223,9 +223,9 @@ def _lights(passage: _Passage, begin: float) -> Iterator[Light]:
     yield from sorted(found, key=lambda light: light.station)
 
 
-def _orders(passage: _Passage, begin: float) -> Iterator[Order]:
+def _orders(passage: _Passage, begin: float) -> Iterator[PathOrder]:
     orders = _meant(passage, passage.road.orders)
-    found = [Order(begin + passage.from_start(order.s), order.kind) for order in orders]
+    found = [PathOrder(begin + passage.from_start(order.s), order.kind) for order in orders]
     yield from sorted(found, key=lambda order: order.station)
 
 

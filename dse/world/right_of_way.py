@@ -11,7 +11,7 @@ from itertools import accumulate
 
 import numpy as np
 
-from dse.world.conflict_areas import Meeting, meetings
+from dse.world.conflict_areas import ConflictArea, find_conflict_areas
 from dse.world.evaluation import lane_middle, place
 from dse.world.opendrive.structure import Network
 from dse.world.tables import Conflict, Leg, Light, RoadPath
@@ -26,15 +26,15 @@ def conflicts(network: Network, paths: Sequence[RoadPath]) -> Iterator[Conflict]
     found = []
     for i, one in enumerate(paths):
         for j, other in enumerate(paths[:i]):
-            for met in meetings(one, other):
-                turned = Meeting(met.other_entry, met.other_exit, met.entry, met.exit)
+            for met in find_conflict_areas(one, other):
+                turned = ConflictArea(met.other_entry, met.other_exit, met.entry, met.exit)
                 first = _goes_first(network, _Approach(one, met), _Approach(other, turned))
                 found.append(_conflict(i, j, met, first < 0))
                 found.append(_conflict(j, i, turned, first > 0))
     yield from sorted(found, key=lambda each: (each.path, each.entry, each.other_path))
 
 
-def _conflict(path: int, other: int, met: Meeting, gives_way: bool) -> Conflict:
+def _conflict(path: int, other: int, met: ConflictArea, gives_way: bool) -> Conflict:
     return Conflict(path, met.entry, met.exit, other, met.other_entry, met.other_exit, gives_way)
 
 
@@ -43,7 +43,7 @@ class _Approach:
     """A path that comes to a meeting."""
 
     path: RoadPath
-    met: Meeting
+    met: ConflictArea
 
     @cached_property
     def leg(self) -> int:

@@ -71,7 +71,7 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class Order:
+class PathOrder:
     """A sign at a *station* of a path that says who has the right of way, by its number in the German catalogue."""
 
     station: float
@@ -117,7 +117,7 @@ class RoadPath:
     lanes: tuple[LaneBand, ...]
     patches: tuple[Patch, ...] = ()
     lights: tuple[Light, ...] = ()
-    orders: tuple[Order, ...] = ()
+    orders: tuple[PathOrder, ...] = ()
     legs: tuple[Leg, ...] = ()
     leftmost: int = 0
     rightmost: int = 0

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from known_functions import ISHIGAMI, even, g_function, g_indices, ishigami, study, variable
 
-from dse.analysis import first_order_shares, going_together, study_data
+from dse.analysis import going_together, model_first_order_shares, study_data
 from dse.errors import DseError
 
 
 def _shares(table, metric="y"):
-    return {each.factor: each.share for each in first_order_shares(study_data(table), metric)}
+    return {each.factor: each.share for each in model_first_order_shares(study_data(table), metric)}
 
 
 def test_indices_of_ishigami_come_from_random_runs():
@@ -60,7 +60,7 @@ def test_choices_have_shares_too():
     sensor = random.integers(3, size=400)
     y = np.array([0.0, 5.0, 1.0])[sensor] + random.normal(size=400)
     table = study(np.zeros((400, 0)), {"y": y}, choices=[{"sensor": "abc"[each], "video": "on"} for each in sensor])
-    (share,) = first_order_shares(study_data(table), "y")
+    (share,) = model_first_order_shares(study_data(table), "y")
     means = np.array([0.0, 5.0, 1.0])
     assert share.factor == "sensor"
     assert share.share.value == pytest.approx(means.var() / (means.var() + 1), abs=0.05)
@@ -79,17 +79,17 @@ def test_runs_that_crowd_count_by_the_space_around_them():
 def test_few_runs_have_no_shares(count):
     points = even(count, 2)
     with pytest.raises(DseError, match=f"y: it is defined in {count} of {count} runs, and 40 are needed"):
-        first_order_shares(study_data(study(points, {"y": points[:, 0]})), "y")
+        model_first_order_shares(study_data(study(points, {"y": points[:, 0]})), "y")
 
 
 def test_a_constant_metric_has_no_shares():
     with pytest.raises(DseError, match="y: it is the same in every run in which it is defined"):
-        first_order_shares(study_data(study(even(50, 2), {"y": np.full(50, 1e6)})), "y")
+        model_first_order_shares(study_data(study(even(50, 2), {"y": np.full(50, 1e6)})), "y")
 
 
 def test_an_unknown_metric_is_refused_by_its_name():
     with pytest.raises(DseError, match="no metric 'z'"):
-        first_order_shares(study_data(study(even(50, 2), {"y": even(50, 1)[:, 0]})), "z")
+        model_first_order_shares(study_data(study(even(50, 2), {"y": even(50, 1)[:, 0]})), "z")
 
 
 def test_a_choice_of_one_level_is_no_factor():
@@ -102,7 +102,7 @@ def test_an_absent_variable_is_judged_by_the_runs_that_have_it():
     points, is_there = even(400, 2), np.arange(400) % 2 == 0
     y = np.where(is_there, points[:, 1], 0.5)
     points[~is_there, 1] = np.nan
-    shares = {each.factor: each for each in first_order_shares(study_data(study(points, {"y": y})), "y")}
+    shares = {each.factor: each for each in model_first_order_shares(study_data(study(points, {"y": y})), "y")}
     assert shares["x2"].runs == 200
     assert shares["x2"].share.value > 0.95
 

@@ -9,9 +9,9 @@ from known_functions import G_CONSTANTS, ISHIGAMI, even, g_function, g_indices, 
 
 from dse.analysis import (
     courses,
-    first_order_shares,
     importances,
     main_effects,
+    model_first_order_shares,
     study_data,
 )
 from dse.errors import DseError
@@ -88,7 +88,7 @@ def test_totals_and_pairs_of_ishigami_come_from_200_random_runs():
 def test_no_total_is_less_than_the_first_order_index():
     for seed in range(3):
         data = _data(150, lambda points: points[:, 0] + np.exp(points[:, 1]), 2, seed)
-        first = {each.factor: each.share.value for each in first_order_shares(data, "y")}
+        first = {each.factor: each.share.value for each in model_first_order_shares(data, "y")}
         assert all(each.share.value >= first[each.factors[0]] for each in importances(data, "y").factors)
 
 

@@ -13,7 +13,7 @@ from dse.analysis import (
     Topic,
     best_boxes,
     essentials,
-    first_order_shares,
+    model_first_order_shares,
     probability_met,
     robust_centre,
     share_met,
@@ -120,7 +120,7 @@ def test_what_a_model_does_not_know_is_a_share_of_the_runs_that_were_drawn_evenl
     assert met.share.low < 0.5 < met.share.high
     with pytest.raises(DseError, match="R1: 'nsga2' did not place its runs evenly over the space, and by a model"):
         share_met(few, "R1")
-    for withheld in (lambda: first_order_shares(few, "y"), lambda: best_boxes(few), lambda: robust_centre(few)):
+    for withheld in (lambda: model_first_order_shares(few, "y"), lambda: best_boxes(few), lambda: robust_centre(few)):
         with pytest.raises(DseError, match="16 of the 200 runs of 'nsga2' are drawn evenly"):
             withheld()
 

@@ -10,7 +10,7 @@ import pytest
 
 import dse
 from dse.api.studies.provenance import note_sources, note_space
-from dse.domain.provenance import Notes, digest_of
+from dse.domain.provenance import Provenance, digest_of
 from dse.errors import DseError, fail
 from dse.loading import Workspace as Files
 from dse.space import open_space
@@ -80,7 +80,7 @@ def test_a_space_that_is_too_large_is_not_counted_and_why(monkeypatch: pytest.Mo
         definition = store.header.definition
     with StudyFolder.create(tmp_path / "out", definition) as store:
         note_space(Files(folder).study("small"), store)
-        assert store.notes() == Notes(
+        assert store.notes() == Provenance(
             unfunnelled="'acc_vehicle' is too large to look at 7 constraints one after the other"
         )
 
@@ -94,7 +94,7 @@ def test_a_database_that_cannot_be_written_is_no_reason_for_which_there_is_no_fu
     with StudyFolder.create(tmp_path / "out", definition) as store:
         note = store.note
 
-        def full(notes: Notes) -> None:
+        def full(notes: Provenance) -> None:
             monkeypatch.setattr(store, "note", note)
             raise fail("the disk is full")
 

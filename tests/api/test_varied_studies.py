@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import dse
-from dse.api import Towards, refine, try_point
+from dse.api import Towards, refine, what_if_run
 from dse.api.studies.bench import Bench
 from dse.testbench.study import with_values
 from dse.units import parse_unit
@@ -108,7 +108,7 @@ def test_a_point_of_every_configuration_can_be_tried_again(varied):
     for number in frame.groupby("configuration").head(1).index.tolist():
         run = results.run(number)
         shown = {name: units[name].from_si(float(value)) for name, value in run.point.items()}
-        tried = try_point(results.definition, run.configuration, shown, workspace=results.folder)
+        tried = what_if_run(results.definition, run.configuration, shown, workspace=results.folder)
         assert tried.changed == ()
         assert tried.run.metrics.keys() == run.metrics.keys()
         # What is shown may be a rounding away from what was simulated.

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import dse
-from dse.cache import SHELVES, CacheWarning, damaged, keep, keep_file, keep_files, left_overs, survey, take_out, unused
+from dse.cache import SECTIONS, CacheWarning, damaged, keep, keep_file, keep_files, left_overs, survey, take_out, unused
 from dse.cache.entries import digest_file
 from dse.cache.folder import aside
 from dse.errors import DseError
@@ -30,7 +30,7 @@ def root(tmp_path):
 
 
 def listed(entries):
-    return [f"{entry.shelf.name}/{entry.path.name}" for entry in entries]
+    return [f"{entry.section.name}/{entry.path.name}" for entry in entries]
 
 
 def age(root, days):
@@ -45,7 +45,7 @@ def test_every_folder_of_the_cache_is_in_the_table():
     sources = [path.read_text(encoding="utf-8") for path in Path(dse.__file__).parent.rglob("*.py")]
     folders = {"/".join(filter(None, found)) for text in sources for found in re.findall(named, text)}
     assert {"built", "unpacked", "fused/parts", "units"} < folders
-    assert sorted(folders) == sorted(shelf.name for shelf in SHELVES)
+    assert sorted(folders) == sorted(shelf.name for shelf in SECTIONS)
 
 
 def test_every_entry_is_counted_with_its_size(root):

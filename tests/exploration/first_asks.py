@@ -11,7 +11,7 @@ from fake_runners import definition_of
 from dse.domain.component import Value
 from dse.domain.run import RunRequest
 from dse.domain.study import Study
-from dse.exploration.scheduler import Asking
+from dse.exploration.scheduler import AskTellScheduler
 from dse.storage.folder import StudyFolder
 
 
@@ -19,7 +19,7 @@ def first_ask(study: Study, configurations: tuple[str, ...]) -> list[RunRequest]
     """The runs that a new *study* asks for first, numbered from 0."""
     definition = definition_of(study, configurations)
     with tempfile.TemporaryDirectory() as scratch, StudyFolder.create(Path(scratch), definition) as folder:
-        asking = Asking(study, folder)
+        asking = AskTellScheduler(study, folder)
         asking.ask()
         return list(asking.requests.values())
 

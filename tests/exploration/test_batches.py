@@ -5,12 +5,12 @@ from first_asks import first_ask
 from hypothesis import given, strategies as st
 
 from dse.exploration.batches import Chunks
-from dse.storage.database.sampler_requests import Asks, Block, blocks_of
+from dse.storage.database.sampler_requests import Block, SamplerRequests, blocks_of
 
 
 def asked(levels: int, variables: int, names: tuple[str, ...] = ("a",)) -> Chunks:
     made = first_ask(study_of(levels=levels, variables=variables), names)
-    return Chunks(dict(enumerate(made)), Asks(blocks_of(made, 0, 0)), {}.get)
+    return Chunks(dict(enumerate(made)), SamplerRequests(blocks_of(made, 0, 0)), {}.get)
 
 
 @given(st.integers(1, 80), st.integers(1, 40))
@@ -48,7 +48,7 @@ def test_a_waveform_file_is_named_after_its_chunk_and_written_whole() -> None:
 
 
 def test_a_later_ask_has_chunks_of_its_own_whatever_came_before() -> None:
-    asks = Asks([Block(0, 2048, "a", 0, 0), Block(2048, 100, "a", 1, 0), Block(2148, 50, "b", 1, 0)])
+    asks = SamplerRequests([Block(0, 2048, "a", 0, 0), Block(2048, 100, "a", 1, 0), Block(2148, 50, "b", 1, 0)])
     assert asks.chunk(2047) == (2016, 2047)
     # The second ask is of 150 runs: two to a chunk, and a configuration begins a new one.
     assert asks.chunk(2048) == (2048, 2049)

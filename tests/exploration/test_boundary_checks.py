@@ -171,7 +171,7 @@ KILLED = """\
 import sys
 sys.path[:0] = {paths}
 from pathlib import Path
-from test_checking import check
+from test_boundary_checks import check
 check(Path({folder!r}), seconds=0.03)
 """
 

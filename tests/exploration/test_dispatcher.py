@@ -19,8 +19,17 @@ from dse.exploration.packed_configuration import packed
 from dse.exploration.remote import dispatcher as module
 from dse.exploration.remote.dispatcher import Dispatcher
 from dse.exploration.remote.machine import Machine, this_machine
-from dse.exploration.remote.messages import Answer, Carried, Missing, Parcel, Piece, Trouble, opened, sealed
-from dse.exploration.remote.worker import carry_out, dismiss
+from dse.exploration.remote.messages import (
+    Answer,
+    BatchResults,
+    BatchRows,
+    MissingEntries,
+    WorkerError,
+    WorkMessage,
+    message_bytes,
+    read_message,
+)
+from dse.exploration.remote.worker import dismiss, work_on
 from dse.exploration.work import Batch
 from dse.testing.executors import Gathered, SmallBench, batches, files, make_here, work_in
 
@@ -29,10 +38,10 @@ FAR = replace(this_machine(), host="far")
 
 @dataclass
 class Line:
-    """Carries parcels out here; *mischief* may raise before or answer instead. *log* has the runs of each parcel."""
+    """Carries messages out here; *mischief* may raise before or answer instead. *log* has the runs of each message."""
 
     folder: Path
-    mischief: Callable[[Parcel], Answer | None] = lambda parcel: None
+    mischief: Callable[[WorkMessage], Answer | None] = lambda message: None
     machine: Machine = FAR
     seconds: float = 0.1
     slots_here: int = 2
@@ -45,25 +54,25 @@ class Line:
         return self.slots_here
 
     def send(self, content: bytes, worker: str) -> Future[Answer]:
-        parcel = opened(content, "far")
-        self.log.append(tuple(n for batch in parcel.batches for n in batch.numbers))
-        self.under_way = [f for f in self.under_way if not f.done()] + [_Late(self, parcel)]
+        message = read_message(content, "far")
+        self.log.append(tuple(n for batch in message.batches for n in batch.numbers))
+        self.under_way = [f for f in self.under_way if not f.done()] + [_Late(self, message)]
         self.most_at_once = max(self.most_at_once, len(self.under_way))
         return self.under_way[-1]
 
     def renew(self, error: BaseException) -> None:
         self.renewed += 1
 
-    def answer(self, parcel: Parcel) -> Answer:
-        return self.mischief(parcel) or carried(parcel, self.folder, self.machine, self.seconds)
+    def answer(self, message: WorkMessage) -> Answer:
+        return self.mischief(message) or carried(message, self.folder, self.machine, self.seconds)
 
 
 class _Late(Future[Answer]):
     """Is done when somebody waits for it to be: so several are under way at once."""
 
-    def __init__(self, line: Line, parcel: Parcel) -> None:
+    def __init__(self, line: Line, message: WorkMessage) -> None:
         super().__init__()
-        self._line, self._parcel = line, parcel
+        self._line, self._message = line, message
 
     def add_done_callback(self, fn: Callable[[Future[Answer]], object]) -> None:
         fn(self)
@@ -71,31 +80,31 @@ class _Late(Future[Answer]):
     def result(self, timeout: float | None = None) -> Answer:
         if not self.done():
             try:
-                self.set_result(self._line.answer(self._parcel))
+                self.set_result(self._line.answer(self._message))
             except Exception as error:  # noqa: BLE001  # what a future does
                 self.set_exception(error)
         return super().result(timeout)
 
 
-def carried(parcel: Parcel, folder: Path, machine: Machine, seconds: float = 0.1) -> Carried:
+def carried(message: WorkMessage, folder: Path, machine: Machine, seconds: float = 0.1) -> BatchResults:
     work = work_in(folder)
     pieces = []
-    for batch in (parcel.canary, *parcel.batches):
+    for batch in (message.canary, *message.batches):
         sink = Gathered()
         make_here(batch, work, sink)
         kept = [number for numbers in sink.kept.values() for number in numbers]
         contents = [(work.waveforms / batch.file).read_bytes()] if kept else []
-        pieces.append(Piece(tuple(sink.blocks), tuple(kept), tuple(contents)))
-    runs = sum(len(batch.numbers) for batch in parcel.batches)
-    return Carried(tuple(pieces[1:]), machine, seconds * runs, 0, (), pieces[0].blocks[0])
+        pieces.append(BatchRows(tuple(sink.blocks), tuple(kept), tuple(contents)))
+    runs = sum(len(batch.numbers) for batch in message.batches)
+    return BatchResults(tuple(pieces[1:]), machine, seconds * runs, 0, (), pieces[0].blocks[0])
 
 
 @pytest.fixture(autouse=True)
 def _canary_here(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def carry_out_here(content: bytes) -> Answer:
-        return carried(opened(content, "here"), tmp_path / "here", this_machine())
+        return carried(read_message(content, "here"), tmp_path / "here", this_machine())
 
-    monkeypatch.setattr(module, "carry_out", carry_out_here)
+    monkeypatch.setattr(module, "work_on", carry_out_here)
 
 
 @pytest.fixture
@@ -122,9 +131,9 @@ def expected(folder: Path, todo: list[Batch]) -> Gathered:
     return sink
 
 
-def deadly(*numbers: int, error: Exception | None = None) -> Callable[[Parcel], None]:
-    def mischief(parcel: Parcel) -> None:
-        if any(n in numbers for batch in parcel.batches for n in batch.numbers):
+def deadly(*numbers: int, error: Exception | None = None) -> Callable[[WorkMessage], None]:
+    def mischief(message: WorkMessage) -> None:
+        if any(n in numbers for batch in message.batches for n in batch.numbers):
             raise error or OSError("worker 7 is gone")
 
     return mischief
@@ -210,7 +219,7 @@ def test_where_a_whole_pool_breaks_each_load_is_tried_alone(line: Line, tmp_path
 def test_a_connection_that_is_lost_is_nobodys_fault(line: Line, tmp_path: Path) -> None:
     losses = iter(range(4))
 
-    def mischief(parcel: Parcel) -> None:
+    def mischief(message: WorkMessage) -> None:
         if len(line.log) > 5 and next(losses, None) is not None:
             raise CancelledError("scheduler gone")
 
@@ -241,7 +250,7 @@ def test_workers_that_all_die_are_not_the_runs_fault(line: Line, tmp_path: Path)
 
 
 def test_a_machine_that_cannot_work_is_named(line: Line, tmp_path: Path) -> None:
-    line.mischief = lambda parcel: Trouble("node3", "the disk is full")
+    line.mischief = lambda message: WorkerError("node3", "the disk is full")
     with pytest.raises(DseError, match="node3 cannot make runs: the disk is full"):
         work_off(line, tmp_path, batches(keep=False)[:9])
 
@@ -267,9 +276,9 @@ def refusing(number: int) -> Callable[..., NoReturn]:
 
 
 def test_a_worker_that_answers_without_some_runs_is_asked_again(line: Line, tmp_path: Path) -> None:
-    def mischief(parcel: Parcel) -> Answer | None:
-        answer = carried(parcel, line.folder, FAR)
-        return replace(answer, pieces=tuple(Piece(()) for _ in answer.pieces)) if len(line.log) == 5 else None
+    def mischief(message: WorkMessage) -> Answer | None:
+        answer = carried(message, line.folder, FAR)
+        return replace(answer, pieces=tuple(BatchRows(()) for _ in answer.pieces)) if len(line.log) == 5 else None
 
     line.mischief = mischief
     todo = batches(keep=True)[:9]
@@ -286,9 +295,9 @@ def test_a_worker_that_lacks_a_package_is_told_at_once(line: Line, tmp_path: Pat
 
 
 def test_what_a_worker_lacks_is_sent_to_it(line: Line, tmp_path: Path) -> None:
-    def mischief(parcel: Parcel) -> Answer | None:
-        names = {batch.configuration for batch in parcel.batches} - parcel.configurations.keys()
-        return Missing(tuple(names), (), "tcp://far:1") if names else None
+    def mischief(message: WorkMessage) -> Answer | None:
+        names = {batch.configuration for batch in message.batches} - message.configurations.keys()
+        return MissingEntries(tuple(names), (), "tcp://far:1") if names else None
 
     line.mischief = mischief
     todo = batches(keep=False)
@@ -305,8 +314,8 @@ def test_a_machine_that_gives_other_bits_is_told_by_its_name(line: Line, tmp_pat
 
 
 def test_a_machine_whose_run_differs_is_told_by_its_name(line: Line, tmp_path: Path) -> None:
-    def mischief(parcel: Parcel) -> Answer:
-        answer = carried(parcel, line.folder, FAR)
+    def mischief(message: WorkMessage) -> Answer:
+        answer = carried(message, line.folder, FAR)
         assert answer.canary is not None
         return replace(answer, canary=replace(answer.canary, metrics=answer.canary.metrics * (1 + 2e-16)))
 
@@ -331,7 +340,7 @@ def test_nobody_waits_for_ever_for_workers(line: Line, tmp_path: Path, monkeypat
 def test_a_worker_with_another_version_is_told_which(monkeypatch: pytest.MonkeyPatch) -> None:
     content = pickle.dumps(("dse 0.0.1 for linux64, Python 3", b"not read"))
     with pytest.raises(DseError, match=r"the worker on node3 has dse .*, this machine dse 0\.0\.1"):
-        opened(content, "node3")
+        read_message(content, "node3")
 
 
 def test_an_error_of_ours_ends_the_exploration_with_its_words(line: Line, tmp_path: Path) -> None:
@@ -350,13 +359,13 @@ def test_a_file_that_only_this_machine_has_is_named(line: Line, tmp_path: Path) 
 
 
 @pytest.fixture(scope="module")
-def small_parcel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Parcel]:
+def small_message(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WorkMessage]:
     work = work_in(tmp_path_factory.mktemp("work"))
     todo = batches(keep=True)[:2]
     names = {batch.configuration for batch in todo}
     configurations = {name: packed(work.configurations[name]).content for name in names}
     needs: dict[str, dict[str, str]] = {name: {} for name in names}
-    yield Parcel(
+    yield WorkMessage(
         "a study",
         tuple(todo),
         work.make_runner,
@@ -370,7 +379,7 @@ def small_parcel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Parcel]:
 
 
 def runs(answer: Answer) -> list[tuple[list[int], bytes, tuple[int, ...], tuple[bytes, ...]]]:
-    assert isinstance(answer, Carried)
+    assert isinstance(answer, BatchResults)
     return [
         (
             [number for block in piece.blocks for number in block.numbers.tolist()],
@@ -382,21 +391,21 @@ def runs(answer: Answer) -> list[tuple[list[int], bytes, tuple[int, ...], tuple[
     ]
 
 
-def test_a_parcel_that_was_carried_out_already_gives_the_same_again(small_parcel: Parcel) -> None:
+def test_a_parcel_that_was_carried_out_already_gives_the_same_again(small_message: WorkMessage) -> None:
     """A scheduler that lost the results asks the same machine once more."""
-    first, again = runs(carry_out(sealed(small_parcel))), runs(carry_out(sealed(small_parcel)))
-    assert [numbers for numbers, *_ in first] == [list(batch.numbers) for batch in small_parcel.batches]
+    first, again = runs(work_on(message_bytes(small_message))), runs(work_on(message_bytes(small_message)))
+    assert [numbers for numbers, *_ in first] == [list(batch.numbers) for batch in small_message.batches]
     assert again == first
 
 
 @pytest.mark.parametrize("where", ["_Crew._pieces", "ScratchFolder.__init__"])
 def test_what_fails_on_a_machine_for_want_of_files_is_no_verdict_on_the_runs(
-    small_parcel: Parcel, monkeypatch: pytest.MonkeyPatch, where: str
+    small_message: WorkMessage, monkeypatch: pytest.MonkeyPatch, where: str
 ) -> None:
     dismiss("a study")
     with monkeypatch.context() as short:
         short.setattr(f"dse.exploration.remote.worker.{where}", refusing(errno.EMFILE))
-        answer = carry_out(sealed(small_parcel))
-    assert isinstance(answer, Trouble)
+        answer = work_on(message_bytes(small_message))
+    assert isinstance(answer, WorkerError)
     assert "Too many open files" in answer.words
-    assert runs(carry_out(sealed(small_parcel)))
+    assert runs(work_on(message_bytes(small_message)))

@@ -9,7 +9,7 @@ import pytest
 
 from dse.domain.sampler import Placing
 from dse.errors import DseError
-from dse.exploration.one_shot_sampler import OnceSampler
+from dse.exploration.one_shot_sampler import OneShotSampler
 from dse.loading.extensions import SAMPLERS
 from dse.testing.samplers import SCALES, SamplerSuite
 
@@ -18,7 +18,7 @@ for _name in SAMPLERS.names():
     globals()[f"Test_{_name}"] = type(f"Test_{_name}", (SamplerSuite,), _members)
 
 
-class Scaled(OnceSampler):
+class Scaled(OneShotSampler):
     """Scales its points itself, linearly."""
 
     name: ClassVar[str] = "scaled"

@@ -20,7 +20,7 @@ from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.work import Batch, Sink, Work
 from dse.storage import block_of, merge_studies, shards_in, write_waveforms
-from dse.storage.database.sampler_requests import Asks, blocks_of
+from dse.storage.database.sampler_requests import SamplerRequests, blocks_of
 from dse.storage.export.tables import to_csv
 from dse.storage.folder import StudyFolder
 
@@ -86,7 +86,7 @@ def content(path: Path) -> tuple[bytes, dict[str, bytes]]:
 @pytest.mark.parametrize("of", [1, 3, 8, 200])
 def test_shards_are_whole_chunks_and_together_all_of_them(of: int) -> None:
     requests = {n: RunRequest(n, "a" if n < 1000 else "b", {}) for n in range(3000)}
-    chunks = Chunks(requests, Asks(blocks_of(list(requests.values()), 0, 0)), {}.get)
+    chunks = Chunks(requests, SamplerRequests(blocks_of(list(requests.values()), 0, 0)), {}.get)
     whole = {batch.numbers for batch in chunks.runs(requests)}
     parts = [chunks.part(requests, Shard(number, of)) for number in range(1, of + 1)]
     assert sorted(n for part in parts for n in part) == list(requests)

@@ -15,7 +15,7 @@ from dse.domain.study import Keep, Study
 from dse.exploration.batches import Chunks
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import Explored, explore
-from dse.storage.database.sampler_requests import Asks, blocks_of
+from dse.storage.database.sampler_requests import SamplerRequests, blocks_of
 from dse.storage.folder import StudyFolder
 
 BASELINE = 200e6  # a worker by itself, with room to spare
@@ -74,7 +74,7 @@ def test_no_process_makes_more_runs_than_it_bears(tmp_path: Path, keep: Keep) ->
 
 def test_a_chunk_is_no_larger_than_what_a_process_bears() -> None:
     asked = first_ask(study_of(levels=50), ("a", "b"))
-    asks = Asks(blocks_of(asked, 0, 0))
+    asks = SamplerRequests(blocks_of(asked, 0, 0))
     batches = Chunks(dict(enumerate(asked)), asks, {"b": 5}.get).runs(range(5000))
     sizes = {(batch.configuration, len(batch.numbers)) for batch in batches}
     assert sizes == {("a", 32), ("a", 2500 % 32), ("b", 5)}

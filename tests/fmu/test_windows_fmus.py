@@ -15,7 +15,7 @@ from zoo.animals import ANIMALS, build_animal
 from dse.cosim.binding.calls import FUNCTIONS, AccessorType, Call, function_name
 from dse.cosim.probing import experiments
 from dse.cosim.probing.child import ProbeLimits, attempt
-from dse.cosim.probing.excitation import drive_of
+from dse.cosim.probing.excitation import excitation_of
 from dse.cosim.probing.probe import probe
 from dse.domain.facts import Question
 from dse.errors import DseError
@@ -109,7 +109,7 @@ def test_what_is_no_library_is_refused_with_the_error_of_windows(tmp_path: Path,
 
 def tried(model, *, sandboxed: bool = False, seconds: float = 60.0):
     limits = ProbeLimits(time=seconds)
-    return attempt(experiments.plain_run, model, drive_of(model), limits=limits, sandboxed=sandboxed)
+    return attempt(experiments.plain_run, model, excitation_of(model), limits=limits, sandboxed=sandboxed)
 
 
 @pytest.mark.thorough

@@ -15,7 +15,7 @@ from dse.domain.design import Configuration, Connection
 from dse.domain.drive import Drive, Pace
 from dse.domain.run import Run, RunRequest, Waveforms
 from dse.errors import DseError
-from dse.live.driver_in_the_loop import Seat, driver_of, prepare_seat, tunables_of, with_driver
+from dse.live.driver_in_the_loop import DriverInTheLoop, driver_of, prepare_driver, tunables_of, with_driver
 from dse.live.recorded_drive import bench_of_drive
 from dse.loading.workspace import Workspace
 from dse.space.opened import open_space
@@ -122,8 +122,10 @@ def driven(folder: Path, bench: TestBench) -> tuple[Drive, Run]:
     record = (*bench.simulation.record, *(f"hands.{name}" for name in names))
     seated = replace(seated, simulation=replace(bench.simulation, record=record))
     ports = driver_of(bench).component.interface.ports
-    seat = Seat(seated, only(bench), "hands", ports, tunables_of(bench, only(bench)), ("sink.speed",))
-    run = simulated(prepare_seat(seat))
+    driver_in_loop = DriverInTheLoop(
+        seated, only(bench), "hands", ports, tunables_of(bench, only(bench)), ("sink.speed",)
+    )
+    run = simulated(prepare_driver(driver_in_loop))
     found = columns(run)
     inputs = {name: found.values[f"hands.{name}"] for name in names}
     pace = Pace(len(found.time) - 1, 0, 0.0, 0.0)

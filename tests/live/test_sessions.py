@@ -142,10 +142,10 @@ def shared(field) -> Iterator[LiveDrive]:
 
 
 def test_every_column_is_what_a_replay_would_show(shared: LiveDrive) -> None:
-    from dse.report import Told
+    from dse.report import SceneSignals
 
     values = np.random.default_rng(1).normal(size=len(shared.view.wanted))
-    told = Told(dict.fromkeys(shared.view.wanted), {}, ())
+    told = SceneSignals(dict.fromkeys(shared.view.wanted), {}, ())
     host = told.host({name: values[place : place + 1] for place, name in enumerate(shared.view.wanted)})
     shown = dict(zip(shared.view.columns, shared.view.of(values), strict=True))
     for name, column in host.columns.items():

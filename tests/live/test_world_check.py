@@ -11,10 +11,10 @@ from background import LIMIT
 from hypothesis import given, strategies as st
 from live_worlds import ANSWER, BUSY, END, MAGIC, START, DirectLine, World, right_bytes, served
 
-from dse.live import Checked, Flag, Line, Packet, Trial, check_world, connected_line, explain, pack
+from dse.live import Checked, ClientLine, Flag, Packet, WorldTrial, check_world, connected_line, explain, pack
 
-TRIAL = Trial(1, 2, steps=5, patience=5.0)
-OVER_SOCKETS = Trial(1, 2, steps=5, patience=LIMIT)
+TRIAL = WorldTrial(1, 2, steps=5, patience=5.0)
+OVER_SOCKETS = WorldTrial(1, 2, steps=5, patience=LIMIT)
 
 
 def checked(world: World, latency: float = 0.0) -> Checked:
@@ -43,7 +43,7 @@ def test_a_right_world_on_a_busy_machine_is_right(latency):
     assert found.is_right
 
 
-class CountedLine(Line):
+class CountedLine(ClientLine):
     """Its clock goes on whenever it is read, so that patience is a number of tries."""
 
     def __init__(self, opened: socket.socket) -> None:

@@ -21,10 +21,10 @@ from dse.report.content.data import (
     MetricColumn,
     Property,
     ReportContent,
+    ReportVariable,
     RequirementRow,
     Runs,
     SamplerKind,
-    Variable,
 )
 from dse.report.page.html import write_report
 
@@ -129,7 +129,7 @@ def build(
             for i, name in enumerate(configurations)
         ),
         variables=tuple(
-            Variable(name, label, unit, low, high, levels, nominal, gains[:, i].copy())
+            ReportVariable(name, label, unit, low, high, levels, nominal, gains[:, i].copy())
             for i, (name, label, unit, low, high, nominal) in enumerate(GAINS)
             if i in used
         ),

@@ -14,10 +14,10 @@ from dse.report.content.data import (
     ConfigurationEntry,
     MetricColumn,
     ReportContent,
+    ReportVariable,
     RequirementRow,
     Runs,
     SamplerKind,
-    Variable,
 )
 from dse.report.figures.constraints import axis_pairs, constraint_plot_data
 from dse.report.figures.margins import Margins
@@ -52,9 +52,9 @@ def pairs() -> ReportContent:
     """
     gain, rate, load = _crossed(np.linspace(0, 1, 12), np.linspace(0, 1, 9), [0.0, 1.0])
     variables = (
-        Variable("gain", "gain", "", 0, 1, 12, 0.5, gain),
-        Variable("rate", "rate", "", 0, 1, 9, 0.5, rate),
-        Variable("load", "load", "kg", 0, 1, None, 0, load, role="condition"),
+        ReportVariable("gain", "gain", "", 0, 1, 12, 0.5, gain),
+        ReportVariable("rate", "rate", "", 0, 1, 9, 0.5, rate),
+        ReportVariable("load", "load", "kg", 0, 1, None, 0, load, role="condition"),
     )
     return _content(variables, 0.2 + load / 2 - gain, 0.0)
 
@@ -66,9 +66,9 @@ def weather() -> ReportContent:
     """
     drum, gain, sky, slope = _crossed([0.0, 1.0], np.linspace(0, 1, 41), [0.0, 1.0], [0.0, 1.0])
     variables = (
-        Variable("sky", "sky", "", 0, 1, None, 0, sky, labels=("fog", "rain"), role="condition"),
-        Variable("slope", "slope", "%", 0, 1, None, 0, slope, role="condition"),
-        Variable("gain", "gain", "", 0, 1, 41, 0.5, gain),
+        ReportVariable("sky", "sky", "", 0, 1, None, 0, sky, labels=("fog", "rain"), role="condition"),
+        ReportVariable("slope", "slope", "%", 0, 1, None, 0, slope, role="condition"),
+        ReportVariable("gain", "gain", "", 0, 1, 41, 0.5, gain),
     )
     y = np.where(sky == 1, gain, 1 - gain) + 0.2 * drum * slope
     return _content(variables, y, 0.7501, brakes=["drum" if each else "disc" for each in drum])
@@ -83,9 +83,9 @@ def scattered() -> ReportContent:
     rows = [(order[i] / 100 + 0.005, order[(7 * i) % 100] / 100, load) for i in range(100) for load in (0.0, 0.2, 0.4)]
     x1, x2, load = np.array(rows).T
     variables = (
-        Variable("x1", "x1", "", 0, 1, None, 0.5, x1),
-        Variable("x2", "x2", "", 0, 1, None, 0.5, x2),
-        Variable("load", "load", "kg", 0, 0.4, None, 0.2, load, role="condition"),
+        ReportVariable("x1", "x1", "", 0, 1, None, 0.5, x1),
+        ReportVariable("x2", "x2", "", 0, 1, None, 0.5, x2),
+        ReportVariable("load", "load", "kg", 0, 0.4, None, 0.2, load, role="condition"),
     )
     return _content(variables, x1 + load, 0.65, SamplerKind.SCATTERED)
 
@@ -198,8 +198,12 @@ def test_a_run_that_passes_says_that_its_design_does_not(open_report: Open):
 @pytest.mark.browser
 def test_a_design_that_lacks_a_condition_is_undecided(open_report: Open):
     x, load = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]]).T
-    condition = Variable("load", "load", "kg", 0, 1, None, 0, load, role="condition")
-    variables = (Variable("x", "x", "", 0, 1, None, 0, x), Variable("z", "z", "", 0, 1, None, 0, x), condition)
+    condition = ReportVariable("load", "load", "kg", 0, 1, None, 0, load, role="condition")
+    variables = (
+        ReportVariable("x", "x", "", 0, 1, None, 0, x),
+        ReportVariable("z", "z", "", 0, 1, None, 0, x),
+        condition,
+    )
     page = open_report(_content(variables, x, 2.0, SamplerKind.SCATTERED))
     assert counts(page) == [1, 0, 1, 0]
     assert page.inner_text(".legend li:nth-child(3)").startswith("undecided")
@@ -218,7 +222,7 @@ def test_with_a_condition_on_an_axis_the_designs_are_counted_beside(open_report:
     assert page.locator("#design-verdict").count() == 0
     # Of the second configuration if no design of the first passes.
     x = np.linspace(0, 1, 4)
-    variables = tuple(Variable(name, name, "", 0, 1, None, 0, x) for name in "xz")
+    variables = tuple(ReportVariable(name, name, "", 0, 1, None, 0, x) for name in "xz")
     page = open_report(_content(variables, 1 - x, 0.5, SamplerKind.SCATTERED, ["a", "a", "b", "b"]))
     assert page.inner_text("#selected-run") == "Run 2"
 
@@ -247,7 +251,9 @@ def test_designs_that_do_not_exercise_a_requirement_do_not_stretch_the_axes(open
     """One design has y = -100 and exercises nothing: the axis shows the others, 0 … 1."""
     x = np.linspace(0, 1, 11)
     y = np.where(x == 1, -100.0, x)
-    content = _content((Variable("x", "x", "", 0, 1, None, 0.5, x),), y, 0.5, SamplerKind.SCATTERED, exercised=x < 1)
+    content = _content(
+        (ReportVariable("x", "x", "", 0, 1, None, 0.5, x),), y, 0.5, SamplerKind.SCATTERED, exercised=x < 1
+    )
     page = open_report(content)
     open_tab(page, "designs")
     assert "10 designs, 1 that do not exercise every requirement beyond the axes" in page.inner_text("#cloud-note")

@@ -23,10 +23,10 @@ from dse.report.content.data import (
     ObjectiveEntry,
     Property,
     ReportContent,
+    ReportVariable,
     RequirementRow,
     Runs,
     SamplerKind,
-    Variable,
 )
 
 pytestmark = pytest.mark.browser
@@ -82,8 +82,10 @@ def priced() -> ReportContent:
             for sensor, brake in KINDS
         ),
         (
-            Variable("c.gain", "gain", "1/s", 0, 1, None, 0.5, np.array([row[2] for row in rows])),
-            Variable("w.slope", "slope", "%", 0, 5, None, 0, np.array([row[3] for row in rows]), role="condition"),
+            ReportVariable("c.gain", "gain", "1/s", 0, 1, None, 0.5, np.array([row[2] for row in rows])),
+            ReportVariable(
+                "w.slope", "slope", "%", 0, 5, None, 0, np.array([row[3] for row in rows]), role="condition"
+            ),
         ),
         (MetricColumn("gap", "smallest gap", "m", gaps),),
         (RequirementRow("R1", "keeps its distance", "gap", None, 10.0, np.ones(n, dtype=bool)),),
@@ -153,7 +155,9 @@ def test_the_page_finds_the_designs_that_python_finds(open_report: Open) -> None
         "out/cases",
         Runs(np.arange(n), ("c",) * n, done, tuple("" if ok else "it broke" for ok in done)),
         (ConfigurationEntry("c", {}, {}),),
-        tuple(Variable(role, role, "", 0, 20, None, 0, np.array(v, dtype=float), role=role) for role, v in columns),
+        tuple(
+            ReportVariable(role, role, "", 0, 20, None, 0, np.array(v, dtype=float), role=role) for role, v in columns
+        ),
         (MetricColumn("use", "use", "kWh", values),),
         (RequirementRow("R", "R", "use", AT_MOST, None, np.array([run.exercised for _, run in runs])),),
         objectives=(ObjectiveEntry("use"),),
@@ -259,7 +263,7 @@ def test_the_front_is_the_one_that_python_finds(open_report: Open, number_of_aim
         "out/points",
         Runs(np.arange(n), ("c",) * n, np.ones(n, dtype=bool), ("",) * n),
         (ConfigurationEntry("c", {}, {}),),
-        (Variable("x", "x", "", 0, n, None, 0, np.arange(n, dtype=float)),),
+        (ReportVariable("x", "x", "", 0, n, None, 0, np.arange(n, dtype=float)),),
         tuple(MetricColumn(f"m{i}", f"m{i}", "", values[:, i]) for i in range(number_of_aims)),
         objectives=tuple(ObjectiveEntry(f"m{i}", maximize=i == 1) for i in range(number_of_aims)),
     )

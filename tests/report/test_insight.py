@@ -15,9 +15,9 @@ from dse.analysis import (
     essentials,
     evaluated,
     features,
-    first_order_shares,
     formulas,
     main_effects,
+    model_first_order_shares,
     planes,
     robust_centre,
 )
@@ -62,7 +62,7 @@ def test_bars_and_effects_are_those_of_the_analysis():
     (part,) = insight_of(table).parts
     (response,) = part.responses
     assert [bar.share for bar in response.bars] == [
-        (each.share.value, each.share.low, each.share.high) for each in first_order_shares(data, "y")
+        (each.share.value, each.share.low, each.share.high) for each in model_first_order_shares(data, "y")
     ]
     for effect, expected in zip(response.effects, main_effects(data, "y"), strict=True):
         assert effect.places == expected.at

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from report_pages import Open, open_tab
 
-from dse.domain.provenance import Absent, Funnel, Left, Notes, SourceText, digest_of
+from dse.domain.provenance import Absent, Funnel, Left, Provenance, SourceText, digest_of
 from dse.report.content.data import ReportContent, Retried
 from dse.report.content.insight import Asked, Insight
 
@@ -27,7 +27,7 @@ FUNNEL = Funnel(
 )
 
 
-def _with(content: ReportContent, notes: Notes | None, *retried: Retried) -> ReportContent:
+def _with(content: ReportContent, notes: Provenance | None, *retried: Retried) -> ReportContent:
     count = len(content.variables), len(content.metrics), len(content.requirements)
     asked = Asked((), *(("",) * number for number in (count[0], count[0], count[1], count[2])))
     return replace(content, insight=Insight(asked), notes=notes, retried=retried)
@@ -36,7 +36,7 @@ def _with(content: ReportContent, notes: Notes | None, *retried: Retried) -> Rep
 @pytest.mark.thorough
 def test_files_are_shown_as_text_and_nothing_else(sliced: ReportContent, open_report: Open) -> None:
     source = SourceText("study", f"gains{HOSTILE}.yaml", TEXT, digest_of(TEXT))
-    page = open_report(_with(sliced, Notes((source,))))
+    page = open_report(_with(sliced, Provenance((source,))))
     open_tab(page, "overview")
     page.click("#sources summary")
     shown = page.text_content("#sources pre")
@@ -70,7 +70,7 @@ def test_tries_that_were_made_again_are_warned_of(sliced: ReportContent, open_re
 
 @pytest.mark.thorough
 def test_what_constraints_leave_is_a_waterfall(sliced: ReportContent, open_report: Open) -> None:
-    page = open_report(_with(sliced, Notes(funnel=FUNNEL)))
+    page = open_report(_with(sliced, Provenance(funnel=FUNNEL)))
     open_tab(page, "designs")
     rows = page.locator("#funnel tbody tr").all()
     assert [row.locator("td").first.inner_text() for row in rows][:3] == [

@@ -19,7 +19,7 @@ from dse.report.content.insight import (
     Insight,
     Part,
     Response,
-    Search,
+    SearchCourse,
     Stage,
 )
 from dse.report.verdicts import Mark, overall_marks
@@ -135,7 +135,7 @@ def test_the_band_is_hatched_where_a_verdict_is_in_doubt(sliced: ReportContent) 
 
 def test_the_search_climbs_by_its_stages(sliced: ReportContent) -> None:
     stages = tuple(Stage(runs, 1, volume, np.nan) for runs, volume in ((10, 0.0), (20, 0.5), (30, 1.0)))
-    search = Search(("minimize a", "minimize b"), ("", ""), (), -1, 30, 4, 0, stages)
+    search = SearchCourse(("minimize a", "minimize b"), ("", ""), (), -1, 30, 4, 0, stages)
     (axes,) = drawn("search", with_insight(sliced, search=search))["search"].axes
     (line,) = axes.lines
     assert line.get_xdata().tolist() == [10, 20, 30]

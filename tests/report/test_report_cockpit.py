@@ -14,7 +14,7 @@ from chromium import rest
 from playwright.sync_api import Page
 from report_pages import PLANE, Open, counts, ground, open_tab, selected, settle
 
-from dse.report.content.data import ReportContent, RequirementRow, Runs, Variable
+from dse.report.content.data import ReportContent, ReportVariable, RequirementRow, Runs
 from dse.report.verdicts import Mark, overall_marks
 
 pytestmark = pytest.mark.browser
@@ -403,7 +403,8 @@ def test_thirty_variables_and_five_requirements_leave_room(scattered: ReportCont
     content = dataclasses.replace(
         scattered,
         variables=tuple(
-            Variable(f"v{i}", f"variable {i} of thirty", "m", 0.0, 1.0, None, 0.5, draw.random(runs)) for i in range(30)
+            ReportVariable(f"v{i}", f"variable {i} of thirty", "m", 0.0, 1.0, None, 0.5, draw.random(runs))
+            for i in range(30)
         ),
         metrics=(dataclasses.replace(scattered.metrics[0], values=wild), *scattered.metrics[1:]),
         requirements=tuple(

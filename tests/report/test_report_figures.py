@@ -13,10 +13,10 @@ from dse.report.content.data import (
     Floats,
     MetricColumn,
     ReportContent,
+    ReportVariable,
     RequirementRow,
     Runs,
     SamplerKind,
-    Variable,
 )
 from dse.report.drawing.constraint_plot import draw_constraint_plot
 from dse.report.drawing.style import save_drawing
@@ -41,8 +41,8 @@ def plane_study(x: Floats, y: Floats, sampler: SamplerKind, *, failed: int | Non
         runs=Runs(np.arange(n), ("c",) * n, done, ("",) * n),
         configurations=(ConfigurationEntry("c", {}, {}),),
         variables=(
-            Variable("x", "x", "m", 0.0, 1.0, None, 0.5, x),
-            Variable("y", "y", "", 0.0, 1.0, None, 0.5, y),
+            ReportVariable("x", "x", "m", 0.0, 1.0, None, 0.5, x),
+            ReportVariable("y", "y", "", 0.0, 1.0, None, 0.5, y),
         ),
         metrics=(MetricColumn("sum", "sum", "m", metric),),
         requirements=(RequirementRow("R", "R", "sum", 1.5, None, np.ones(n, dtype=bool)),),
@@ -219,5 +219,5 @@ def on_plane(content: ReportContent, x: str, y: str) -> Flags:
     return np.asarray(np.all([np.abs(v.values - nearest_level(v)) < 1e-9 for v in others], axis=0))
 
 
-def nearest_level(variable: Variable) -> float:
+def nearest_level(variable: ReportVariable) -> float:
     return float(variable.values[np.argmin(np.abs(variable.values - variable.nominal))])

@@ -19,7 +19,7 @@ from dse.domain.component import Kind, Type
 from dse.domain.study import Selection
 from dse.errors import DseError
 from dse.loading import Workspace
-from dse.report import Told, scene_mark, scene_page, write_scene
+from dse.report import SceneSignals, scene_mark, scene_page, write_scene
 from dse.report.roads import standing_lights
 from dse.report.scene.data import COLOURS, Host
 from dse.testbench import bench_study
@@ -106,7 +106,7 @@ def test_colours_are_told_by_the_ids_of_lights_whatever_paths_see_them() -> None
     colour = Type(Kind.ENUMERATION, items=COLOURS)
     signals = {"road.actors[1].heading": Type(Kind.REAL)}
     signals |= {f"road.light_heads[{n}].colour": colour for n in (1, 2, 3)}
-    told = Told(signals, {}, ())
+    told = SceneSignals(signals, {}, ())
     columns = {f"road.light_heads[{n}].colour": np.array([float(n), 5.0]) for n in (1, 2, 3)}
     assert set(columns) <= set(told.wanted)
     lights = told.lights(columns, ["a", "b", "a"])
@@ -127,12 +127,12 @@ def test_the_mark_of_a_page_is_read_again_and_of_no_other_file(tmp_path) -> None
 
 @pytest.mark.thorough
 def test_a_bench_in_which_nobody_says_where_a_car_is_is_refused_by_name(studied, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(Told, "is_scene", False)
+    monkeypatch.setattr(SceneSignals, "is_scene", False)
     with pytest.raises(
         DseError, match="run 0 of bench 'road_braking' is no scene: no part gives the position of a car"
     ):
         studied.write_scene(0, tmp_path / "scene.html", source=ROOT / "testbenches" / "road_braking.yaml")
-    assert not Told({"motor.speed": Type(Kind.REAL)}, {}, ()).wanted
+    assert not SceneSignals({"motor.speed": Type(Kind.REAL)}, {}, ()).wanted
 
 
 @pytest.fixture(scope="module")

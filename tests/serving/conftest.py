@@ -18,7 +18,7 @@ from served_studies import store_study
 from dse.serving.application import application
 from dse.serving.guard import Application, Limits
 from dse.serving.server import server_of
-from dse.serving.study_index import Shelf
+from dse.serving.study_index import StudyIndex
 
 
 @pytest.fixture
@@ -89,5 +89,5 @@ def served() -> Callable[..., object]:
 @pytest.fixture
 def client(workshop: Path) -> Iterator[Client]:
     """A server of the workshop, without a token."""
-    with serving(application(Shelf(workshop))) as found:
+    with serving(application(StudyIndex(workshop))) as found:
         yield found

@@ -22,7 +22,7 @@ from dse.serving.application import application
 from dse.serving.connections import Waiting
 from dse.serving.drives import LiveDrives
 from dse.serving.guard import Guard, Limits
-from dse.serving.study_index import Shelf
+from dse.serving.study_index import StudyIndex
 
 HALF_A_HEAD = b"GET / HTTP/1.1\r\nHost: localhost\r\nX-Slow: "
 HALF_A_BODY = (
@@ -69,7 +69,7 @@ def fresh(client) -> Any:
 
 @pytest.mark.parametrize("begun", [b"", HALF_A_HEAD, HALF_A_BODY], ids=["silent", "half a head", "half a body"])
 def test_held_connections_lock_nobody_out(tmp_path: Path, served, begun: bytes) -> None:
-    with served(application(Shelf(tmp_path))) as client, ExitStack() as held:
+    with served(application(StudyIndex(tmp_path))) as client, ExitStack() as held:
         for _ in range(100):
             line = held.enter_context(socket.create_connection(("127.0.0.1", client.port)))
             line.sendall(begun)
@@ -77,7 +77,7 @@ def test_held_connections_lock_nobody_out(tmp_path: Path, served, begun: bytes) 
 
 
 def test_of_too_many_held_connections_the_oldest_are_closed(tmp_path: Path, served) -> None:
-    with served(application(Shelf(tmp_path)), Limits(waiting=4)) as client, ExitStack() as held:
+    with served(application(StudyIndex(tmp_path)), Limits(waiting=4)) as client, ExitStack() as held:
         lines = [
             held.enter_context(socket.create_connection(("127.0.0.1", client.port), timeout=LIMIT)) for _ in range(7)
         ]
@@ -98,7 +98,7 @@ def ends(line: socket.socket) -> bool:
 @pytest.mark.parametrize("begun", [b"", HALF_A_HEAD, b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n" + HALF_A_HEAD])
 def test_a_head_that_never_ends_is_not_waited_for(tmp_path: Path, served, begun: bytes) -> None:
     with (
-        served(application(Shelf(tmp_path)), Limits(seconds=0.3)) as client,
+        served(application(StudyIndex(tmp_path)), Limits(seconds=0.3)) as client,
         socket.create_connection(("127.0.0.1", client.port), timeout=LIMIT) as line,
     ):
         line.sendall(begun)
@@ -116,7 +116,10 @@ def test_an_open_socket_and_a_long_answer_outlast_the_deadline_of_heads(tmp_path
     with served(Guard(slow), Limits(seconds=0.1)) as client:
         assert client.get("/slow").text == "/slow"
     on = cast(LiveDrives, Drives(1))
-    with served(application(Shelf(tmp_path), drives=on), Limits(seconds=0.1)) as client, page_of("a", client) as page:
+    with (
+        served(application(StudyIndex(tmp_path), drives=on), Limits(seconds=0.1)) as client,
+        page_of("a", client) as page,
+    ):
         threading.Event().wait(0.5)
         page.send('{"type": "finish"}')
         assert json.loads([*page][-1])["type"] == "ended"
@@ -147,7 +150,7 @@ def test_the_address_with_the_most_connections_loses_one() -> None:
 
 
 def test_sessions_at_one_address_have_an_allowance_each(tmp_path: Path, served) -> None:
-    with served(application(Shelf(tmp_path), limits=Limits(burst=5, rate=1e-9, crowd=4))) as client:
+    with served(application(StudyIndex(tmp_path), limits=Limits(burst=5, rate=1e-9, crowd=4))) as client:
         one, other = fresh(client), fresh(client)
         assert one.cookie != other.cookie
         assert [one.get("/nothing").status for _ in range(6)] == [404] * 5 + [429]
@@ -158,7 +161,7 @@ def test_sessions_at_one_address_have_an_allowance_each(tmp_path: Path, served) 
 
 
 def test_all_sessions_of_an_address_together_have_an_allowance(tmp_path: Path, served) -> None:
-    with served(application(Shelf(tmp_path), limits=Limits(burst=3, rate=1e-9, crowd=2))) as client:
+    with served(application(StudyIndex(tmp_path), limits=Limits(burst=3, rate=1e-9, crowd=2))) as client:
         one, other = fresh(client), fresh(client)
         assert [one.get("/nothing").status for _ in range(3)] == [404] * 3
         assert [other.get("/nothing").status for _ in range(2)] == [404, 429]
@@ -202,7 +205,7 @@ def test_a_full_server_says_so_in_words_and_others_still_have_the_other_half(ser
 def test_fifty_clients_and_sixteen_drives_at_once(tmp_path: Path, served) -> None:
     on = cast(LiveDrives, Drives(16))
     statuses: defaultdict[int, int] = defaultdict(int)
-    with served(application(Shelf(tmp_path), drives=on)) as client, ExitStack() as open_pages:
+    with served(application(StudyIndex(tmp_path), drives=on)) as client, ExitStack() as open_pages:
         pages = [open_pages.enter_context(page_of(f"d{number}", client)) for number in range(16)]
 
         def look(_: int) -> list[int]:
@@ -220,7 +223,7 @@ def test_fifty_clients_and_sixteen_drives_at_once(tmp_path: Path, served) -> Non
 
 
 def test_there_are_as_many_sockets_as_the_drives_need(tmp_path: Path, served) -> None:
-    with served(application(Shelf(tmp_path), drives=cast(LiveDrives, Drives(64)))) as client, ExitStack() as pages:
+    with served(application(StudyIndex(tmp_path), drives=cast(LiveDrives, Drives(64)))) as client, ExitStack() as pages:
         for number in range(64 + 8):
             pages.enter_context(page_of(f"d{number}", client))
         with pytest.raises(InvalidStatus) as refused:
@@ -231,7 +234,7 @@ def test_there_are_as_many_sockets_as_the_drives_need(tmp_path: Path, served) ->
 
 def test_bytes_that_are_no_text_leave_no_traceback(tmp_path: Path, served, caplog) -> None:
     on = cast(LiveDrives, Drives(1))
-    with served(application(Shelf(tmp_path), drives=on)) as client:
+    with served(application(StudyIndex(tmp_path), drives=on)) as client:
         with page_of("a", client) as page:
             page.send(b"\xff\xfe", text=True)
             with suppress(ConnectionClosed):

@@ -11,7 +11,7 @@ from chromium import started_chromium
 from dse.api import Drives, Results, open as open_workspace
 from dse.serving.application import application
 from dse.serving.drives import LiveDrives
-from dse.serving.study_index import Shelf
+from dse.serving.study_index import StudyIndex
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 120_000  # ms: everything is built first
@@ -26,7 +26,7 @@ def test_a_car_is_chosen_driven_and_braked_behind_another_and_its_report_opened(
     workspace, folder = open_workspace(ROOT), tmp_path / "drives"
     folder.mkdir()
     on = LiveDrives(workspace, Drives(folder, workspace.files), 1)
-    with on, served(application(Shelf(folder), drives=on)) as client, started_chromium() as browser:
+    with on, served(application(StudyIndex(folder), drives=on)) as client, started_chromium() as browser:
         page = browser.new_page(viewport={"width": 800, "height": 500})
         page.set_default_timeout(PATIENCE)
         problems: list[str] = []

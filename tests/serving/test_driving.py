@@ -24,7 +24,7 @@ from dse.serving.application import application
 from dse.serving.drives import LiveDrives
 from dse.serving.driving import MOST_MISTAKES
 from dse.serving.guard import Limits
-from dse.serving.study_index import Shelf
+from dse.serving.study_index import StudyIndex
 
 TOKEN = "a-token-of-the-test"  # noqa: S105  # it is
 
@@ -38,7 +38,7 @@ def field(tmp_path_factory: pytest.TempPathFactory):
 def drives_on(field, served, folder: Path, most: int = 2, **options):
     folder.mkdir(exist_ok=True)
     on = LiveDrives(field, Drives(folder, field.files), most)
-    with on, served(application(Shelf(folder), drives=on, **options)) as client:
+    with on, served(application(StudyIndex(folder), drives=on, **options)) as client:
         yield client
 
 
@@ -122,7 +122,7 @@ def test_a_drive_that_could_not_be_kept_says_why_until_a_later_one_brings_it_alo
     folder.mkdir()
     kept = Full(folder, field.files)
     quick = Limits(rate=1000, burst=1000)
-    with LiveDrives(field, kept, 2) as on, served(application(Shelf(folder), drives=on, limits=quick)) as client:
+    with LiveDrives(field, kept, 2) as on, served(application(StudyIndex(folder), drives=on, limits=quick)) as client:
         first = driven(client)
         answer = result_of(client, first)
         assert (answer.status, json.loads(answer.text)["problems"][0]["what"]) == (409, "the disk is full")

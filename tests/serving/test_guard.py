@@ -9,7 +9,7 @@ import pytest
 
 from dse.serving.application import application
 from dse.serving.guard import Limits
-from dse.serving.study_index import Shelf
+from dse.serving.study_index import StudyIndex
 
 TOKEN = "a token of the test"  # noqa: S105  # it is
 
@@ -66,7 +66,7 @@ def test_a_long_body_is_refused_whether_its_length_is_told_or_not(client) -> Non
 
 def test_a_body_that_never_comes_is_not_waited_for(workshop: Path, served) -> None:
     with (
-        served(application(Shelf(workshop), limits=Limits(seconds=0.2))) as client,
+        served(application(StudyIndex(workshop), limits=Limits(seconds=0.2))) as client,
         socket.create_connection(("127.0.0.1", client.port)) as connection,
     ):
         connection.sendall(POST + b"Content-Length: 10\r\n\r\n{")
@@ -81,7 +81,7 @@ def test_a_head_of_any_length_is_not_read(client) -> None:
 
 
 def test_who_asks_too_often_has_to_wait(workshop: Path, served) -> None:
-    with served(application(Shelf(workshop), limits=Limits(burst=5, rate=0.001))) as client:
+    with served(application(StudyIndex(workshop), limits=Limits(burst=5, rate=0.001))) as client:
         assert [client.get("/nothing").status for _ in range(7)] == [404] * 5 + [429] * 2
 
 
@@ -110,7 +110,7 @@ def test_pages_run_only_their_own_code_and_ask_only_their_own_server(client, pat
 
 
 def test_without_the_token_nothing_is_shown_and_nothing_is_done(workshop: Path, served) -> None:
-    with served(application(Shelf(workshop), token=TOKEN)) as client:
+    with served(application(StudyIndex(workshop), token=TOKEN)) as client:
         asked = [client.get("/"), client.get("/study/out/first/"), client.get("/?token=wrong"), client.get("/?token=")]
         asked += [client.post("/stop?study=out/first", {}), client.post("/stop?token=a+token+of+the+test", {})]
         assert [answer.status for answer in asked] == [401] * 6
@@ -118,7 +118,7 @@ def test_without_the_token_nothing_is_shown_and_nothing_is_done(workshop: Path, 
 
 
 def test_the_token_is_shown_once_and_kept_where_no_script_reads_it(workshop: Path, served) -> None:
-    with served(application(Shelf(workshop), token=TOKEN.replace(" ", "-"))) as client:
+    with served(application(StudyIndex(workshop), token=TOKEN.replace(" ", "-"))) as client:
         answer = client.get("/?token=a-token-of-the-test")
         cookie, *marks = answer.headers["set-cookie"].split("; ")
         assert answer.status == 200
@@ -132,7 +132,7 @@ def test_the_token_is_shown_once_and_kept_where_no_script_reads_it(workshop: Pat
 
 
 def test_a_server_for_others_goes_by_numbers_and_its_own_names_alone(workshop: Path, served) -> None:
-    with served(application(Shelf(workshop), is_open=True)) as client:
+    with served(application(StudyIndex(workshop), is_open=True)) as client:
         assert client.get("/", Host="192.168.7.9:8470").status == 200
         assert client.get("/", Host=socket.gethostname()).status == 200
         assert client.get("/", Host="evil.example").status == 421

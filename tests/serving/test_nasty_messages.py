@@ -30,7 +30,7 @@ from dse.serving.application import application
 from dse.serving.drives import Held, LiveDrives
 from dse.serving.driving import MOST_MISTAKES
 from dse.serving.guard import Limits
-from dse.serving.study_index import Shelf
+from dse.serving.study_index import StudyIndex
 from dse.storage import StudyFolder
 from dse.storage.database import connection as stored
 
@@ -56,7 +56,7 @@ class Steered(LiveDrive):
     def __init__(self) -> None:
         gain = SimpleNamespace(type=Type(Kind.REAL), minimum=0.0, maximum=9.0, title="")
         ports = tuple(Port(name, Causality.OUTPUT, kind) for name, kind in KINDS.items())
-        self.seat: Any = SimpleNamespace(controls=ports, tunables={"car.gain": gain})
+        self.driver_in_loop: Any = SimpleNamespace(controls=ports, tunables={"car.gain": gain})
         self._first = {"tune.car.gain": 1.0}
         self.orders, self._session = 0, self
 
@@ -84,7 +84,7 @@ def driven(tmp_path: Path, live: Steered, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(drives_module, "MOST_AT_ONCE", 1)
     on = LiveDrives(open_workspace(drive_workspace(tmp_path / "drives")), most=1 << 30)
     on._held["known"] = Held("known", live)
-    return application(Shelf(store_study(tmp_path / "st", [0.5])), limits=FREE, drives=on)
+    return application(StudyIndex(store_study(tmp_path / "st", [0.5])), limits=FREE, drives=on)
 
 
 def say(driven, texts: Iterable[str | bytes]) -> int:
@@ -161,11 +161,13 @@ def rewrite(path: Path, key: str, text: str) -> None:
     with closing(sqlite3.connect(path / "study.sqlite")) as connection, connection:
         facts = dict(connection.execute("SELECT key, value FROM facts")) | {key: text}
         try:
-            seal = stored._seal({key: json.loads(value) for key, value in facts.items()}, stored.read_asks(connection))
+            checksum = stored._header_checksum(
+                {key: json.loads(value) for key, value in facts.items()}, stored.read_sampler_requests(connection)
+            )
         except (ValueError, RecursionError, KeyError):
-            seal = ""
+            checksum = ""
         connection.execute("INSERT OR REPLACE INTO facts VALUES (?, ?)", (key, text))
-        connection.execute("UPDATE facts SET value = ? WHERE key = 'seal'", (json.dumps(seal),))
+        connection.execute("UPDATE facts SET value = ? WHERE key = 'seal'", (json.dumps(checksum),))
 
 
 def facts_of(path: Path) -> dict[str, str]:

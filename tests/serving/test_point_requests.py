@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from served_studies import add_run, store_study
 
-from dse.serving import Shelf, application, open_studies
+from dse.serving import StudyIndex, application, open_studies
 from dse.storage import StudyFolder, WriterLock
 
 
@@ -35,7 +35,7 @@ def test_names_are_text(client) -> None:
 
 
 def test_an_empty_folder_says_how_to_make_a_study(tmp_path: Path, served) -> None:
-    with served(application(Shelf(tmp_path))) as client:
+    with served(application(StudyIndex(tmp_path))) as client:
         assert "dse explore" in client.get("/").text
 
 
@@ -164,9 +164,9 @@ def test_while_one_point_is_simulated_another_one_waits_and_the_end_of_the_serve
         begun.set()
         released.wait(60)
 
-    monkeypatch.setattr("dse.serving.point_requests.try_point", slow)
+    monkeypatch.setattr("dse.serving.point_requests.what_if_run", slow)
     point = {"configuration": "c1", "point": {"controller.kp": 0.5}}
-    with served(application(Shelf(workshop))) as client:
+    with served(application(StudyIndex(workshop))) as client:
         first = threading.Thread(target=client.post, args=("/simulate?study=out/first", point))
         first.start()
         assert begun.wait(30)
@@ -189,7 +189,7 @@ def test_nobody_is_stopped_where_nobody_explores(client) -> None:
 def test_studies_can_have_any_name(tmp_path: Path, served) -> None:
     name = 'a "b" <i>&%2f ü'
     store_study(tmp_path / name, [0.5])
-    with served(application(Shelf(tmp_path))) as client:
+    with served(application(StudyIndex(tmp_path))) as client:
         link = re.search(r'href="(/study/[^"]*)"', client.get("/").text)
         assert link is not None
         answer = client.get(link[1])

@@ -9,7 +9,7 @@ import pytest
 
 from dse.api import Results
 from dse.errors import fail
-from dse.serving import Shelf, application
+from dse.serving import StudyIndex, application
 
 NOBODY = "out/first&run=0"
 
@@ -98,7 +98,7 @@ def test_one_run_is_simulated_at_a_time_and_who_waits_is_told_how_far_it_is(work
         return f"{run}"
 
     monkeypatch.setattr(Results, "scene_page", slow)
-    with served(application(Shelf(workshop))) as client:
+    with served(application(StudyIndex(workshop))) as client:
         first = threading.Thread(target=client.post, args=("/replay?study=out/first&run=0", {}))
         first.start()
         assert begun.wait(30)

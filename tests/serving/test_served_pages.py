@@ -10,7 +10,7 @@ from chromium import rest, started_chromium
 from playwright.sync_api import Browser, Page
 from served_studies import TITLE, add_run
 
-from dse.serving.open_studies import Desk
+from dse.serving.open_studies import OpenStudies
 from dse.storage import StudyFolder
 
 pytestmark = [pytest.mark.browser, pytest.mark.thorough]
@@ -60,7 +60,7 @@ def test_a_page_that_is_asked_for_again_has_the_new_runs(opened, workshop: Path)
 
 def test_a_page_that_is_open_hears_of_new_runs(opened, workshop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     told = {"state": "running", "runs": 40, "finished": 7, "rate": 12.0, "left": 100.0, "writer": "process 1 on vm"}
-    monkeypatch.setattr(Desk, "progress", lambda *_: told)
+    monkeypatch.setattr(OpenStudies, "progress", lambda *_: told)
     page = opened("/study/out/first/")
     page.wait_for_selector("#live-news:visible")
     assert page.inner_text("#live-news") == "4 new runs – show"
@@ -72,7 +72,7 @@ def test_a_page_that_is_open_hears_of_new_runs(opened, workshop: Path, monkeypat
 
 
 def test_stopping_says_what_came_of_it(opened, workshop: Path, monkeypatch: pytest.MonkeyPatch, browser) -> None:
-    monkeypatch.setattr(Desk, "progress", lambda *_: {"state": "running", "runs": 4, "finished": 3})
+    monkeypatch.setattr(OpenStudies, "progress", lambda *_: {"state": "running", "runs": 4, "finished": 3})
     page = opened("/study/out/second/")
     page.route("**/stop?*", lambda route: route.fulfill(status=200, content_type="application/json", body="{}"))
     page.click("#live-stop")

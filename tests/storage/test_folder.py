@@ -22,7 +22,7 @@ from dse.storage.export.tables import EXPORTS
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import Measures, block_of
 from dse.storage.waveforms import waveform_file, write_waveforms
-from dse.storage.write_ahead_log import SpoolWriter
+from dse.storage.write_ahead_log import LogWriter
 
 Add = Callable[[StudyFolder, Run], None]
 
@@ -322,13 +322,13 @@ def test_the_spool_of_a_batch_goes_when_its_rows_are_committed(
 ) -> None:
     with StudyFolder.resume(stored, definition) as folder:
         for name in ("runs-00000000", "runs-00000003"):
-            with SpoolWriter(folder.spool_folder, name, "a/1", folder.header.measures) as writer:
+            with LogWriter(folder.log_folder, name, "a/1", folder.header.measures) as writer:
                 writer.add(runs[0], 0.5)
         folder.add_attempts([Attempt(0, "a/1", "", 0.5)])
         folder.release("runs-00000000")
-        assert len([*folder.spool_folder.iterdir()]) == 2
+        assert len([*folder.log_folder.iterdir()]) == 2
         folder.commit()
-        assert len([*folder.spool_folder.iterdir()]) == 1
+        assert len([*folder.log_folder.iterdir()]) == 1
         folder.release("runs-00000003")
         folder.end()
     assert not (stored / "spool").exists()

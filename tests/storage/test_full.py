@@ -16,7 +16,7 @@ from dse.domain.run import Run
 from dse.errors import DseError
 from dse.storage.attempts import Attempt
 from dse.storage.folder import StudyFolder
-from dse.storage.write_ahead_log import SpoolWriter
+from dse.storage.write_ahead_log import LogWriter
 
 Add = Callable[[StudyFolder, Run], None]
 
@@ -72,7 +72,7 @@ def test_a_write_that_fails_leaves_nothing_of_it_and_what_was_spooled_stays(
         folder.commit()
 
     with pytest.raises(DseError, match="the disk is full"), StudyFolder.resume(stored, definition) as folder:  # noqa: PT012
-        with SpoolWriter(folder.spool_folder, "runs-00000005", "a/1", folder.header.measures) as writer:
+        with LogWriter(folder.log_folder, "runs-00000005", "a/1", folder.header.measures) as writer:
             writer.add(runs[0], 0.0)
         before = folder.attempts()
         folder._connection = Refusing(folder._connection, words, sqlite3.SQLITE_FULL)  # type: ignore[assignment]
@@ -80,7 +80,7 @@ def test_a_write_that_fails_leaves_nothing_of_it_and_what_was_spooled_stays(
             store(folder)
         finally:
             assert not folder._connection.in_transaction
-            assert len([*folder.spool_folder.iterdir()]) == 1
+            assert len([*folder.log_folder.iterdir()]) == 1
     with StudyFolder.open(stored) as folder:
         assert (folder.finished(), folder.attempts()) == ({0, 1, 2, 4}, before)
 

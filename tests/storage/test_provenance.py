@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from dse.domain.provenance import Absent, Funnel, Left, Notes, SourceText, digest_of
+from dse.domain.provenance import Absent, Funnel, Left, Provenance, SourceText, digest_of
 from dse.errors import DseError
 from dse.storage import merge_studies
 from dse.storage.attempts import STOPPED, Attempt
@@ -18,7 +18,7 @@ from dse.storage.database.connection import NAME
 from dse.storage.folder import StudyFolder
 
 TEXT = "study: <ä>\n# \u202e and a\ttab\n"
-NOTES = Notes(
+NOTES = Provenance(
     (SourceText("study", "gains.pet.yaml", TEXT, digest_of(TEXT)),),
     Funnel(
         "vehicle",
@@ -41,7 +41,7 @@ def test_notes_come_back_as_they_were(stored: Path) -> None:
 
 
 def test_the_latest_notes_are_kept(stored: Path) -> None:
-    later = Notes(unfunnelled="too large")
+    later = Provenance(unfunnelled="too large")
     with StudyFolder.resume(stored, _definition(stored)) as folder:
         folder.note(NOTES)
         folder.note(later)

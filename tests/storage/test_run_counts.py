@@ -17,7 +17,7 @@ from dse.errors import DseError
 from dse.storage.attempts import Attempt, this_process
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import Measures
-from dse.storage.write_ahead_log import SpoolWriter
+from dse.storage.write_ahead_log import LogWriter
 
 Add = Callable[[StudyFolder, Run], None]
 
@@ -47,13 +47,13 @@ def test_a_study_that_nobody_goes_on_with_is_interrupted(stored: Path, capsys: p
 
 def test_runs_in_the_spool_are_counted(stored: Path, definition: StudyDefinition, runs: list[Run]) -> None:
     with StudyFolder.open(stored) as folder:
-        header, spool = folder.header, folder.spool_folder
+        header, log_folder = folder.header, folder.log_folder
     measures = Measures(header.metrics, header.requirements)
-    with SpoolWriter(spool, "runs-0", this_process(), measures, header.fingerprint) as writer:
+    with LogWriter(log_folder, "runs-0", this_process(), measures, header.fingerprint) as writer:
         for number in (0, 3):
             request = RunRequest(number, "c1", {"controller.kp": 0.1})
             writer.add(Run(request, Outcome.DONE, runs[0].metrics, runs[0].judgements), 0.5)
-    assert status(stored).spooled == 1
+    assert status(stored).logged == 1
 
 
 def test_a_running_study_has_a_writer_a_rate_and_an_end(

@@ -1,4 +1,4 @@
-"""The spool: what a process had written when it was killed is there, whatever else is not."""
+"""The write-ahead log: what a process had written when it was killed is there, whatever else is not."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from dse.domain.component import Value
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.storage.rows import Measures, block_of
 from dse.storage.waveforms import waveform_file, write_waveforms
-from dse.storage.write_ahead_log import Spooled, SpoolWriter, assemble, clear_spool, read_spool, spooled_names
+from dse.storage.write_ahead_log import LoggedBatch, LogWriter, assemble, clear_log, logged_names, read_log
 
 MEASURES = Measures(("m", "n"), ("R", "S"))
 CHUNK = waveform_file(0, 7)
@@ -47,24 +47,26 @@ RUNS = [
 ]
 
 
-def spool(folder: Path, runs: Sequence[Run], name: str = CHUNK, study: str = "0123", maker: str = "host/7") -> Path:
+def log_folder(
+    folder: Path, runs: Sequence[Run], name: str = CHUNK, study: str = "0123", maker: str = "host/7"
+) -> Path:
     """The one file that comes of *runs*."""
     before = set(folder.glob("*"))
-    with SpoolWriter(folder, name, maker, MEASURES, study) as writer:
+    with LogWriter(folder, name, maker, MEASURES, study) as writer:
         for run in runs:
             writer.add(run, run.request.number / 16)
     (file,) = set(folder.glob("*")) - before
     return file
 
 
-def numbers(found: Sequence[Spooled]) -> list[int]:
+def numbers(found: Sequence[LoggedBatch]) -> list[int]:
     return [number for each in found for number in each.block.numbers.tolist()]
 
 
 def test_runs_come_back_bit_for_bit(tmp_path: Path) -> None:
     """Failures in words, NaN and infinities, points that are no numbers, with waveforms and without."""
-    spool(tmp_path / "spool", RUNS)
-    (found,) = read_spool(tmp_path / "spool", MEASURES, "0123")
+    log_folder(tmp_path / "spool", RUNS)
+    (found,) = read_log(tmp_path / "spool", MEASURES, "0123")
     expected = block_of(RUNS, MEASURES, [run.request.number / 16 for run in RUNS])
     for name in ("numbers", "done", "metrics", "verdicts", "margins", "wall"):
         ours, theirs = getattr(found.block, name), getattr(expected, name)
@@ -81,9 +83,9 @@ def test_runs_come_back_bit_for_bit(tmp_path: Path) -> None:
 
 def test_waveforms_become_the_chunk_that_one_writer_would_have_written(tmp_path: Path) -> None:
     """From two makers, one of them killed, out of order, one run made twice."""
-    spool(tmp_path / "spool", [done(n, keep=n != 4) for n in (5, 4, 1)])
-    spool(tmp_path / "spool", [done(n, keep=True) for n in (7, 5, 0)])
-    found = read_spool(tmp_path / "spool", MEASURES, "0123", CHUNK)
+    log_folder(tmp_path / "spool", [done(n, keep=n != 4) for n in (5, 4, 1)])
+    log_folder(tmp_path / "spool", [done(n, keep=True) for n in (7, 5, 0)])
+    found = read_log(tmp_path / "spool", MEASURES, "0123", CHUNK)
     assert assemble(tmp_path / CHUNK, found, range(7)) == (0, 1, 5)
     write_waveforms(tmp_path / "expected", [(n, waves(n)) for n in (0, 1, 5)])
     assert (tmp_path / CHUNK).read_bytes() == (tmp_path / "expected").read_bytes()
@@ -92,18 +94,18 @@ def test_waveforms_become_the_chunk_that_one_writer_would_have_written(tmp_path:
 
 
 def test_a_file_that_is_torn_anywhere_gives_its_whole_records(tmp_path: Path) -> None:
-    file = spool(tmp_path, RUNS[:4])
+    file = log_folder(tmp_path, RUNS[:4])
     data = file.read_bytes()
     ends = [data.find(b"\xd5SPOOL1\n", at) for at in range(len(data)) if data.startswith(b"\xd5SPOOL1\n", at)]
     ends = [*ends[1:], len(data)]
     for size in range(len(data)):
         file.write_bytes(data[:size])
         whole = max(0, sum(end <= size for end in ends) - 1)
-        assert numbers(read_spool(tmp_path, MEASURES, "0123")) == [run.request.number for run in RUNS[:whole]]
+        assert numbers(read_log(tmp_path, MEASURES, "0123")) == [run.request.number for run in RUNS[:whole]]
 
 
 def test_a_damaged_byte_costs_the_record_that_it_is_in(tmp_path: Path) -> None:
-    file = spool(tmp_path, RUNS[:4])
+    file = log_folder(tmp_path, RUNS[:4])
     data = bytearray(file.read_bytes())
     head = data.find(b"\xd5SPOOL1\n", 1)
     everything = [run.request.number for run in RUNS[:4]]
@@ -111,34 +113,34 @@ def test_a_damaged_byte_costs_the_record_that_it_is_in(tmp_path: Path) -> None:
         changed = bytearray(data)
         changed[at] ^= 0x10
         file.write_bytes(changed)
-        found = numbers(read_spool(tmp_path, MEASURES, "0123"))
+        found = numbers(read_log(tmp_path, MEASURES, "0123"))
         assert len(found) == (0 if at < head else 3)
         assert found == [number for number in everything if number in found]
 
 
 def test_what_another_study_left_is_passed_over(tmp_path: Path) -> None:
-    file = spool(tmp_path, RUNS[:2])
-    assert read_spool(tmp_path, MEASURES, "4567") == []
-    assert read_spool(tmp_path, Measures(("m",), ("R", "S")), "0123") == []
-    assert read_spool(tmp_path, MEASURES, "0123", "runs-00000008-00000015.parquet") == []
+    file = log_folder(tmp_path, RUNS[:2])
+    assert read_log(tmp_path, MEASURES, "4567") == []
+    assert read_log(tmp_path, Measures(("m",), ("R", "S")), "0123") == []
+    assert read_log(tmp_path, MEASURES, "0123", "runs-00000008-00000015.parquet") == []
     (tmp_path / f"empty{file.suffix}").touch()
     (tmp_path / f"random{file.suffix}").write_bytes(np.random.default_rng(1).bytes(5000))
     (tmp_path / f"folder{file.suffix}").mkdir()
-    assert numbers(read_spool(tmp_path, MEASURES, "0123")) == [3, 0]
-    assert read_spool(tmp_path / "nowhere", MEASURES, "0123") == []
+    assert numbers(read_log(tmp_path, MEASURES, "0123")) == [3, 0]
+    assert read_log(tmp_path / "nowhere", MEASURES, "0123") == []
 
 
 def test_a_file_that_cannot_be_read_now_does_not_pass_for_an_empty_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    spool(tmp_path, RUNS)
+    log_folder(tmp_path, RUNS)
 
     def no_memory(*arguments: object, **more: object) -> None:
         raise OSError(errno.ENOMEM, "Cannot allocate memory")
 
     monkeypatch.setattr("mmap.mmap", no_memory)
     with pytest.raises(OSError, match="Cannot allocate memory"):
-        read_spool(tmp_path, MEASURES, "0123")
+        read_log(tmp_path, MEASURES, "0123")
 
 
 def test_a_folder_that_cannot_be_read_does_not_pass_for_an_empty_one(
@@ -149,25 +151,25 @@ def test_a_folder_that_cannot_be_read_does_not_pass_for_an_empty_one(
 
     monkeypatch.setattr("os.listdir", refuse)
     monkeypatch.setattr("os.scandir", refuse)
-    for look in (lambda: read_spool(tmp_path, MEASURES), lambda: spooled_names(tmp_path)):
+    for look in (lambda: read_log(tmp_path, MEASURES), lambda: logged_names(tmp_path)):
         with pytest.raises(PermissionError):
             look()
 
 
 def test_two_writers_for_a_chunk_do_not_meet(tmp_path: Path) -> None:
-    writers = [SpoolWriter(tmp_path, CHUNK, maker, MEASURES) for maker in ("b/1", "a/1")]
+    writers = [LogWriter(tmp_path, CHUNK, maker, MEASURES) for maker in ("b/1", "a/1")]
     with writers[0], writers[1]:
         for number in range(4):
             writers[number % 2].add(done(number), 0.0)
-    found = read_spool(tmp_path, MEASURES)
+    found = read_log(tmp_path, MEASURES)
     assert {each.block.maker: each.block.numbers.tolist() for each in found} == {"a/1": [1, 3], "b/1": [0, 2]}
 
 
 def test_a_batch_is_cleared_and_others_stay(tmp_path: Path) -> None:
-    other = spool(tmp_path, RUNS[:1], "runs-00000000")
-    spool(tmp_path, RUNS[:1])
-    spool(tmp_path, RUNS[1:2])
-    clear_spool(tmp_path, {CHUNK})
+    other = log_folder(tmp_path, RUNS[:1], "runs-00000000")
+    log_folder(tmp_path, RUNS[:1])
+    log_folder(tmp_path, RUNS[1:2])
+    clear_log(tmp_path, {CHUNK})
     assert [*tmp_path.iterdir()] == [other]
 
 
@@ -175,9 +177,9 @@ WRITES = """
 import resource, signal, sys
 from pathlib import Path
 sys.path.insert(0, sys.argv[2])
-from test_spool import *
+from test_write_ahead_log import *
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-writer = SpoolWriter(Path(sys.argv[1]), CHUNK, "a/1", MEASURES)
+writer = LogWriter(Path(sys.argv[1]), CHUNK, "a/1", MEASURES)
 for number in range(6):
     limit = int(sys.argv[3]) if number == 3 else resource.RLIM_INFINITY
     resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))
@@ -195,4 +197,4 @@ def test_a_file_without_room_stays_whole_and_goes_on_when_there_is(tmp_path: Pat
     command = [sys.executable, "-c", WRITES, str(tmp_path), tests, str(room)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     assert done.stdout.split() == ["3", "27"]
-    assert numbers(read_spool(tmp_path, MEASURES)) == [0, 1, 2, 4, 5]
+    assert numbers(read_log(tmp_path, MEASURES)) == [0, 1, 2, 4, 5]

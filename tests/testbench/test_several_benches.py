@@ -12,7 +12,7 @@ import pytest
 from port_workspaces import write
 
 import dse
-from dse.api import listing, try_point
+from dse.api import listing, what_if_run
 from dse.domain.sampler import Role
 from dse.errors import DseError
 from dse.loading import Workspace
@@ -145,7 +145,7 @@ def test_a_point_on_either_bench_and_of_any_item_can_be_tried(root: Path, explor
     for number in range(len(results)):
         run = results.run(number)
         shown = {name: float(value) for name, value in run.point.items()}
-        tried = try_point(results.definition, run.configuration, shown, workspace=root)
+        tried = what_if_run(results.definition, run.configuration, shown, workspace=root)
         assert (tried.run.metrics, tried.run.verdicts, tried.changed) == (run.metrics, run.verdicts, ())
 
 

@@ -26,8 +26,8 @@ from dse.world import (
     Network,
     RoadPath,
     Route,
+    find_conflict_areas,
     lane_middle,
-    meetings,
     network_in,
     opendrive_of,
     place,
@@ -42,7 +42,7 @@ def test_lanes_that_cross_are_in_the_way_for_the_closed_form(degrees: float) -> 
     angle = math.radians(degrees)
     crossing = Traced([(120.0, 0.0, 0.0)], Frame(-70 * math.cos(angle), -70 * math.sin(angle), angle, 0.0))
     one, other = EAST.path(), crossing.path()
-    (met,) = meetings(one, other)
+    (met,) = find_conflict_areas(one, other)
     # Both middles lie t to the left of their lines, and cross at (x, t).
     t = float(lane_middle(one, np.zeros(1))[0])
     x = t * (math.cos(angle) - 1) / math.sin(angle)
@@ -58,13 +58,13 @@ def test_a_lane_that_joins_is_in_the_way_until_both_are_one_and_one_that_parts_i
                      Frame(-30 * math.sin(bend), 30 - 30 * math.cos(bend), -bend, 0.0))  # fmt: skip
     # On the reference lines themselves: a circle of 30 m and its tangent.
     one, other = (replace(each.path(), lanes=(on_the_line(each.path()),)) for each in (EAST, joining))
-    (met,) = meetings(one, other)
+    (met,) = find_conflict_areas(one, other)
     # The nearest lane's points: the vehicle's side touches where the circle's centre is 31 m from its upper corner.
     assert met.entry == pytest.approx(40 - math.sqrt(31**2 - 29**2), abs=1e-3)
     assert met.exit == pytest.approx(40 - math.sqrt(30.25**2 - 30**2), abs=0.01)
     assert met.other_exit == pytest.approx(30 * bend - 30 * math.acos(29.75 / 30), abs=0.01)
     parting = Traced([(50.0, 0.0, 0.0), (30 * bend, 1 / 30, 1 / 30)], Frame(-40.0, 0.0, 0.0, 0.0)).path()
-    assert list(meetings(one, replace(parting, lanes=(on_the_line(parting),)))) == []
+    assert list(find_conflict_areas(one, replace(parting, lanes=(on_the_line(parting),)))) == []
 
 
 def on_the_line(path: RoadPath) -> Any:
@@ -97,7 +97,7 @@ def test_winding_lanes_that_cross_agree_with_brute_force(seed: int) -> None:
     k = chance.uniform(-1 / 25, 1 / 25, 5)
     winding = Traced([(25.0, k[0], k[1]), (25.0, k[1], k[2]), (30.0, k[3], k[3])], Frame(-25.0, 0.0, 0.0, 0.0)).path()
     there = Traced([(45.0, k[4], k[0])], Frame(0.0, -25.0, math.pi / 2 + chance.uniform(-0.5, 0.5), 0.0)).path()
-    found = list(meetings(winding, there))
+    found = list(find_conflict_areas(winding, there))
     assert [(met.entry, met.exit) for met in found] == [pytest.approx(pair, abs=0.25) for pair in brute(winding, there)]
     assert [(met.other_entry, met.other_exit) for met in found] == [
         pytest.approx(pair, abs=0.25) for pair in brute(there, winding)
@@ -107,10 +107,10 @@ def test_winding_lanes_that_cross_agree_with_brute_force(seed: int) -> None:
 def test_a_bridge_is_no_crossing_and_a_ring_is_crossed_beyond_its_seam() -> None:
     across = Traced([(100.0, 0.0, 0.0)], Frame(0.0, -50.0, math.pi / 2, 0.0)).path()
     high = replace(across, height=shifted(across.height, 5.0))
-    assert list(meetings(EAST.path(), high)) == []
-    assert len(list(meetings(EAST.path(), across))) == 1
+    assert list(find_conflict_areas(EAST.path(), high)) == []
+    assert len(list(find_conflict_areas(EAST.path(), across))) == 1
     ring = Traced([(2 * math.pi * 20, 1 / 20, 1 / 20)], Frame(0.0, -20.0, 0.0, 0.0))
-    (there, here) = meetings(replace(ring.path(), closed=True), across)
+    (there, here) = find_conflict_areas(replace(ring.path(), closed=True), across)
     # The ring is crossed at its top, and at its bottom, where it begins.
     assert (there.entry + there.exit) / 2 == pytest.approx(ring.length / 2, abs=1e-3)
     assert (here.entry + here.exit) / 2 == pytest.approx(ring.length, abs=1e-3)

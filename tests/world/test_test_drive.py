@@ -19,7 +19,7 @@ from dse.domain.drive import Drive, Pace
 from dse.domain.run import Run, RunRequest
 from dse.live.recorded_drive import bench_of_drive
 from dse.loading.workspace import Workspace
-from dse.report import Told
+from dse.report import SceneSignals
 from dse.space.opened import open_space
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.runner import Runner
@@ -89,7 +89,7 @@ def test_a_bench_that_can_be_driven_is_a_scene(name: str) -> None:
     bench = Workspace(ROOT).bench(name)
     wired = wire_bench(bench, chosen("single_track"))
     settings = {label: setting.value for label, setting in wired.settings.items()}
-    told = Told(wired.signals, settings, bench.figures)
+    told = SceneSignals(wired.signals, settings, bench.figures)
     assert told.is_scene
     assert {"controls.mode", "driver.gap_setting", "chassis.speed", "road.actors[1].x"} <= set(told.wanted)
     assert {"controller.kp_speed", "controller.kd_gap", "controls.overrun"} <= settings.keys()

@@ -15,7 +15,7 @@ from dse.errors import fail
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
-    from dse.live import Ended, Patience, Seat, Session
+    from dse.live import DriverInTheLoop, Ended, Patience, Session
     from dse.testbench import PreparedBench
 
 MOST_DRIVER = 40
@@ -39,9 +39,15 @@ class LiveDrive:
     """A bench ready to be driven by *driver*; `start` begins, and `session` is there from then on."""
 
     def __init__(
-        self, seat: Seat, prepared: PreparedBench, view: View, first: Mapping[str, float], driver: str, bench: TestBench
+        self,
+        driver_in_loop: DriverInTheLoop,
+        prepared: PreparedBench,
+        view: View,
+        first: Mapping[str, float],
+        driver: str,
+        bench: TestBench,
     ) -> None:
-        self.seat, self.view, self.driver, self.bench = seat, view, driver, bench
+        self.driver_in_loop, self.view, self.driver, self.bench = driver_in_loop, view, driver, bench
         self._prepared, self._first = prepared, dict(first)
         self._session: Session | None = None
 
@@ -53,13 +59,13 @@ class LiveDrive:
     @property
     def controls(self) -> tuple[str, ...]:
         """What a driver does, by the ports of the interface ``driver``."""
-        return tuple(port.name for port in self.seat.controls)
+        return tuple(port.name for port in self.driver_in_loop.controls)
 
     @cached_property
     def tunables(self) -> tuple[Tunable, ...]:
         """The sliders."""
         found = []
-        for name, each in self.seat.tunables.items():
+        for name, each in self.driver_in_loop.tunables.items():
             unit, value = each.type.unit, self._first[f"{TUNE}.{name}"]
             spread = abs(value) or 1.0
             low = each.minimum if each.minimum is not None else min(0.0, value - spread)
@@ -78,7 +84,7 @@ class LiveDrive:
             "length": self._prepared.simulation.stop,
             "tunables": [{name: getattr(each, name) for name in Tunable.__slots__} for each in self.tunables],
             "controls": list(self.controls),
-            "start": {port.name: self._first[port.name] for port in self.seat.controls},
+            "start": {port.name: self._first[port.name] for port in self.driver_in_loop.controls},
         }
 
     def start(self, patience: Patience | None = None) -> None:
@@ -86,7 +92,7 @@ class LiveDrive:
         from dse.live import Session
 
         if self._session is None:
-            self._session = Session(self._prepared, self.seat, self._first, patience)
+            self._session = Session(self._prepared, self.driver_in_loop, self._first, patience)
 
     @property
     def has_begun(self) -> bool:
@@ -110,7 +116,7 @@ class LiveDrive:
 
         DseError, and nothing is done, if one is none.
         """
-        ports = {port.name: port for port in self.seat.controls}
+        ports = {port.name: port for port in self.driver_in_loop.controls}
         self.session.command({name: _value(ports.get(name), name, value) for name, value in values.items()}, number)
 
     def tune(self, values: Mapping[str, object], number: int = 0) -> None:
@@ -123,7 +129,7 @@ class LiveDrive:
             given = _number(value)
             if not known.min <= given <= known.max:
                 raise fail(f"'{name}' is between {known.min:g} and {known.max:g} {known.unit}".rstrip())
-            told[f"{TUNE}.{name}"] = self.seat.tunables[name].type.unit.to_si(given)
+            told[f"{TUNE}.{name}"] = self.driver_in_loop.tunables[name].type.unit.to_si(given)
         self.session.command(told, number)
 
     def finish(self) -> None:
@@ -149,9 +155,9 @@ class LiveDrive:
         ended = self.ended
         if ended is None or ended.run is None or ended.run.waveforms is None or ended.pace is None:
             return None
-        waveforms, part = ended.run.waveforms, self.seat.part
-        inputs = {name: waveforms.values[f"{part}.{name}"] for name in self.seat.inputs}
-        configuration = self.seat.configuration.id
+        waveforms, part = ended.run.waveforms, self.driver_in_loop.part
+        inputs = {name: waveforms.values[f"{part}.{name}"] for name in self.driver_in_loop.inputs}
+        configuration = self.driver_in_loop.configuration.id
         bits = bits_of(ended.run)
         name, time = self.bench.name, waveforms.time
         return Drive(name, configuration, self.driver, self.step, time, inputs, ended.pace, bits=bits)
@@ -162,7 +168,7 @@ def open_drive(bench: TestBench, configuration: str | None = None, *, driver: st
 
     Raises DseError if the bench cannot be driven, or something cannot be built.
     """
-    from dse.live import driver_of, prepare_seat, take_seat
+    from dse.live import driver_of, prepare_driver, put_driver_in_the_loop
     from dse.testbench import one_configuration, wire_bench
 
     driver_of(bench)
@@ -171,24 +177,24 @@ def open_drive(bench: TestBench, configuration: str | None = None, *, driver: st
     chosen = one_configuration(bench.design, configuration)
     wired = wire_bench(bench, chosen)
     view = View(wired, bench.simulation.stop)
-    seat = take_seat(bench, chosen, view.wanted, version=fmi)
-    prepared = prepare_seat(seat, version=fmi)
+    driver_in_loop = put_driver_in_the_loop(bench, chosen, view.wanted, version=fmi)
+    prepared = prepare_driver(driver_in_loop, version=fmi)
     settings = wired.settings
-    first = {f"{TUNE}.{name}": settings[name].value for name in seat.tunables}
-    first |= _hands(bench, seat, fmi)
-    return LiveDrive(seat, prepared, view, first, _named(driver), bench)
+    first = {f"{TUNE}.{name}": settings[name].value for name in driver_in_loop.tunables}
+    first |= _hands(bench, driver_in_loop, fmi)
+    return LiveDrive(driver_in_loop, prepared, view, first, _named(driver), bench)
 
 
-def _hands(bench: TestBench, seat: Seat, fmi: int) -> dict[str, float]:
+def _hands(bench: TestBench, driver_in_loop: DriverInTheLoop, fmi: int) -> dict[str, float]:
     """What the bench's own driver does at first."""
     from dse.api.studies.exploration import alone
     from dse.domain.study import Selection
     from dse.testbench import bench_study
 
-    names = {f"{seat.part}.{port.name}": port.name for port in seat.controls}
+    names = {f"{driver_in_loop.part}.{port.name}": port.name for port in driver_in_loop.controls}
     simulation, step = bench.simulation, bench.simulation.step
     short = replace(simulation, stop=step, record=tuple(names), record_every=step, check_step=False)
-    run, _ = alone(bench_study(replace(bench, simulation=short), Selection((seat.configuration.id,))), fmi)
+    run, _ = alone(bench_study(replace(bench, simulation=short), Selection((driver_in_loop.configuration.id,))), fmi)
     if run.waveforms is None:
         raise fail(f"bench '{bench.name}' does not run: {run.problem}", bench.where)
     return {port: float(run.waveforms.values[name][0]) for name, port in names.items()}

@@ -25,11 +25,13 @@ class View:
     """
 
     def __init__(self, wired: WiredBench, length: float) -> None:
-        from dse.api.studies.scenes import told_scene
-        from dse.report import Told, scene_document
+        from dse.api.studies.scenes import scene_of_signals
+        from dse.report import SceneSignals, scene_document
 
         bench = wired.bench
-        told = Told(wired.signals, {name: setting.value for name, setting in wired.settings.items()}, bench.figures)
+        told = SceneSignals(
+            wired.signals, {name: setting.value for name, setting in wired.settings.items()}, bench.figures
+        )
         if not told.is_scene:
             what = "no part gives the position of a car: neither 'motion.x' nor 'position' and 'gap'"
             raise fail(f"bench '{bench.name}' cannot be driven: {what}", bench.where)
@@ -40,7 +42,7 @@ class View:
         columns = dict(zip(self.wanted, probe.T, strict=True))
         straight = np.array([[0.0, 0.0], [_FASTEST * length, 0.0]])
         times = np.arange(len(probe), dtype=np.float64)
-        scene = told_scene(wired, told, columns, times, way=straight, reach=_EVERYWHERE)
+        scene = scene_of_signals(wired, told, columns, times, way=straight, reach=_EVERYWHERE)
         self.document = scene_document(scene, found)
         self.document["columns"] = {}
         self.columns = tuple(found.values)

@@ -20,7 +20,7 @@ _MOST_LEFT = 1e8
 
 
 @contextmanager
-def telling(progress: Callable[[Progress], None] | bool | None) -> Iterator[Callable[[Progress], None] | None]:
+def progress_shown(progress: Callable[[Progress], None] | bool | None) -> Iterator[Callable[[Progress], None] | None]:
     """What is to be told of progress: *progress* itself, or a bar if it is True."""
     if progress is True:
         with progress_bar() as show:

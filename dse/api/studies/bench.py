@@ -144,12 +144,12 @@ class Study(_Named[nouns.Study]):
         Raises DseError with everything that is wrong, and ExplorationInterruptedError, a KeyboardInterrupt, on Ctrl-C:
         what was finished is stored, and the same call goes on from there.
         """
-        from dse.api.presentation.progress import telling
+        from dse.api.presentation.progress import progress_shown
         from dse.api.studies.exploration import ExploreOptions, explore_into
         from dse.api.studies.results import Results
 
         options = ExploreOptions(workers, threads, fuse, fresh, fmi, sandbox, retry_failed, executor)
-        with telling(progress) as tell:
+        with progress_shown(progress) as tell:
             explored = explore_into(self.noun, Path(folder), options, on_progress=tell)
         return Results(Path(folder), explored)
 

@@ -16,7 +16,7 @@ from dse.domain.component import Value
 from dse.domain.run import RunRequest
 from dse.domain.study import Shard, Study
 from dse.exploration import Batch, KnownRuns, Sink, Work, explore, give, unsettled
-from dse.storage import Measures, Rehearsal, RunStore, StudyFolder, StudyHeader, changed_study
+from dse.storage import DryRun, Measures, RunStore, StudyFolder, StudyHeader, changed_study
 from dse.testbench import Prepared, PreparedStudy, address_of
 
 _LOCAL = "local"
@@ -139,7 +139,7 @@ def plan(
             stay = {_point(r) for r in stored.table().requests() if r.configuration in alike}
     rehearsed = folder / "nothing" if changes or fresh else folder
     counter = _Counter(planned.study)
-    with Rehearsal.of(rehearsed, planned.definition) as scratch:
+    with DryRun.of(rehearsed, planned.definition) as scratch:
         if retry_failed:
             scratch.forget(unsettled(scratch))
         there = scratch.finished()

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.domain.provenance import Absent, Funnel, Left, Notes, SourceText, digest_of
+from dse.domain.provenance import Absent, Funnel, Left, Provenance, SourceText, digest_of
 from dse.errors import DseError, is_gone
 
 if TYPE_CHECKING:
@@ -24,17 +24,17 @@ def note_sources(study: Study, store: StudyFolder) -> None:
     """Keep the files of *study* as they are; what was known of its design space goes if one of them has changed."""
     sources, known = tuple(_sources(study)), store.notes()
     if known is None or known.sources != sources:
-        store.note(Notes(sources))
+        store.note(Provenance(sources))
 
 
 def note_space(study: Study, store: StudyFolder) -> None:
     """Keep what the constraints leave of the design space, if that is not known already."""
-    known = store.notes() or Notes()
+    known = store.notes() or Provenance()
     if known.funnel is None and not known.unfunnelled:
         try:
-            notes = Notes(known.sources, _funnel(study))
+            notes = Provenance(known.sources, _funnel(study))
         except DseError as error:
-            notes = Notes(known.sources, None, error.problems[0].what)
+            notes = Provenance(known.sources, None, error.problems[0].what)
         store.note(notes)
 
 

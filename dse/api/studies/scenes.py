@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from dse.api.studies.run import Run
     from dse.domain.bench import Simulation, TestBench
     from dse.domain.component import Component
-    from dse.report import Ground, Scene, Told
+    from dse.report import Ground, Scene, SceneSignals
     from dse.testbench import WiredBench
 
     Floats = NDArray[np.float64]
@@ -71,12 +71,12 @@ def _bench_of(stored: Run, source: str | Path | None, near: Path, workspace: Pat
 def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Scene:
     from dse.api.studies.exploration import alone
     from dse.domain.study import Selection
-    from dse.report import Told
+    from dse.report import SceneSignals
     from dse.testbench import bench_study, one_configuration, wire_bench
 
     chosen = one_configuration(bench.design, stored.configuration)
     wired = wire_bench(bench, chosen)
-    told = Told(wired.signals, {name: setting.value for name, setting in wired.settings.items()}, bench.figures)
+    told = SceneSignals(wired.signals, {name: setting.value for name, setting in wired.settings.items()}, bench.figures)
     if not told.is_scene:
         what = "no part gives the position of a car: neither 'motion.x' nor 'position', 'gap' and 'lead.speed'"
         raise fail(f"run {stored.number} of bench '{bench.name}' is no scene: {what}", Location(bench.name))
@@ -88,14 +88,14 @@ def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Sce
     if made.waveforms is None or not _is_same(made.metrics, stored.metrics):
         what = f"run {stored.number} did not give the same again"
         raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' lists what changed")
-    scene = told_scene(wired, told, made.waveforms.values, made.waveforms.time)
+    scene = scene_of_signals(wired, told, made.waveforms.values, made.waveforms.time)
     title = stored.definition.title or stored.definition.study
     return replace(scene, title=title, subtitle=f"run {stored.number}", mark=mark_of(stored))
 
 
-def told_scene(
+def scene_of_signals(
     wired: WiredBench,
-    told: Told,
+    told: SceneSignals,
     columns: Mapping[str, Floats],
     time: Floats,
     *,

@@ -13,7 +13,7 @@ from math import inf, isfinite
 from pathlib import Path
 
 from dse.api.studies.summary import is_shard, state_of
-from dse.storage import Maker, StudyFolder, Tally, Writer, shards_in, this_process, writer_of
+from dse.storage import Maker, RunCounts, StudyFolder, Writer, shards_in, this_process, writer_of
 
 _PATIENCE = 1.0
 """Seconds that the rate of a running study is measured over."""
@@ -34,11 +34,11 @@ class Status:
     folder: Path
     name: str
     runs: int
-    tally: Tally
+    tally: RunCounts
     writer: Writer | None
     working: tuple[Maker, ...]
     rate: float
-    spooled: int
+    logged: int
     size: int
     free: int
 
@@ -81,7 +81,7 @@ def status(folder: str | Path) -> Status:
         writer, before, start = writer_of(path), store.tally(), time.monotonic()
         if writer:
             time.sleep(_PATIENCE)
-        tally, spooled = store.tally(), 0 if writer else len(store.spooled())
+        tally, logged = store.tally(), 0 if writer else len(store.logged())
         made = _made(tally) - _made(before)
         working = tuple(maker for maker in tally.makers if writer and _is_at_work(maker, writer))
         # Where runs take long, none may end while we look.
@@ -89,7 +89,7 @@ def status(folder: str | Path) -> Status:
         with StudyFolder.open(path) as now:  # what is asked for may have become more
             runs, name = now.header.runs, now.header.definition.study
     size = sum(_sizes(path))
-    return Status(path, name, runs, tally, writer, working, measured if writer else 0.0, spooled, size, _free(path))
+    return Status(path, name, runs, tally, writer, working, measured if writer else 0.0, logged, size, _free(path))
 
 
 def status_as_data(status: Status) -> Mapping[str, object]:
@@ -119,13 +119,13 @@ def status_as_data(status: Status) -> Mapping[str, object]:
         "failures": dict(tally.failures),
         "without_result": {"runs": tally.repeated, "causes": dict(tally.tries)},
         "made_again": tally.again,
-        "spooled": status.spooled,
+        "spooled": status.logged,
         "bytes": status.size,
         "bytes_free": status.free,
     }
 
 
-def _made(tally: Tally) -> int:
+def _made(tally: RunCounts) -> int:
     return tally.finished + tally.again
 
 

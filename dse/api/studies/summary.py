@@ -14,7 +14,7 @@ from dse.storage import StudyFolder, Writer, writer_of
 
 
 @dataclass(frozen=True, slots=True)
-class Glance:
+class StudySummary:
     """*finished* of *runs* that were asked for; *verdicts* counts them by the verdict on all requirements.
 
     *state* is as `state_of` tells, *changed* when the folder was last written to.
@@ -33,14 +33,14 @@ class Glance:
     changed: datetime
 
 
-def glance(folder: str | Path) -> Glance:
+def study_summary(folder: str | Path) -> StudySummary:
     """The study in *folder*. Raises DseError if it is none, or damaged."""
     path = Path(folder)
     with StudyFolder.snapshot(path) as store:
         definition, runs = store.header.definition, store.header.runs
         counts = store.verdicts()
         finished = store.count()
-    return Glance(
+    return StudySummary(
         definition.study,
         definition.title or definition.study,
         definition.bench.title or definition.bench.name,

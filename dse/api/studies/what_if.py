@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Tried:
+class WhatIfRun:
     """The *run*, and what has *changed* in the workspace since the study was made: then it is no run of the study."""
 
     run: Run
     changed: tuple[str, ...]
 
 
-def try_point(
+def what_if_run(
     definition: StudyDefinition,
     configuration: str,
     point: Mapping[str, float],
@@ -39,7 +39,7 @@ def try_point(
     near: str | Path = "",
     workspace: str | Path | None = None,
     on_changed: OnChanged | None = None,
-) -> Tried:
+) -> WhatIfRun:
     """Simulate *configuration* of the study at *point*, once, in a process of its own, and keep its waveforms.
 
     *point* has a value for each design variable that the configuration has, in the unit of the study. The study's files
@@ -56,7 +56,7 @@ def try_point(
     study = replace(bench_study(first, Selection((configuration,))), others=tuple(others))
     here = RunNoun(RunRequest(0, configuration, values), Outcome.DONE, {}, ())
     made, planned, changed = again(study, definition, here, 2, on_changed=on_changed)
-    return Tried(Run(made, planned.definition), changed)
+    return WhatIfRun(Run(made, planned.definition), changed)
 
 
 def _within_ranges(

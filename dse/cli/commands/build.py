@@ -13,7 +13,7 @@ from dse.api import workspace_of
 from dse.cli.app import app
 from dse.cli.arguments import Configuration, FmiVersion, Platforms
 from dse.cli.completion import benches, components
-from dse.cli.terminal import console, say
+from dse.cli.terminal import console, print_line
 from dse.errors import DseError, Location, Problem
 from dse.scratch import make_folder
 
@@ -64,7 +64,7 @@ def build(
             make_folder(folder)
             target = folder / f"{name}{path.suffix if bench else '.fmu'}"
             shutil.copyfile(path, target)
-        say(f"{name}: {target}")
+        print_line(f"{name}: {target}")
 
 
 def _fmus(names: list[str] | None, version: int, platforms: list[str], workspace: Path) -> dict[str, Path]:

@@ -11,7 +11,7 @@ from dse.cli.app import group
 from dse.cli.arguments import Format, Output
 from dse.cli.sizes import read_size, size_text
 from dse.cli.status import status_line
-from dse.cli.terminal import plain, plain_table, print_json, print_table, say
+from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,20 +31,22 @@ def show(output: Format = Output.TABLE) -> None:
     everything = [entry for entries in found.values() for entry in entries]
     left = left_overs(root)
     if output is Output.JSON:
-        kinds = [{"kind": shelf.name, "holds": shelf.holds, **_measures(entries)} for shelf, entries in found.items()]
+        kinds = [
+            {"kind": section.name, "holds": section.holds, **_measures(entries)} for section, entries in found.items()
+        ]
         print_json({"folder": str(root), **_measures(everything), "left_over": len(left), "kinds": kinds})
         return
-    say(str(root), style="bold")
+    print_line(str(root), style="bold")
     if not everything:
-        say("it is empty")
+        print_line("it is empty")
         return
     table = plain_table("kind", "entries", "size", "last used", "what", right=("entries", "size"))
-    for shelf, entries in found.items():
-        table.add_row(shelf.name, f"{len(entries):,}", _size(entries), _span(entries), shelf.holds)
+    for section, entries in found.items():
+        table.add_row(section.name, f"{len(entries):,}", _size(entries), _span(entries), section.holds)
     table.add_row("in all", f"{len(everything):,}", _size(everything), _span(everything), style="bold")
     print_table(table)
     if left:
-        say(f"{_counted(len(left), 'folder')} left by processes that have ended: dse cache prune removes them")
+        print_line(f"{_counted(len(left), 'folder')} left by processes that have ended: dse cache prune removes them")
 
 
 @cache_app.command()
@@ -58,12 +60,12 @@ def verify() -> None:
     root = cache_folder()
     with status_line() as tell:
         number = sum(map(len, survey(root).values()))
-        found = damaged(root, lambda shelf: tell(f"comparing {shelf.holds}"))
+        found = damaged(root, lambda section: tell(f"comparing {section.holds}"))
         take_out(entry.path for entry in found)
     for entry in found:
-        say(f"damaged, removed: {entry.shelf.name}/{entry.path.name}")
+        print_line(f"damaged, removed: {entry.section.name}/{entry.path.name}")
     whole = f"{_counted(number - len(found), 'entry', 'entries')} of {plain(str(root))} are whole"
-    say(f"{whole}, {len(found):,} removed" if found else whole)
+    print_line(f"{whole}, {len(found):,} removed" if found else whole)
 
 
 @cache_app.command()
@@ -90,9 +92,9 @@ def prune(
         tell("removing what is not used")
         found, left = unused(root, oldest, most), left_overs(root)
         take_out([*(entry.path for entry in found), *left])
-    say(f"{_counted(len(found), 'entry', 'entries')} removed, {_size(found)}")
+    print_line(f"{_counted(len(found), 'entry', 'entries')} removed, {_size(found)}")
     if left:
-        say(f"{_counted(len(left), 'folder')} removed that processes left which have ended")
+        print_line(f"{_counted(len(left), 'folder')} removed that processes left which have ended")
 
 
 def _measures(entries: Sequence[Entry]) -> dict[str, object]:

@@ -11,7 +11,7 @@ from dse.cli.app import app
 from dse.cli.arguments import Strict
 from dse.cli.packages import check_package, is_package
 from dse.cli.status import status_line
-from dse.cli.terminal import say, say_some
+from dse.cli.terminal import print_line, print_some
 from dse.errors import Problem, raise_if_any
 
 
@@ -41,6 +41,8 @@ def check(
     if strict:
         problems += ignored
     raise_if_any(problems)
-    say_some("ignored", sorted(ignored, key=str))
+    print_some("ignored", sorted(ignored, key=str))
     plural = {"study": "studies", "test bench": "test benches"}
-    say("ok: " + ", ".join(f"{n} {what if n == 1 else plural.get(what, what + 's')}" for what, n in counts.items()))
+    print_line(
+        "ok: " + ", ".join(f"{n} {what if n == 1 else plural.get(what, what + 's')}" for what, n in counts.items())
+    )

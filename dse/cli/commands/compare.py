@@ -10,7 +10,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import SI, units_word
-from dse.cli.terminal import plain, plain_table, print_json, print_table, say
+from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from dse.api import Compared
@@ -55,9 +55,11 @@ def _show_counts(comparison: Sequence[Compared]) -> None:
 def _show_changes(first: Path, study: Compared) -> None:
     from dse.api import flip_counts
 
-    say(f"{first} → {study.folder}", style="bold")
+    print_line(f"{first} → {study.folder}", style="bold")
     for change in study.changed or ("nothing in the definitions differs",):
-        say(f"  {change}")
-    say(f"  {study.shared:,} of {study.finished:,} runs are in both; {len(study.flips):,} verdicts on them flipped")
+        print_line(f"  {change}")
+    print_line(
+        f"  {study.shared:,} of {study.finished:,} runs are in both; {len(study.flips):,} verdicts on them flipped"
+    )
     for (name, was, now), count in flip_counts(study).items():
-        say(f"  {name}: {was} → {now}, {count:,} run{'s' * (count != 1)}")
+        print_line(f"  {name}: {was} → {now}, {count:,} run{'s' * (count != 1)}")

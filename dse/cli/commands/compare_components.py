@@ -11,7 +11,7 @@ import typer
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import FmiVersion
 from dse.cli.completion import components
-from dse.cli.terminal import plain, plain_table, print_json, print_table, say
+from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from dse.api import Column, Pair
@@ -88,12 +88,12 @@ def _show(pair: Pair) -> None:
         table.add_row(plain(each.output), f"{each.absolute:.3g}{unit}", relative, where, *values)
     print_table(table)
     for name, (one, other) in pair.parameters.items():
-        say(f"parameter {name}: {_start(one)} in {first}, {_start(other)} in {second}")
+        print_line(f"parameter {name}: {_start(one)} in {first}, {_start(other)} in {second}")
     still = [each.output for each in pair.outputs if not each.moves]
     if still:
-        say(f"never moved, so little is shown of it: {', '.join(still)}")
+        print_line(f"never moved, so little is shown of it: {', '.join(still)}")
     verdict = "equal" if pair.is_within else "not equal"
-    say(f"{verdict} to {pair.tolerance:g} in {pair.steps:,} steps of {pair.step:g} s")
+    print_line(f"{verdict} to {pair.tolerance:g} in {pair.steps:,} steps of {pair.step:g} s")
 
 
 def _start(value: object) -> str:

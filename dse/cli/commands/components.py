@@ -9,7 +9,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Format, Output
-from dse.cli.terminal import plain_table, print_json, print_table, say
+from dse.cli.terminal import plain_table, print_json, print_line, print_table
 from dse.scratch import make_folder, write_whole
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def _draw(components: list[Component], folder: Path) -> None:
     for component in components:
         target = folder / f"{component.name}.svg"
         write_whole(target, draw_component(component, pictured(component)))
-        say(f"{target}: {component.title or component.name}")
+        print_line(f"{target}: {component.title or component.name}")
 
 
 def _kind(component: Component) -> str:

@@ -9,7 +9,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Listen, ServerPort
-from dse.cli.terminal import say, show_page
+from dse.cli.terminal import print_line, show_page
 
 Bench = Annotated[str, typer.Argument(metavar="[BENCH]", help="The bench that is driven first; without it, choose.")]
 Which = Annotated[
@@ -49,7 +49,7 @@ def drive(
     from urllib.parse import urlencode
 
     from dse.api import Drives, open as open_workspace
-    from dse.serving import Announced, LiveDrives, Shelf, serve
+    from dse.serving import Announced, LiveDrives, StudyIndex, serve
 
     workspace = open_workspace(Path())
     on = LiveDrives(workspace, Drives(drives, workspace.files), most)
@@ -60,14 +60,14 @@ def drive(
 
     def tell(announced: Announced) -> None:
         address = announced.address + (f"#{urlencode(wanted)}" if wanted else "")
-        say(address, style="bold")
+        print_line(address, style="bold")
         if announced.has_token:
-            say("whoever has this address may drive and look; nothing on the way is encrypted", stderr=True)
-        say("Ctrl-C ends it", stderr=True)
+            print_line("whoever has this address may drive and look; nothing on the way is encrypted", stderr=True)
+        print_line("Ctrl-C ends it", stderr=True)
         if browser:
             show_page(address)
 
-    serve(Shelf(drives), listen=listen, port=port, tell=tell, drives=on)
+    serve(StudyIndex(drives), listen=listen, port=port, tell=tell, drives=on)
 
 
 def _show(folder: Path, run: int, browser: bool) -> None:
@@ -77,6 +77,6 @@ def _show(folder: Path, run: int, browser: bool) -> None:
 
     with status_line() as tell:
         page = Results(named_folder(folder)).replay_page(run, tell=tell)
-    say(str(page))
+    print_line(str(page))
     if browser:
         show_page(page.absolute().as_uri())

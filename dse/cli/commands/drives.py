@@ -9,7 +9,7 @@ import typer
 
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import Format, Output
-from dse.cli.terminal import console, plain_table, print_json, print_table, say
+from dse.cli.terminal import console, plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from dse.api import Board, CheckedDrive, Score
@@ -37,7 +37,7 @@ def drives(
         checked = list(kept.check(tell=status.update)) if check else []
     problems = list(dict.fromkeys((*problems, *kept.problems)))
     for problem in problems:
-        say(str(problem), stderr=True)
+        print_line(str(problem), stderr=True)
     boards = kept.boards()
     if output is Output.JSON:
         data = {"boards": [board.data() for board in boards], "problems": [str(problem) for problem in problems]}
@@ -51,17 +51,17 @@ def _show(boards: tuple[Board, ...], checked: list[CheckedDrive]) -> None:
     from dse.api import SCORING
 
     if not boards:
-        say("there is no drive yet")
+        print_line("there is no drive yet")
     for board in boards:
-        say(f"{board.bench}  ({board.folder})")
+        print_line(f"{board.bench}  ({board.folder})")
         table = plain_table("", "driver", "drive", "configuration", "met", "worst margin", "time", "", right=("met",))
         for score in board.scores:
             table.add_row(*_row(score))
         print_table(table)
     if boards:
-        say(SCORING)
+        print_line(SCORING)
     for each in checked:
-        say(f"{each.id} of {each.driver} on {each.bench}: {_told(each)}")
+        print_line(f"{each.id} of {each.driver} on {each.bench}: {_told(each)}")
 
 
 def _row(score: Score) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ import typer
 from dse.api import opened
 from dse.cli.app import app
 from dse.cli.arguments import Design, Off, On, Seed, Where
-from dse.cli.terminal import console, plain_table, print_json, print_table, say
+from dse.cli.terminal import console, plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from dse.space import OpenedSpace, Rows, Sheet, Tally
@@ -83,7 +83,7 @@ def enumerate_(
         blocks = part.blocks(limit) if sample is None else iter([part.draw(sample, seed)])
         if target is not None:
             written = part.save(blocks, target)
-            say(f"{target}: {written:,} configuration{'' if written == 1 else 's'}")
+            print_line(f"{target}: {written:,} configuration{'' if written == 1 else 's'}")
         elif output is not ListingFormat.TABLE:
             if output is ListingFormat.PARQUET and sys.stdout.isatty():
                 raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")
@@ -111,7 +111,7 @@ def _count(part: OpenedSpace, tally: Tally, output: ListingFormat) -> None:
     elif output is ListingFormat.PARQUET:
         raise typer.BadParameter("a count is one number: table, csv or json", param_hint="--format")
     else:
-        say(f"{part.space.name}: {_are_valid(part, tally_text(tally))}")
+        print_line(f"{part.space.name}: {_are_valid(part, tally_text(tally))}")
 
 
 def _are_valid(part: OpenedSpace, valid: str) -> str:
@@ -130,12 +130,12 @@ def _first(part: OpenedSpace, most: int, cut: bool) -> None:
     rows = part.rows(most + 1)
     _table(part.sheet(), rows[:most])
     if len(rows) <= most:
-        say(_are_valid(part, f"{len(rows):,}"))
+        print_line(_are_valid(part, f"{len(rows):,}"))
         return
     before = "the static constraints and the condition" if part.where else "the static constraints"
-    say(f"the first {most}; {number_text(part.total)} in total before {before}")
+    print_line(f"the first {most}; {number_text(part.total)} in total before {before}")
     if cut:
-        say("more: --limit N shows N, -o FILE writes all, --count counts them")
+        print_line("more: --limit N shows N, -o FILE writes all, --count counts them")
 
 
 def _table(sheet: Sheet, rows: Rows) -> None:

@@ -23,7 +23,7 @@ from dse.cli.arguments import (
     Settings,
     Where,
 )
-from dse.cli.terminal import console, say
+from dse.cli.terminal import console, print_line
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
@@ -45,7 +45,7 @@ def export_uvl(design: Design, target: Target, on: On = [], off: Off = []) -> No
     space = space_of(design, on, off)
     text = to_uvl(space)
     write_whole(target, text)
-    say(f"{target}: {space.name}")
+    print_line(f"{target}: {space.name}")
 
 
 @export_app.command("csv")
@@ -60,7 +60,7 @@ def export_csv(
         raise typer.BadParameter(f"'{target.name}' must end in .csv", param_hint="--output")
     part = opened(design, choose, where, on, off)
     written = part.save(part.blocks(), target)
-    say(f"{target}: {written:,} configuration{'' if written == 1 else 's'}")
+    print_line(f"{target}: {written:,} configuration{'' if written == 1 else 's'}")
 
 
 @export_app.command("ssp")
@@ -90,7 +90,7 @@ def export_ssp(
         )
     for what in _left_behind(tested):
         screen.print(f"note: the package lacks {what}, for which SSP has no place", soft_wrap=True)
-    say(f"{target}: configuration {chosen.id} of {tested.name}, {elements} components")
+    print_line(f"{target}: configuration {chosen.id} of {tested.name}, {elements} components")
 
 
 @export_app.command("opendrive")
@@ -107,7 +107,7 @@ def export_opendrive(road: RoadName, target: Target) -> None:
         raise typer.BadParameter(f"'{target.name}' must end in .xodr", param_hint="--output")
     name, text = opendrive_text(road)
     write_whole(target, text)
-    say(f"{target}: {name}")
+    print_line(f"{target}: {name}")
 
 
 def _left_behind(bench: TestBench) -> Iterator[str]:

@@ -11,7 +11,7 @@ import typer
 from dse.cli.app import app
 from dse.cli.arguments import Configuration, FolderOrRoad, named_folder
 from dse.cli.status import status_line
-from dse.cli.terminal import say, show_problems
+from dse.cli.terminal import print_line, show_problems
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 from dse.scratch import make_folder
 
@@ -111,12 +111,12 @@ def figure(
             for stem, sheet in drawings(name, content, view):
                 written.append(place / f"{stem}.{kind}")
                 save_drawing(sheet, written[-1])
-                say(str(written[-1]))
+                print_line(str(written[-1]))
         except DseError as error:  # the other figures can be drawn all the same
             problems += error.problems
         else:
             if not written:
-                say(f"{name}: nothing to draw of this study", stderr=True)
+                print_line(f"{name}: nothing to draw of this study", stderr=True)
     raise_if_any(problems)
 
 
@@ -131,7 +131,7 @@ def _draw_road(road: Path, target: Path | None, kind: PictureFormat, driven: lis
     make_folder(place)
     written = place / f"{road.stem}.{kind}"
     save_drawing(sheet, written)
-    say(str(written))
+    print_line(str(written))
 
 
 def _draw_scene(
@@ -156,7 +156,7 @@ def _draw_scene(
         make_folder(place.parent)
     with status_line() as tell:
         count = Results(folder).film_scene(run, place, shot, tell=tell)
-    say(f"{place}: run {run}" + ("" if rate is None else f", {count} frames"))
+    print_line(f"{place}: run {run}" + ("" if rate is None else f", {count} frames"))
 
 
 def _moment(option: str, text: str) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dse.cli.app import app
 from dse.cli.arguments import Folder, Format, Output
-from dse.cli.findings import say_findings
+from dse.cli.findings import print_findings
 from dse.cli.status import status_line
 from dse.cli.terminal import print_json
 
@@ -27,4 +27,4 @@ def findings(folder: Folder, form: Format = Output.TABLE) -> None:
     if form is Output.JSON:
         print_json([asdict(each) for each in found])
     else:
-        say_findings(found)
+        print_findings(found)

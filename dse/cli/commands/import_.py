@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.cli.app import group
-from dse.cli.terminal import plain, plain_table, print_table, say
+from dse.cli.terminal import plain, plain_table, print_line, print_table
 
 if TYPE_CHECKING:
     from collections.abc import Sized
@@ -49,8 +49,8 @@ def import_uvl(
     for path, text in files.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="\n")
-        say(str(path))
-    say(f"next: dse space count {space.name}")
+        print_line(str(path))
+    print_line(f"next: dse space count {space.name}")
 
 
 @import_app.command("fmu")
@@ -78,12 +78,12 @@ def import_fmu(
         _say_written(written.path, written.component, has_own_interface=written.has_own_interface)
         if written.starts:
             starts = plain(", ".join(written.starts))
-            say(f"  inputs, with the values the FMU gives them itself: {starts}")
+            print_line(f"  inputs, with the values the FMU gives them itself: {starts}")
         for what in written.told:
-            say(f"  {plain(what)}")
+            print_line(f"  {plain(what)}")
         for what in written.left_out:
-            say(f"  left out: {plain(what)}")
-    say("next: dse check")
+            print_line(f"  left out: {plain(what)}")
+    print_line("next: dse check")
 
 
 @import_app.command("simulink")
@@ -125,7 +125,9 @@ def import_simulink(
     made, timing = written.model.interface, written.model.timing
     known = systems(written.model.folder.texts[written.model.folder.header])
     language = "C++" if written.model.folder.is_cpp else "C"
-    say(f"{plain(written.model.folder.model)}: {language}, {made.style}, every {timing.step:.12g} s by {timing.source}")
+    print_line(
+        f"{plain(written.model.folder.model)}: {language}, {made.style}, every {timing.step:.12g} s by {timing.source}"
+    )
     table = plain_table("", "in the code", "type", "block")
     for what, ports in (("input", made.inputs), ("output", made.outputs), ("parameter", made.parameters)):
         for port in ports[:_MOST_SHOWN]:
@@ -135,13 +137,15 @@ def import_simulink(
     print_table(table)
     _say_written(written.path, written.component, has_own_interface=written.has_own_interface)
     for what in written.told:
-        say(f"  {plain(what)}")
+        print_line(f"  {plain(what)}")
     for what in written.left_out:
-        say(f"  left out: {plain(what)}")
+        print_line(f"  left out: {plain(what)}")
     reals = [port for port in written.component.interface.ports if port.type.unit.symbol]
     taken = ", ".join(f"{port.name} in {port.type.unit}" for port in reals[:_MOST_SHOWN])
-    say(f"  the code has no units: {taken or 'its numbers are taken as they are'}; otherwise set them with in_code")
-    say("next: dse check")
+    print_line(
+        f"  the code has no units: {taken or 'its numbers are taken as they are'}; otherwise set them with in_code"
+    )
+    print_line("next: dse check")
 
 
 _MOST_SHOWN = 20
@@ -164,12 +168,12 @@ def import_ssp(
 
     made = make(package, folder, stop=seconds("--stop", stop), step=seconds("--step", step))
     for path in made.files:
-        say(str(path))
+        print_line(str(path))
     for what in made.left_out:
-        say(f"left out: {plain(what)}")
+        print_line(f"left out: {plain(what)}")
     for bench in made.benches:
         more = f" --configuration {bench.configuration}" if bench.configuration else ""
-        say(f"next: dse simulate {folder / 'testbenches' / bench.name}.yaml{more}")
+        print_line(f"next: dse simulate {folder / 'testbenches' / bench.name}.yaml{more}")
 
 
 def _target(folder: Path | None) -> Path:
@@ -181,9 +185,9 @@ def _target(folder: Path | None) -> Path:
 
 def _say_written(path: Path, component: Component, *, has_own_interface: bool) -> None:
     counts = f"{_counted(component.interface.ports, 'port')}, {_counted(component.parameters, 'parameter')}"
-    say(f"{path}: {counts}")
+    print_line(f"{path}: {counts}")
     whose = "of its own" if has_own_interface else "of the workspace"
-    say(f"  implements {component.interface.name}, an interface {whose}")
+    print_line(f"  implements {component.interface.name}, an interface {whose}")
 
 
 def _counted(things: Sized, what: str) -> str:

@@ -11,7 +11,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.content import content
-from dse.cli.terminal import console, say
+from dse.cli.terminal import console, print_line
 from dse.errors import Location, fail
 
 _FOLDERS = ("components", "designs", "roads", "testbenches", "schemas")
@@ -32,4 +32,4 @@ def init(
         shutil.copytree(source / name, folder / name)
     screen = console()
     screen.print(f"{folder}: {sum(path.is_file() for path in folder.rglob('*'))} files")
-    say(f"next: cd {shlex.quote(str(folder))}; dse check; dse explore acc_gains; dse report acc_gains")
+    print_line(f"next: cd {shlex.quote(str(folder))}; dse check; dse explore acc_gains; dse report acc_gains")

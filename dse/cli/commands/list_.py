@@ -11,7 +11,7 @@ import typer
 from dse.cli.app import app
 from dse.cli.arguments import Format, Output
 from dse.cli.status import status_line
-from dse.cli.terminal import plain, plain_table, print_json, print_table, say
+from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -54,7 +54,7 @@ def _data(file: ListedFile) -> dict[str, str]:
 
 def _show_files(what: str, facts: Sequence[str], files: Sequence[ListedFile]) -> None:
     if not files:
-        say(f"no {what}\n", style="dim")
+        print_line(f"no {what}\n", style="dim")
         return
     headings = [{"testbench": "test bench"}.get(fact, fact) for fact in facts]
     table = plain_table(what, *headings, "title")
@@ -62,12 +62,12 @@ def _show_files(what: str, facts: Sequence[str], files: Sequence[ListedFile]) ->
         title = f"cannot be read: {each.problem}" if each.problem else each.title
         table.add_row(each.name, *(plain(each.facts.get(fact, "")) for fact in facts), plain(title))
     print_table(table)
-    say("")
+    print_line("")
 
 
 def _show_results(results: Sequence[ListedResults]) -> None:
     if not results:
-        say("no results in out/: dse explore STUDY, dse run BENCH", style="dim")
+        print_line("no results in out/: dse explore STUDY, dse run BENCH", style="dim")
         return
     table = plain_table("results", "study", "is", *_RUNS, right=_RUNS)
     for each in results:

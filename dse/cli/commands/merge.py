@@ -11,7 +11,7 @@ from dse.cli.app import app
 from dse.cli.arguments import named_folder
 from dse.cli.completion import folders
 from dse.cli.status import status_line
-from dse.cli.terminal import say
+from dse.cli.terminal import print_line
 
 Sources = Annotated[
     list[Path],
@@ -39,15 +39,17 @@ def merge(folders: Sources, target: Target = None) -> None:
     with status_line() as tell:
         tell("merging")
         place, merged = merge_into(folders, target)
-    say(f"{place}: {merged.finished} of {merged.runs} runs, from {len(merged.of)} folders")
+    print_line(f"{place}: {merged.finished} of {merged.runs} runs, from {len(merged.of)} folders")
     for name in merged.absent:
-        say(f"  {name} is not there")
+        print_line(f"  {name} is not there")
     if merged.finished < merged.runs:
         for path, runs in merged.of.items():
-            say(f"  {path}: {runs} runs")
+            print_line(f"  {path}: {runs} runs")
     if merged.different:
         count = len(merged.different)
-        say(f"  {count} runs were made twice, with other results (the first is run {merged.different[0]}); those that")
-        say("  came first are kept. Are these machines alike?")
+        print_line(
+            f"  {count} runs were made twice, with other results (the first is run {merged.different[0]}); those that"
+        )
+        print_line("  came first are kept. Are these machines alike?")
     is_complete = merged.finished == merged.runs
-    say(f"next: dse report {place}" if is_complete else f"next: dse explore STUDY -o {place} makes the rest")
+    print_line(f"next: dse report {place}" if is_complete else f"next: dse explore STUDY -o {place} makes the rest")

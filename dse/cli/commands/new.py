@@ -12,7 +12,7 @@ import typer
 from dse.cli.app import group
 from dse.cli.completion import benches, components as components_of, designs
 from dse.cli.content import content
-from dse.cli.terminal import say
+from dse.cli.terminal import print_line
 
 if TYPE_CHECKING:
     from dse.loading import Workspace
@@ -41,7 +41,7 @@ def new_component(
 
     space = _opened(workspace)
     _write(space, name, started(space, name, kind, implements))
-    say(f"next: dse build {name}; dse new design NAME {name}")
+    print_line(f"next: dse build {name}; dse new design NAME {name}")
 
 
 @new_app.command("design")
@@ -63,7 +63,7 @@ def new_design(
 
     space = _opened(workspace)
     _write(space, name, started(space, name, components or []))
-    say(f"next: dse enumerate {name}; dse new bench NAME --design {name}")
+    print_line(f"next: dse enumerate {name}; dse new bench NAME --design {name}")
 
 
 @new_app.command("bench")
@@ -88,7 +88,7 @@ def new_bench(
 
     space = _opened(workspace)
     _write(space, name, started(space, name, design, around))
-    say(f"next: dse simulate {name}; dse new study NAME --bench {name}")
+    print_line(f"next: dse simulate {name}; dse new study NAME --bench {name}")
 
 
 @new_app.command("study")
@@ -107,7 +107,7 @@ def new_study(
 
     space = _opened(workspace)
     _write(space, name, started(space, name, bench))
-    say(f"next: dse explore {name}; dse report {name}")
+    print_line(f"next: dse explore {name}; dse report {name}")
 
 
 @new_app.command("road")
@@ -119,7 +119,7 @@ def new_road(name: Name, workspace: At = Path()) -> None:
     from dse.api import new_road as started
 
     _write(_opened(workspace), name, started(name))
-    say(f"next: dse figure {name}; dse export opendrive {name} -o {name}.xodr")
+    print_line(f"next: dse figure {name}; dse export opendrive {name} -o {name}.xodr")
 
 
 def _opened(path: Path) -> Workspace:
@@ -134,9 +134,9 @@ def _write(workspace: Workspace, name: str, files: Mapping[PurePosixPath, str]) 
     from dse.formats import shown
 
     for path in write_start(workspace, name, files):
-        say(shown(path))
+        print_line(shown(path))
     # The first lines of the files name them.
     schemas = workspace.root / "schemas"
     if not schemas.exists():
         shutil.copytree(content("schemas") / "schemas", schemas)
-        say(f"{shown(schemas)}: for editors")
+        print_line(f"{shown(schemas)}: for editors")

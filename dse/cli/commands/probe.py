@@ -10,7 +10,7 @@ import typer
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import FmiVersion, Format, Output, Sandbox
 from dse.cli.sizes import size_text
-from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
+from dse.cli.terminal import console, plain, plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -108,7 +108,7 @@ def _show(name: str, model: FmuModel, facts: FmuFacts, numerics: FmuNumerics) ->
         table.add_row(f"  {what}", Text(said, _STYLES.get(said, "")), plain(detail))
     print_table(table)
     for line in consequences(facts):
-        say(f"  → {line}")
+        print_line(f"  → {line}")
 
 
 def _detail(facts: FmuFacts, question: Question) -> str:

@@ -10,7 +10,7 @@ import typer
 from dse.cli.app import app
 from dse.cli.arguments import Folder
 from dse.cli.status import status_line
-from dse.cli.terminal import say
+from dse.cli.terminal import print_line
 from dse.scratch import make_folder, write_whole
 
 
@@ -52,4 +52,4 @@ def refine(
         raise typer.BadParameter(f"'{target}' is there already", param_hint="--output")
     make_folder(target.parent)
     write_whole(target, text)
-    say(f"{target}: dse explore {name}")
+    print_line(f"{target}: dse explore {name}")

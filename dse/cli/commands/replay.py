@@ -9,7 +9,7 @@ import typer
 
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import SI, FmiVersion, Folder, Format, Output, Plot, units_word
-from dse.cli.terminal import console, say
+from dse.cli.terminal import console, print_line
 
 
 @app.command()
@@ -42,9 +42,9 @@ def replay(
         raise problem
     kept = found.stored.has_waveforms
     what = "metrics, verdicts and waveforms" if kept else "metrics and verdicts; no waveforms were kept"
-    say(f"run {number}: the same as in {folder}, bit for bit ({what})", stderr=True)
+    print_line(f"run {number}: the same as in {folder}, bit for bit ({what})", stderr=True)
     raise typer.Exit(DONE if found.run.is_done else RUNS_FAILED)
 
 
 def _tell_changed(changed: tuple[str, ...]) -> None:
-    say(f"changed since the study was made: {', '.join(changed)}", stderr=True)
+    print_line(f"changed since the study was made: {', '.join(changed)}", stderr=True)

@@ -10,7 +10,7 @@ import typer
 from dse.cli.app import app
 from dse.cli.arguments import Folder
 from dse.cli.status import status_line
-from dse.cli.terminal import say, show_page, show_problems
+from dse.cli.terminal import print_line, show_page, show_problems
 
 if TYPE_CHECKING:
     from dse.api import Results
@@ -73,9 +73,9 @@ def report(
             tell(f"reading {len(results)} runs, printing the page")
             made.append(results.print(pdf, waveforms=waveforms, on_problems=problems.extend))
     for page in seen:
-        say(f"{page}: a replay, {page.stat().st_size / 1e6:.1f} MB")
+        print_line(f"{page}: a replay, {page.stat().st_size / 1e6:.1f} MB")
     for page in made:
-        say(f"{page}: {len(results)} runs, {page.stat().st_size / 1e6:.1f} MB")
+        print_line(f"{page}: {len(results)} runs, {page.stat().st_size / 1e6:.1f} MB")
     if problems:
         show_problems(DseError(*problems))
     if is_opened:

@@ -10,7 +10,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.completion import kinds_of_files
-from dse.cli.terminal import say
+from dse.cli.terminal import print_line
 
 
 @app.command()
@@ -48,4 +48,4 @@ def schema(
     make_folder(folder)
     for name, text in texts.items():
         write_whole(folder / f"{name}.json", text)
-        say(str(folder / f"{name}.json"))
+        print_line(str(folder / f"{name}.json"))

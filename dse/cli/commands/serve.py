@@ -9,7 +9,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Listen, ServerPort
-from dse.cli.terminal import say
+from dse.cli.terminal import print_line
 
 Place = Annotated[Path, typer.Argument(metavar="DIR", help="A study folder, a folder that holds some, or a workspace.")]
 
@@ -32,12 +32,14 @@ def serve(
     Points are simulated with the workspace the study lies in if it is the one of the current folder, or was
     trusted with 'dse trust': its code is compiled and run.
     """
-    from dse.serving import Announced, Shelf, serve as serve_studies
+    from dse.serving import Announced, StudyIndex, serve as serve_studies
 
     def tell(announced: Announced) -> None:
-        say(f"{announced.address}", style="bold")
+        print_line(f"{announced.address}", style="bold")
         if announced.has_token:
-            say("whoever has this address may look, stop and simulate; nothing on the way is encrypted", stderr=True)
-        say("Ctrl-C ends it", stderr=True)
+            print_line(
+                "whoever has this address may look, stop and simulate; nothing on the way is encrypted", stderr=True
+            )
+        print_line("Ctrl-C ends it", stderr=True)
 
-    serve_studies(Shelf(folder, workspace), listen=listen, port=port, tell=tell)
+    serve_studies(StudyIndex(folder, workspace), listen=listen, port=port, tell=tell)

@@ -15,7 +15,7 @@ import typer
 from dse.cli.app import app
 from dse.cli.arguments import Folder
 from dse.cli.sizes import size_text
-from dse.cli.terminal import plain, plain_table, print_json, print_table, say
+from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from dse.api import Status
@@ -46,7 +46,7 @@ def status(
 
 def _show(status: Status) -> None:
     tally, todo = status.tally, status.runs - status.tally.finished
-    say(f"{status.folder}: {status.name}, {status.state}", style="bold")
+    print_line(f"{status.folder}: {status.name}, {status.state}", style="bold")
     table = plain_table("what", "is", header=False)
     share = f" ({math.floor(100 * tally.finished / status.runs)} %)" if todo and status.runs else ""
     kept = f", {tally.kept:,} with waveforms" if tally.kept else ""
@@ -57,8 +57,8 @@ def _show(status: Status) -> None:
         left = "" if status.is_shard else _left(status.left)
         table.add_row("rate", f"{status.rate:.3g} runs/s{left}" if status.rate else "no run has ended yet")
     elif status.state == "interrupted":
-        spooled = f"; {status.spooled:,} more are made and will be stored then" if status.spooled else ""
-        table.add_row("resume", f"with the command that started it{spooled}")
+        logged = f"; {status.logged:,} more are made and will be stored then" if status.logged else ""
+        table.add_row("resume", f"with the command that started it{logged}")
     if tally.repeated:
         table.add_row("tried again", f"{_counted(tally.repeated, 'run')}, as a try gave no result")
     if tally.again:
@@ -74,7 +74,7 @@ def _show_shards(folder: Path, shards: Sequence[Status]) -> None:
     from dse.api import seconds_left
 
     finished, runs = sum(each.tally.finished for each in shards), shards[0].runs
-    say(f"{folder}: {shards[0].name}, {finished:,} of {runs:,} runs in {len(shards)} shards", style="bold")
+    print_line(f"{folder}: {shards[0].name}, {finished:,} of {runs:,} runs in {len(shards)} shards", style="bold")
     table = plain_table("shard", "is", "runs", "failed", "without result", "runs/s", right=_NUMBERS)
     for each in shards:
         counts = (each.tally.finished, each.tally.failed, sum(each.tally.tries.values()))
@@ -83,7 +83,7 @@ def _show_shards(folder: Path, shards: Sequence[Status]) -> None:
     print_table(table)
     rate = sum(each.rate for each in shards)
     if rate:
-        say(f"{rate:.3g} runs/s{_left(seconds_left(shards))}")
+        print_line(f"{rate:.3g} runs/s{_left(seconds_left(shards))}")
     for title, causes in ("failed:", "failures"), ("tries without a result:", "tries"):
         together: Counter[str] = Counter()
         for each in shards:
@@ -123,11 +123,11 @@ def _show_causes(title: str, causes: Mapping[str, int]) -> None:
     for cause, count in causes.items():
         counts[_TIME.sub("", cause).partition("\n")[0]] += count
     if counts:
-        say(title)
+        print_line(title)
     for cause, count in counts.most_common(_MOST_CAUSES):
-        say(f"  {count:,} × {cause}")
+        print_line(f"  {count:,} × {cause}")
     if len(counts) > _MOST_CAUSES:
-        say(f"  and {len(counts) - _MOST_CAUSES} other causes")
+        print_line(f"  and {len(counts) - _MOST_CAUSES} other causes")
 
 
 def _counted(number: int, what: str) -> str:

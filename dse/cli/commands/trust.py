@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
-from dse.cli.terminal import say
+from dse.cli.terminal import print_line
 
 Place = Annotated[Path, typer.Argument(metavar="DIR", help="A workspace, or a folder in it.")]
 
@@ -22,4 +22,4 @@ def trust(folder: Place = Path()) -> None:
     """
     from dse.api import trust as trust_workspace
 
-    say(f"trusted as it is now: {trust_workspace(folder).root}")
+    print_line(f"trusted as it is now: {trust_workspace(folder).root}")

@@ -11,7 +11,7 @@ import typer
 
 from dse.cli.app import RUNS_FAILED, group
 from dse.cli.arguments import Format, Output
-from dse.cli.terminal import plain_table, print_json, print_table, say
+from dse.cli.terminal import plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from dse.live import Checked, Datagram, Layout
@@ -55,7 +55,7 @@ def check(
     Plays the other side: START, steps, requests that come again, torn, short, old and foreign packets, END; and tells
     what is wrong with the bytes that come. Exit code 3 if something is.
     """
-    from dse.live import Trial, check_client, check_world, connected_line, listen_at, wholes_of
+    from dse.live import WorldTrial, check_client, check_world, connected_line, listen_at, wholes_of
 
     sides = _layout(component, layout, out, back)
     sizes = len(sides.out), len(sides.back)
@@ -63,14 +63,14 @@ def check(
         raise typer.BadParameter("give either HOST:PORT of a world, or --listen PORT for a client")
     if listen:
         with _socket_errors(host, listen), listen_at(host, listen) as line:
-            say(f"listening at {host}:{listen} for START, packets of {28 + 8 * sizes[0]} bytes", stderr=True)
+            print_line(f"listening at {host}:{listen} for START, packets of {28 + 8 * sizes[0]} bytes", stderr=True)
             found = check_client(line, *sizes, step=step, wait=wait, patience=timeout, wholes=wholes_of(sides.back))
     else:
         to = _address(world, "HOST:PORT")
         with _socket_errors(*to):
             opened = connected_line(*to)
         with opened.socket:
-            found = check_world(opened, Trial(*sizes, step, steps, timeout, wholes_of(sides.out)))
+            found = check_world(opened, WorldTrial(*sizes, step, steps, timeout, wholes_of(sides.out)))
     _tell(found, output)
     if not found.is_right:
         raise typer.Exit(RUNS_FAILED)
@@ -92,7 +92,7 @@ def layout(
     sides = _layout(component, file, None, None)
     if target is not None:
         write_whole(target, written_layout(sides))
-        say(f"{target}: {len(sides.out)} values out, {len(sides.back)} back")
+        print_line(f"{target}: {len(sides.out)} values out, {len(sides.back)} back")
         return
     ways = {"out": sides.out, "back": sides.back}
     if output is Output.JSON:
@@ -111,7 +111,7 @@ def layout(
         return
     for way, signals in ways.items():
         whom = "client to world" if way == "out" else "world to client"
-        say(f"{way} ({whom}): {size_of(len(signals))} bytes, little-endian", style="bold")
+        print_line(f"{way} ({whom}): {size_of(len(signals))} bytes, little-endian", style="bold")
         table = plain_table("byte", "type", "what", right=["byte"])
         for place, name in enumerate(("magic and version, 0x44534531", "session", "sequence", "flags")):
             table.add_row(str(4 * place), "int32", name)
@@ -155,13 +155,13 @@ def record(
 
     with _socket_errors(host, port), listen_at(host, port) as line, target.open("w", 1, encoding="utf-8") as file:
         write_head(file)
-        say(f"listening at {host}:{port}; Ctrl-C ends it", stderr=True)
+        print_line(f"listening at {host}:{port}; Ctrl-C ends it", stderr=True)
         try:
             tap(line, onward, keep, most=count or 2**62, seconds=seconds or 1e12, answers=back)
         except KeyboardInterrupt:
-            say(f"{target}: {heard} datagrams", stderr=True)
+            print_line(f"{target}: {heard} datagrams", stderr=True)
             raise
-    say(f"{target}: {heard} datagrams")
+    print_line(f"{target}: {heard} datagrams")
 
 
 @udp_app.command("show")
@@ -199,7 +199,7 @@ def show(
         table.add_row(f"{row['time']:.6f}", way, str(row["bytes"]), *map(str, numbers), told)
     print_table(table)
     if more:
-        say(f"and {more} more (--limit)", stderr=True)
+        print_line(f"and {more} more (--limit)", stderr=True)
 
 
 def _row(datagram: Datagram, sides: Layout | None) -> dict[str, Any]:
@@ -282,9 +282,9 @@ def _tell(found: Checked, output: Output) -> None:
     words = {True: "ok", False: "wrong", None: "not tried"}
     for check in found.checks:
         style = {True: "green", False: "red", None: "dim"}[check.is_right]
-        say(f"{words[check.is_right]:10}{check.name}", style=style)
+        print_line(f"{words[check.is_right]:10}{check.name}", style=style)
         for said in check.said:
-            say(f"{'':12}{said}")
+            print_line(f"{'':12}{said}")
     if latencies.seconds:
         count, milliseconds = len(latencies.seconds), [1e3 * latencies.quantile(share) for share in shares.values()]
         table = plain_table("exchanges", *(f"{name} [ms]" for name in shares), "sent again", "1/s")
@@ -292,4 +292,4 @@ def _tell(found: Checked, output: Output) -> None:
         table.add_row(str(count), *(f"{value:.3f}" for value in milliseconds), str(latencies.resent), f"{rate:.0f}")
         print_table(table)
     elif found.steps:
-        say(f"{found.steps} steps, {found.ignored} datagrams ignored")
+        print_line(f"{found.steps} steps, {found.ignored} datagrams ignored")

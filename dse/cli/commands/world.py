@@ -11,7 +11,7 @@ from dse.api import workspace_of
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import Bench, Configuration, FmiVersion, Parts, Settings, split_parts
 from dse.cli.commands.simulate import read_settings
-from dse.cli.terminal import plain_table, print_table, say
+from dse.cli.terminal import plain_table, print_line, print_table
 
 if TYPE_CHECKING:
     from dse.api import WorldLayout
@@ -61,16 +61,16 @@ def world(
             _show(told)
         if write is not None:
             for path in write_world(told, write):
-                say(str(path))
+                print_line(str(path))
         return
     news = serve_bench(
         tested, configuration, given, port=port, listen=listen, parts=split_parts(parts), free=free, fmi=version
     )
     there = world_layout(tested, configuration, given, world_at(f"127.0.0.1:{port}", split_parts(parts)))
-    say(f"world of {tested.name}: {', '.join(there.parts)}; configuration {there.configuration}", style="bold")
-    say(f"listening at {listen}:{port}; Ctrl-C ends it", stderr=True)
+    print_line(f"world of {tested.name}: {', '.join(there.parts)}; configuration {there.configuration}", style="bold")
+    print_line(f"listening at {listen}:{port}; Ctrl-C ends it", stderr=True)
     for one in news:
-        say(_line(one), style="red" if one.is_failed else None)
+        print_line(_line(one), style="red" if one.is_failed else None)
         if once and one.is_over:
             raise typer.Exit(RUNS_FAILED if one.is_failed else DONE)
 
@@ -88,8 +88,8 @@ def _line(news: News) -> str:
 
 
 def _show(told: WorldLayout) -> None:
-    say(f"world: {', '.join(told.parts)}; configuration {told.configuration}", style="bold")
-    say("all numbers little-endian; Booleans are 0 or 1, items of an enumeration their number")
+    print_line(f"world: {', '.join(told.parts)}; configuration {told.configuration}", style="bold")
+    print_line("all numbers little-endian; Booleans are 0 or 1, items of an enumeration their number")
     for title, values in (("to the world", told.to_world), ("back to the car", told.to_car)):
         _show_packet(title, values, told.number)
 
@@ -98,8 +98,8 @@ def _show_packet(title: str, values: tuple[tuple[str, Type], ...], number: int) 
     from dse.api import HEAD_BYTES, VALUE_BYTES
 
     tail = HEAD_BYTES + VALUE_BYTES * len(values)
-    say("")
-    say(f"{title}: {tail + 4} bytes", style="bold")
+    print_line("")
+    print_line(f"{title}: {tail + 4} bytes", style="bold")
     table = plain_table("offset", "bytes", "number", "type", right=("offset",))
     for offset, name in enumerate(("magic and version, 0x44534531", "session", "sequence", "flags")):
         table.add_row(str(4 * offset), "int32", name, "")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from dse.cli.terminal import say
+from dse.cli.terminal import print_line
 from dse.errors import fail
 from dse.scratch import write_whole
 
@@ -39,10 +39,10 @@ def choose(part: OpenedSpace, target: Path | None) -> None:
     chosen = Picker(space, part.picking()).run()
     if chosen is None:
         return
-    say(outcome(chosen))
+    print_line(outcome(chosen))
     if target is not None:
         write_whole(target, choices_yaml(space, chosen))
-        say(f"choices: {target}")
+        print_line(f"choices: {target}")
 
 
 def outcome(chosen: IdentifiedChoices) -> str:

@@ -16,7 +16,7 @@ _DEFAULT_STEPS = 100
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class Excitation:
     """*steps* steps of *step* seconds; *strength* 1.0 varies inputs as usual, 0.0 holds them at their start values.
 
     Drives of another *seed* have other inputs, and other values of the parameters that may be changed.
@@ -78,7 +78,7 @@ class Drive:
         return (int.from_bytes(digest, "big") >> 11) / 2**52 - 1.0
 
 
-def drive_of(model: FmuModel) -> Drive:
+def excitation_of(model: FmuModel) -> Excitation:
     """The usual drive: the default experiment's step, but not more than 200 of them."""
     experiment = model.experiment
     stop = experiment.stop - (experiment.start or 0.0) if experiment.stop is not None else _DEFAULT_STOP
@@ -87,7 +87,7 @@ def drive_of(model: FmuModel) -> Drive:
     step = model.fixed_step or experiment.step or stop / _DEFAULT_STEPS
     if not (math.isfinite(step) and step > 0.0):
         step = stop / _DEFAULT_STEPS
-    return Drive(step, max(1, min(MOST_STEPS, round(stop / step))))
+    return Excitation(step, max(1, min(MOST_STEPS, round(stop / step))))
 
 
 def driven(model: FmuModel) -> tuple[Variable, ...]:

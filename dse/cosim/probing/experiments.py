@@ -11,7 +11,7 @@ import time
 from ctypes import CDLL
 from itertools import islice
 
-from dse.cosim.probing.excitation import Drive
+from dse.cosim.probing.excitation import Excitation
 from dse.cosim.probing.journal import Journal
 from dse.cosim.probing.subject import Row, Subject, Trajectory, difference
 from dse.domain.fmu import FmuModel
@@ -20,19 +20,19 @@ _PARTS = (0.5, 0.25, 1.0, 0.25)
 _MOST_LOADS = 1100
 
 
-def plain_run(journal: Journal, model: FmuModel, drive: Drive) -> Trajectory:
+def plain_run(journal: Journal, model: FmuModel, drive: Excitation) -> Trajectory:
     """What a fresh instance does."""
     with Subject(model, journal) as subject:
         return subject.run(drive)
 
 
-def repeated_run(journal: Journal, model: FmuModel, drive: Drive, expected: Trajectory) -> str:
+def repeated_run(journal: Journal, model: FmuModel, drive: Excitation, expected: Trajectory) -> str:
     """How a fresh instance in another process differs from *expected*, "" if it does not."""
     with Subject(model, journal) as subject:
         return difference(model, drive, expected, subject.run(drive))
 
 
-def reset_run(journal: Journal, model: FmuModel, drive: Drive, other: Drive, expected: Trajectory) -> str:
+def reset_run(journal: Journal, model: FmuModel, drive: Excitation, other: Excitation, expected: Trajectory) -> str:
     """The same of an instance that ran and was reset."""
     with Subject(model, journal) as subject:
         subject.run(other)
@@ -40,7 +40,7 @@ def reset_run(journal: Journal, model: FmuModel, drive: Drive, other: Drive, exp
         return difference(model, drive, expected, subject.run(drive))
 
 
-def second_run(journal: Journal, model: FmuModel, drive: Drive, other: Drive, expected: Trajectory) -> str:
+def second_run(journal: Journal, model: FmuModel, drive: Excitation, other: Excitation, expected: Trajectory) -> str:
     """The same of a second instance, made after the first was freed."""
     with Subject(model, journal) as first:
         first.run(other)
@@ -49,7 +49,7 @@ def second_run(journal: Journal, model: FmuModel, drive: Drive, other: Drive, ex
 
 
 def runs_in_turns(
-    journal: Journal, model: FmuModel, drive: Drive, other: Drive, expected: tuple[Trajectory, Trajectory]
+    journal: Journal, model: FmuModel, drive: Excitation, other: Excitation, expected: tuple[Trajectory, Trajectory]
 ) -> str:
     """The same of two instances that step in turns, the second some steps behind the first."""
     with Subject(model, journal, "first") as first, Subject(model, journal, "second") as second:
@@ -62,19 +62,19 @@ def runs_in_turns(
     return difference(model, drive, expected[0], rows[0]) or difference(model, other, expected[1], rows[1])
 
 
-def run_from_saved_state(journal: Journal, model: FmuModel, drive: Drive, expected: Trajectory) -> str:
+def run_from_saved_state(journal: Journal, model: FmuModel, drive: Excitation, expected: Trajectory) -> str:
     """How a run differs after the state halfway was saved, and again after it was restored."""
     with Subject(model, journal) as subject:
         return _from_saved_state(subject, drive, expected, serialized=False)
 
 
-def run_from_serialized_state(journal: Journal, model: FmuModel, drive: Drive, expected: Trajectory) -> str:
+def run_from_serialized_state(journal: Journal, model: FmuModel, drive: Excitation, expected: Trajectory) -> str:
     """The same where the state was turned into bytes and back."""
     with Subject(model, journal) as subject:
         return _from_saved_state(subject, drive, expected, serialized=True)
 
 
-def _from_saved_state(subject: Subject, drive: Drive, expected: Trajectory, *, serialized: bool) -> str:
+def _from_saved_state(subject: Subject, drive: Excitation, expected: Trajectory, *, serialized: bool) -> str:
     half = drive.steps // 2
     subject.initialize(drive)
     rows = [subject.read(0.0), *(subject.step(drive, k) for k in range(half))]
@@ -90,7 +90,7 @@ def _from_saved_state(subject: Subject, drive: Drive, expected: Trajectory, *, s
     return f"after restoring, {differs}" if differs else ""
 
 
-def run_in_uneven_steps(journal: Journal, model: FmuModel, drive: Drive) -> None:
+def run_in_uneven_steps(journal: Journal, model: FmuModel, drive: Excitation) -> None:
     """Raises if the FMU does not take them."""
     with Subject(model, journal) as subject:
         subject.initialize(drive)
@@ -106,7 +106,7 @@ def run_in_uneven_steps(journal: Journal, model: FmuModel, drive: Drive) -> None
         subject.terminate(drive)
 
 
-def feed_through(journal: Journal, model: FmuModel, drive: Drive, other: Drive) -> bool:
+def feed_through(journal: Journal, model: FmuModel, drive: Excitation, other: Excitation) -> bool:
     """Whether an output changes when inputs do, between two steps."""
     with Subject(model, journal) as subject:
         subject.initialize(drive)

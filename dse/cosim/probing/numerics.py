@@ -8,7 +8,7 @@ from math import inf, isfinite, nan
 
 from dse.cosim.probing.child import Experiment, ExperimentOutcome, ProbeLimits, attempt
 from dse.cosim.probing.convergence import Settling
-from dse.cosim.probing.excitation import Drive, drive_of, driven
+from dse.cosim.probing.excitation import Excitation, driven, excitation_of
 from dse.cosim.probing.refinement import (
     digest_of_run,
     exchanged,
@@ -44,7 +44,7 @@ def probe_numerics(
     if *element* is for co-simulation and it has both. One that *is_ours* is made of a step function without hidden
     steps, by its contract: what nothing changes is exact.
     """
-    drive = drive_of(element.model)
+    drive = excitation_of(element.model)
     step, stop = times or (drive.step, drive.stop)
     return _Numerics(element, step, stop, exchange, is_ours, limits or ProbeLimits(), sandboxed).found()
 
@@ -62,7 +62,7 @@ class _Numerics:
     def found(self) -> FmuNumerics:
         steps = max(1, min(_STEPS, round(self.stop / self.step)))
         for strength in _STRENGTHS if driven(self.element.model) else _STRENGTHS[-1:]:
-            element = _driven(self.element, Drive(self.step, steps, strength, seed=1))
+            element = _driven(self.element, Excitation(self.step, steps, strength, seed=1))
             outcome = self._attempt(shorter_steps, element, self.step, steps, _HALVINGS)
             if not outcome.failure or outcome.hung:
                 break  # waiting once is enough
@@ -163,7 +163,7 @@ def _is_discrete(model: FmuModel) -> bool:
     return model.exchange is not None and not model.exchange.n_states
 
 
-def _driven(element: Element, drive: Drive) -> Element:
+def _driven(element: Element, drive: Excitation) -> Element:
     """*element* with its inputs at what *drive* begins with, those that nothing else has set."""
     given = drive.inputs(element.model, 0)
     start = dict(element.start)

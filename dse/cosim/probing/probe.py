@@ -9,7 +9,7 @@ from math import nan
 from dse.cosim.binding.layout import kernel
 from dse.cosim.probing import experiments, stress
 from dse.cosim.probing.child import Experiment, ExperimentOutcome, ProbeLimits, attempt
-from dse.cosim.probing.excitation import Drive, drive_of, driven
+from dse.cosim.probing.excitation import Excitation, driven, excitation_of
 from dse.cosim.probing.subject import Trajectory
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import FmuModel
@@ -83,14 +83,14 @@ class _Probe:
         self._try_inputs(drive, other)
         return self._strain(facts, drive)
 
-    def _find_drive(self) -> tuple[Drive, Trajectory] | None:
+    def _find_drive(self) -> tuple[Excitation, Trajectory] | None:
         self.tell(Question.RUNS)
         why = ""
         hung = False
         for strength in _STRENGTHS if driven(self.model) else _STRENGTHS[-1:]:
             if hung and strength:
                 continue  # waiting once is enough
-            drive = replace(drive_of(self.model), strength=strength)
+            drive = replace(excitation_of(self.model), strength=strength)
             outcome = self._attempt(experiments.plain_run, drive)
             if not outcome.failure:
                 self.answers[Question.RUNS] = Answer.YES
@@ -102,12 +102,14 @@ class _Probe:
         self._settle(Question.RUNS, outcome)
         return None
 
-    def _find_other(self, drive: Drive, expected: Trajectory) -> tuple[Drive, Trajectory]:
+    def _find_other(self, drive: Excitation, expected: Trajectory) -> tuple[Excitation, Trajectory]:
         other = replace(drive, seed=1)
         outcome = self._attempt(experiments.plain_run, other)
         return (drive, expected) if outcome.failure else (other, outcome.result)
 
-    def _compare_instances(self, drive: Drive, other: Drive, expected: Trajectory, expected_other: Trajectory) -> None:
+    def _compare_instances(
+        self, drive: Excitation, other: Excitation, expected: Trajectory, expected_other: Trajectory
+    ) -> None:
         self._same(Question.RESETS, experiments.reset_run, drive, other, expected)
         self._same(Question.RENEWS, experiments.second_run, drive, other, expected)
         if self.model.capabilities.once_per_process:
@@ -122,7 +124,7 @@ class _Probe:
         else:
             self._same(Question.THREADS, stress.runs_in_threads, drive, other, _THREADING)
 
-    def _compare_states(self, drive: Drive, expected: Trajectory) -> None:
+    def _compare_states(self, drive: Excitation, expected: Trajectory) -> None:
         if not self.model.capabilities.can_save_state:
             self._skip("it does not offer to", Question.SAVES, Question.SERIALIZES)
             return
@@ -132,13 +134,13 @@ class _Probe:
         else:
             self._skip("the solver's own memory is not among the FMU's bytes", Question.SERIALIZES)
 
-    def _try_steps(self, drive: Drive) -> None:
+    def _try_steps(self, drive: Excitation) -> None:
         if self.model.capabilities.can_handle_variable_step:
             self._same(Question.VARIES_STEP, experiments.run_in_uneven_steps, drive)
         else:
             self._skip("it does not offer to", Question.VARIES_STEP)
 
-    def _try_inputs(self, drive: Drive, other: Drive) -> None:
+    def _try_inputs(self, drive: Excitation, other: Excitation) -> None:
         question = Question.FEEDS_THROUGH
         if not driven(self.model):
             self._skip("it has no inputs", question)
@@ -151,7 +153,7 @@ class _Probe:
             elif not outcome.result:
                 self.answers[question] = Answer.NO
 
-    def _strain(self, facts: FmuFacts, drive: Drive) -> FmuFacts:
+    def _strain(self, facts: FmuFacts, drive: Excitation) -> FmuFacts:
         if Question.LASTS in self.only:
             self.tell(Question.LASTS)
             lasted = self._attempt(stress.instances_in_a_row, drive, _STRAINING, limits=self._longer())

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from dse.cosim.binding.integration import DEFAULT_TOLERANCE
 from dse.cosim.failure.run_failed import RunFailed
 from dse.cosim.probing.convergence import Settling, grid_of, moves, settling_of
-from dse.cosim.probing.excitation import Drive
+from dse.cosim.probing.excitation import Excitation
 from dse.cosim.probing.journal import Journal
 from dse.cosim.probing.single_fmu import alone
 from dse.cosim.probing.subject import Subject
@@ -92,7 +92,7 @@ def exchanged(journal: Journal, element: Element, exchange: FmuModel, step: floa
 
 def forgets(journal: Journal, model: FmuModel, step: float) -> bool:
     """Whether outputs follow from the inputs of the last two steps alone, and do follow them."""
-    drive = Drive(step, 12)
+    drive = Excitation(step, 12)
     first, second = replace(drive, seed=1), replace(drive, seed=2)
 
     def rows(*, until: int) -> list[tuple[bytes, ...]]:

@@ -9,7 +9,7 @@ from math import nan
 import psutil
 
 from dse.cosim.failure.run_failed import RunFailed
-from dse.cosim.probing.excitation import Drive
+from dse.cosim.probing.excitation import Excitation
 from dse.cosim.probing.journal import Journal
 from dse.cosim.probing.single_fmu import alone, element_of
 from dse.cosim.simulator import Simulator
@@ -21,7 +21,7 @@ _SHORT = 20
 _THREADS = 2
 
 
-def instances_in_a_row(journal: Journal, model: FmuModel, drive: Drive, seconds: float) -> tuple[float, float]:
+def instances_in_a_row(journal: Journal, model: FmuModel, drive: Excitation, seconds: float) -> tuple[float, float]:
     """Short runs, each on a fresh instance, at most 2,000 and as many as *seconds* allow; counted.
 
     Returns the bytes the process grew by with the first instance, and by each run once warm.
@@ -46,7 +46,7 @@ def instances_in_a_row(journal: Journal, model: FmuModel, drive: Drive, seconds:
     return max(0.0, float(first - before)), growth
 
 
-def cost_of_a_step(journal: Journal, model: FmuModel, drive: Drive, seconds: float) -> float:
+def cost_of_a_step(journal: Journal, model: FmuModel, drive: Excitation, seconds: float) -> float:
     """Wall time of one communication step through the kernel, in seconds: the best of the runs *seconds* allow."""
     journal.note("measuring time")
     end = time.monotonic() + seconds
@@ -60,7 +60,7 @@ def cost_of_a_step(journal: Journal, model: FmuModel, drive: Drive, seconds: flo
     return max(0.0, best[drive.steps] - best[1]) / (drive.steps - 1) if drive.steps > 1 else best[1]
 
 
-def runs_in_threads(journal: Journal, model: FmuModel, drive: Drive, other: Drive, seconds: float) -> str:
+def runs_in_threads(journal: Journal, model: FmuModel, drive: Excitation, other: Excitation, seconds: float) -> str:
     """What goes wrong if two threads each make fresh instances and run them for *seconds*, "" if nothing does."""
     journal.note("running alone")
     expected = [_waveforms(model, each) for each in (drive, other)]
@@ -69,7 +69,7 @@ def runs_in_threads(journal: Journal, model: FmuModel, drive: Drive, other: Driv
     barrier = threading.Barrier(_THREADS)
     end = time.monotonic() + seconds
 
-    def work(each: Drive, right: bytes) -> None:
+    def work(each: Excitation, right: bytes) -> None:
         barrier.wait()
         try:
             with _alone(model, each) as simulator:
@@ -87,11 +87,11 @@ def runs_in_threads(journal: Journal, model: FmuModel, drive: Drive, other: Driv
     return found[0] if found else ""
 
 
-def _waveforms(model: FmuModel, drive: Drive) -> bytes:
+def _waveforms(model: FmuModel, drive: Excitation) -> bytes:
     with _alone(model, drive) as simulator:
         return simulator.run(stop=drive.stop, step=drive.step).tobytes()
 
 
-def _alone(model: FmuModel, drive: Drive) -> Simulator:
+def _alone(model: FmuModel, drive: Excitation) -> Simulator:
     """The FMU alone; its inputs keep the values the drive begins with."""
     return alone(element_of(model, {**drive.parameters(model), **drive.inputs(model, 0)}))

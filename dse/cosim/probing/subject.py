@@ -12,7 +12,7 @@ from dse.cosim.binding.calls import Call
 from dse.cosim.binding.layout import Element as ElementLayout
 from dse.cosim.binding.library import load
 from dse.cosim.clock import end_of
-from dse.cosim.probing.excitation import Drive, watched
+from dse.cosim.probing.excitation import Excitation, watched
 from dse.cosim.probing.instance import FmuInstance
 from dse.cosim.probing.journal import Journal
 from dse.cosim.probing.steps import leave_event_mode, make_step
@@ -48,11 +48,11 @@ class Subject(FmuInstance, AbstractContextManager["Subject"]):
 
     # ---- whole runs ----
 
-    def run(self, drive: Drive) -> Trajectory:
+    def run(self, drive: Excitation) -> Trajectory:
         """A whole simulation."""
         return list(self.stages(drive))
 
-    def stages(self, drive: Drive) -> Iterator[Row]:
+    def stages(self, drive: Excitation) -> Iterator[Row]:
         """A whole simulation, one row at a time; it is terminated after the last one."""
         self.initialize(drive)
         yield self.read(0.0)
@@ -60,7 +60,7 @@ class Subject(FmuInstance, AbstractContextManager["Subject"]):
             yield self.step(drive, k)
         self.terminate(drive)
 
-    def initialize(self, drive: Drive) -> None:
+    def initialize(self, drive: Excitation) -> None:
         """Initialize with the start values of *drive*."""
         self._journal.note("initializing")
         stop, version = end_of(drive.stop, drive.step, drive.steps), self.model.version
@@ -88,7 +88,7 @@ class Subject(FmuInstance, AbstractContextManager["Subject"]):
         if Ability.HAS_EVENTS in self.able:
             leave_event_mode(self, None)
 
-    def terminate(self, drive: Drive) -> None:
+    def terminate(self, drive: Excitation) -> None:
         """End the simulation."""
         self._journal.note("terminating")
         self.call(Call.TERMINATE, drive.stop)
@@ -100,19 +100,19 @@ class Subject(FmuInstance, AbstractContextManager["Subject"]):
 
     # ---- steps ----
 
-    def step(self, drive: Drive, k: int, *, may_roll_back: bool = False) -> Row:
+    def step(self, drive: Excitation, k: int, *, may_roll_back: bool = False) -> Row:
         """Step from communication point *k* to the next one; the outputs there."""
         self.write(drive, k)
         self.advance(drive, k, 1.0, may_roll_back=may_roll_back)
         return self.read((k + 1) * drive.step)
 
-    def advance(self, drive: Drive, k: float, part: float, *, may_roll_back: bool = False) -> None:
+    def advance(self, drive: Excitation, k: float, part: float, *, may_roll_back: bool = False) -> None:
         """Step from *k* steps after the start over *part* of a step."""
         time = k * drive.step
         self._journal.note(f"stepping at t = {time:.10g} s")
         make_step(self, time, part * drive.step, may_roll_back=may_roll_back)
 
-    def write(self, drive: Drive, k: float) -> None:
+    def write(self, drive: Excitation, k: float) -> None:
         """Set all inputs to what they are *k* steps after the start; discrete ones that change are an event."""
         time, inputs = k * drive.step, drive.inputs(self.model, k)
         self._journal.note(f"setting inputs at t = {time:.10g} s")
@@ -169,7 +169,7 @@ def labels(model: FmuModel) -> tuple[str, ...]:
     return tuple(label for variable in watched(model) for label in variable.labels)
 
 
-def difference(model: FmuModel, drive: Drive, expected: Trajectory, found: Trajectory) -> str:
+def difference(model: FmuModel, drive: Excitation, expected: Trajectory, found: Trajectory) -> str:
     """Where two runs differ first, in words; "" if they are equal bit for bit."""
     names = labels(model)
     for k, (right, wrong) in enumerate(zip(expected, found, strict=False)):

@@ -103,11 +103,11 @@ class CompiledMethod:
         self.structure.untold = self._walk(order_of(self._wiring, initially=True, told=False))
         self._tables.publish()
 
-    def _walk(self, order: Sequence[Step]) -> layout.Walk:
+    def _walk(self, order: Sequence[Step]) -> layout.StepTable:
         operations = (layout.Operation * len(order))(*(self._operation(step) for step in order))
         self._kept.append(operations)
         begin = ctypes.addressof(operations)
-        return layout.Walk(begin, begin + ctypes.sizeof(operations))
+        return layout.StepTable(begin, begin + ctypes.sizeof(operations))
 
     def _operation(self, step: Step, slopes: NDArray[np.float64] | None = None) -> layout.Operation:
         if isinstance(step, AlgebraicLoop):

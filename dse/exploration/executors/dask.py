@@ -15,7 +15,7 @@ from dse.errors import DseError, fail, remedy
 from dse.exploration.executor import Pool
 from dse.exploration.remote.dispatcher import Dispatcher
 from dse.exploration.remote.messages import Answer
-from dse.exploration.remote.worker import carry_out
+from dse.exploration.remote.worker import work_on
 from dse.exploration.work import Sink, Work
 from dse.loading import ExecutorSection
 
@@ -56,11 +56,11 @@ class Dask(ExecutorSection):
                 except (OSError, RuntimeError) as error:
                     raise _not_started(error) from error
                 address = stack.enter_context(cluster).scheduler_address
-            line = stack.enter_context(_DaskLine(address))
+            line = stack.enter_context(_DaskTransport(address))
             yield stack.enter_context(Dispatcher(line, work, sink))
 
 
-class _DaskLine:
+class _DaskTransport:
     """A line over the scheduler at *address*."""
 
     def __init__(self, address: str) -> None:
@@ -98,7 +98,7 @@ class _DaskLine:
         if self._client.status != "running":
             raise CancelledError("the connection to the scheduler was lost")
         only = {"workers": [worker], "allow_other_workers": True} if worker else {}
-        future = self._client.submit(carry_out, content, pure=False, **only)
+        future = self._client.submit(work_on, content, pure=False, **only)
         future.add_done_callback(pass_on)
         return ours
 
@@ -110,7 +110,7 @@ class _DaskLine:
                 self._client.close(timeout=1)
             self._client = self._connected()
 
-    def __enter__(self) -> _DaskLine:
+    def __enter__(self) -> _DaskTransport:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -58,7 +58,7 @@ def scalar(objectives: Array, weights: Array) -> Array:
     return cast(Array, weighted.max(axis=1) + _TAIL * weighted.sum(axis=1))
 
 
-class Shapes:
+class ImprovementShapes:
     """The shapes of processes, by what they are of: found again when there is a quarter more to go by."""
 
     def __init__(self) -> None:
@@ -79,7 +79,7 @@ class Improvement:
     *objective*, (n,), is what is to be small, NaN where there is none.
     """
 
-    def __init__(self, points: Array, known: Worth, objective: Array, shapes: Shapes) -> None:
+    def __init__(self, points: Array, known: Worth, objective: Array, shapes: ImprovementShapes) -> None:
         varied = np.ptp(points, axis=0) > 0
         self._varied = varied if varied.any() else np.arange(points.shape[1]) < 1
         those = points[:, self._varied]

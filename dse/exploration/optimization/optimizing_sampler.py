@@ -14,7 +14,7 @@ from dse.errors import fail
 from dse.exploration.one_shot_sampler import MOST_RUNS
 from dse.exploration.optimization.designs import Cases, Design
 from dse.exploration.optimization.fitness import Judge, Worth, lost
-from dse.exploration.optimization.race import Order, Race
+from dse.exploration.optimization.race import Race, RaceOrder
 from dse.loading import SamplerSection
 
 
@@ -72,7 +72,7 @@ class _Search:
     def __init__(self, sampler: OptimizingSampler, brief: Brief) -> None:
         self._brief = brief
         self._cases = Cases(brief, sampler.draws)
-        self._order = Order(len(self._cases))
+        self._order = RaceOrder(len(self._cases))
         self._judge = Judge(brief.variables, brief.objectives)
         self._left = sampler.evaluations
         self._proposer = sampler.proposer(brief, self._cases)

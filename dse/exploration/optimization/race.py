@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 
-class Order:
+class RaceOrder:
     """The cases of a study by how often designs were lost in them, the most often first."""
 
     def __init__(self, cases: int) -> None:

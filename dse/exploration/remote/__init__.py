@@ -1,1 +1,1 @@
-"""Work for other processes and machines: parcels that carry it, who carries them out, and who sends them."""
+"""Work for other processes and machines: messages that carry it, who carries them out, and who sends them."""

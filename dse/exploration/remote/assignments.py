@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from dse.exploration.failures import not_stored
-from dse.exploration.remote.messages import Piece
+from dse.exploration.remote.messages import BatchRows
 from dse.exploration.work import Batch, Sink
 from dse.storage import read_all_waveforms, write_waveforms
 
@@ -22,7 +22,7 @@ class Job:
     kept: list[int] = field(default_factory=list)
     files: list[Path] = field(default_factory=list)
 
-    def take(self, part: Batch, piece: Piece, folder: Path, sink: Sink) -> None:
+    def take(self, part: Batch, piece: BatchRows, folder: Path, sink: Sink) -> None:
         """Tell *sink* what came of *part*, and that the batch is done when it is; waveforms go into *folder*.
 
         DseError if they cannot be written.
@@ -63,7 +63,7 @@ def _writing_waveforms() -> Iterator[None]:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class AssignmentPart:
     """Runs of a *job*, as a *batch*."""
 
     job: Job
@@ -71,7 +71,7 @@ class Part:
 
 
 @dataclass(slots=True, eq=False)
-class Load:
+class Assignment:
     """Parts that one worker is given together.
 
     *deaths* counts the workers that ended with it, *troubles* those that could not make it for reasons of their own. It
@@ -79,7 +79,7 @@ class Load:
     to the *worker* that asked for them.
     """
 
-    parts: tuple[Part, ...]
+    parts: tuple[AssignmentPart, ...]
     deaths: int = 0
     troubles: int = 0
     alone: bool = False
@@ -92,18 +92,18 @@ class Load:
         """The numbers of its runs."""
         return tuple(number for part in self.parts for number in part.batch.numbers)
 
-    def halves(self) -> Iterator[Load]:
+    def halves(self) -> Iterator[Assignment]:
         """The load in two; where several runs are left, the next death is enough to go on so."""
         runs = [(part.job, request) for part in self.parts for request in part.batch.requests]
         middle = len(runs) // 2
         for half in (runs[:middle], runs[middle:]):
             jobs = dict.fromkeys(job for job, _ in half)
             chosen = {job: tuple(request for other, request in half if other is job) for job in jobs}
-            parts = [Part(job, replace(job.batch, requests=requests)) for job, requests in chosen.items()]
-            yield Load(tuple(parts), deaths=int(len(half) > 1), alone=self.alone)
+            parts = [AssignmentPart(job, replace(job.batch, requests=requests)) for job, requests in chosen.items()]
+            yield Assignment(tuple(parts), deaths=int(len(half) > 1), alone=self.alone)
 
 
-class Cutter:
+class BatchSplitter:
     """Takes loads off *batches*, one after the other."""
 
     def __init__(self, batches: Iterable[Batch]) -> None:
@@ -111,9 +111,9 @@ class Cutter:
         self._job: Job | None = None
         self._rest: Batch | None = None
 
-    def load(self, most: int) -> Load | None:
+    def load(self, most: int) -> Assignment | None:
         """About *most* runs; None if there are no more. Files of waveforms are cut only where they are long."""
-        parts: list[Part] = []
+        parts: list[AssignmentPart] = []
         while most > 0:
             if self._job is None or self._rest is None:
                 batch = next(self._batches, None)
@@ -124,7 +124,7 @@ class Cutter:
             if self._rest.keep and parts and len(requests) > most:
                 break
             size = len(requests) if self._rest.keep and len(requests) <= 2 * most else min(most, len(requests))
-            parts.append(Part(self._job, replace(self._rest, requests=requests[:size])))
+            parts.append(AssignmentPart(self._job, replace(self._rest, requests=requests[:size])))
             self._rest = replace(self._rest, requests=requests[size:]) if size < len(requests) else None
             most -= size
-        return Load(tuple(parts)) if parts else None
+        return Assignment(tuple(parts)) if parts else None

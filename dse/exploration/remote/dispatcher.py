@@ -21,13 +21,21 @@ from queue import Empty, SimpleQueue
 from dse.cache import cache_folder
 from dse.errors import DseError, fail
 from dse.exploration.failures import failed_run
-from dse.exploration.packed_configuration import Packed, packed
-from dse.exploration.remote.assignments import Cutter, Load
+from dse.exploration.packed_configuration import PackedConfiguration, packed
+from dse.exploration.remote.assignments import Assignment, BatchSplitter
 from dse.exploration.remote.entries import digest_of_entry, sent
 from dse.exploration.remote.machine import Machine, this_machine
-from dse.exploration.remote.messages import Answer, Carried, Missing, Parcel, Piece, Trouble, sealed
-from dse.exploration.remote.transport import Line
-from dse.exploration.remote.worker import carry_out, dismiss
+from dse.exploration.remote.messages import (
+    Answer,
+    BatchResults,
+    BatchRows,
+    MissingEntries,
+    WorkerError,
+    WorkMessage,
+    message_bytes,
+)
+from dse.exploration.remote.transport import Transport
+from dse.exploration.remote.worker import dismiss, work_on
 from dse.exploration.work import Batch, Sink, Work
 from dse.storage import Attempt, RowBlock, block_of
 
@@ -51,21 +59,21 @@ _MOST_PACKED = 64
 _CANARY = 1 << 50
 
 _CANNOT = (ImportError, AttributeError, pickle.PickleError, TypeError)
-"""What a worker raises that lacks what is needed to open a parcel."""
+"""What a worker raises that lacks what is needed to open a message."""
 
 
 class Dispatcher:
     """A pool over a *line*. Use it in a with statement."""
 
-    def __init__(self, line: Line, work: Work, sink: Sink) -> None:
+    def __init__(self, line: Transport, work: Work, sink: Sink) -> None:
         self._line = line
         self._work = work
         self._sink = sink
         self._study = uuid.uuid4().hex
         self._done: SimpleQueue[Future[Answer]] = SimpleQueue()
-        self._sent: dict[Future[Answer], Load] = {}
-        self._again: deque[Load] = deque()
-        self._packed: dict[str, Packed] = {}
+        self._sent: dict[Future[Answer], Assignment] = {}
+        self._again: deque[Assignment] = deque()
+        self._packed: dict[str, PackedConfiguration] = {}
         self._needs: dict[str, dict[str, str]] = {}
         self._digests: dict[str, str] = {}
         self._seconds = 0.0
@@ -95,7 +103,7 @@ class Dispatcher:
                 reasons.append("exp, sin, pow and atan2")
         with suppress(CancelledError):
             expected = self._expected.result() if self._expected is not None else None
-        if isinstance(expected, Carried) and expected.canary is not None:
+        if isinstance(expected, BatchResults) and expected.canary is not None:
             for machine, block in self._canaries:
                 if block.differs_from(expected.canary).any():
                     found[machine].append(f"run {expected.canary.numbers[0]} of the study")
@@ -110,7 +118,7 @@ class Dispatcher:
 
         DseError if there are no workers for long, or they cannot work.
         """
-        cutter = Cutter(batches)
+        cutter = BatchSplitter(batches)
         self._last_worker = time.monotonic()
         try:
             while True:
@@ -132,7 +140,7 @@ class Dispatcher:
         self._here.shutdown(wait=error is None, cancel_futures=True)
         dismiss(self._study)
 
-    def _send(self, cutter: Cutter) -> None:
+    def _send(self, cutter: BatchSplitter) -> None:
         most = max(1, _DEPTH * self._slots_now())
         while len(self._sent) < most and not any(load.alone for load in self._sent.values()):
             if self._again and self._again[0].alone and self._sent:
@@ -141,7 +149,7 @@ class Dispatcher:
             if load is None:
                 return
             try:
-                future = self._line.send(sealed(self._parcel(load)), load.worker)
+                future = self._line.send(message_bytes(self._message(load)), load.worker)
             except (BrokenExecutor, CancelledError) as error:
                 self._again.appendleft(load)
                 self._lost_all([], error)
@@ -174,7 +182,7 @@ class Dispatcher:
                     self._take(load, future)
                 future = self._done.get_nowait()
 
-    def _take(self, load: Load, future: Future[Answer]) -> None:
+    def _take(self, load: Assignment, future: Future[Answer]) -> None:
         try:
             answer = future.result()
         except (BrokenExecutor, CancelledError) as error:
@@ -189,11 +197,13 @@ class Dispatcher:
         else:
             self._answered(load, answer)
 
-    def _answered(self, load: Load, answer: Answer) -> None:
+    def _answered(self, load: Assignment, answer: Answer) -> None:
         match answer:
-            case Carried() if sum(len(block) for piece in answer.pieces for block in piece.blocks) == len(load.numbers):
+            case BatchResults() if sum(len(block) for piece in answer.pieces for block in piece.blocks) == len(
+                load.numbers
+            ):
                 self._store(load, answer)
-            case Missing():
+            case MissingEntries():
                 had = load.configurations, load.entries
                 load.configurations = tuple(sorted({*load.configurations, *answer.configurations}))
                 load.entries = tuple(sorted({*load.entries, *answer.entries}))
@@ -205,12 +215,12 @@ class Dispatcher:
             case _:
                 load.troubles += 1
                 what = "a worker answers without some of its runs"
-                if isinstance(answer, Trouble):
+                if isinstance(answer, WorkerError):
                     what = f"{answer.host} cannot make runs: {answer.words}"
                 self._count_fruitless(what, load.troubles > MOST_DEATHS)
                 self._again.append(load)
 
-    def _store(self, load: Load, carried: Carried) -> None:
+    def _store(self, load: Assignment, carried: BatchResults) -> None:
         self._fruitless = 0
         self._retried_there += carried.retried
         self._machines.add(carried.machine)
@@ -223,7 +233,7 @@ class Dispatcher:
         for part, piece in zip(load.parts, carried.pieces, strict=True):
             part.job.take(part.batch, piece, self._work.waveforms, self._sink)
 
-    def _lost(self, load: Load, error: BaseException) -> None:
+    def _lost(self, load: Assignment, error: BaseException) -> None:
         """All that was under way is lost."""
         if load.alone and not self._sent and isinstance(error, BrokenExecutor):
             self._worker_died(load, error)
@@ -231,7 +241,7 @@ class Dispatcher:
         else:
             self._lost_all([load], error)
 
-    def _lost_all(self, lost: Sequence[Load], error: BaseException) -> None:
+    def _lost_all(self, lost: Sequence[Assignment], error: BaseException) -> None:
         words = str(error) or type(error).__name__
         self._count_fruitless(f"the line to the workers broke: {words}")
         for load in (*lost, *self._sent.values()):
@@ -241,7 +251,7 @@ class Dispatcher:
         self._sent.clear()
         self._renew(error)
 
-    def _note(self, load: Load, cause: str) -> None:
+    def _note(self, load: Assignment, cause: str) -> None:
         self._retried.update(load.numbers)
         self._sink.tried([Attempt(number, "", cause, math.nan) for number in load.numbers])
 
@@ -249,7 +259,7 @@ class Dispatcher:
         self._line.renew(error)
         self._asked = -_SLOTS_EVERY
 
-    def _worker_died(self, load: Load, error: BaseException) -> None:
+    def _worker_died(self, load: Assignment, error: BaseException) -> None:
         words = str(error) or type(error).__name__
         self._count_fruitless(f"workers end with what they are given, the last: {words}")
         self._note(load, f"lost with its worker: {words}")
@@ -262,26 +272,26 @@ class Dispatcher:
             (part,) = load.parts
             (request,) = part.batch.requests
             block = block_of([failed_run(request, f"ended its worker twice: {words}")], self._work.measures)
-            part.job.take(part.batch, Piece((block,)), self._work.waveforms, self._sink)
+            part.job.take(part.batch, BatchRows((block,)), self._work.waveforms, self._sink)
 
     def _count_fruitless(self, what: str, is_enough: bool = False) -> None:
         self._fruitless += 1
         if is_enough or self._fruitless >= MOST_FRUITLESS:
             raise fail(what, hint="finished runs are stored: the same command resumes")
 
-    def _parcel(self, load: Load) -> Parcel:
+    def _message(self, load: Assignment) -> WorkMessage:
         if self._canary is None:
             first = load.parts[0].batch
             self._canary = Batch(_CANARY, first.configuration, first.requests[:1])
             # Before anything is sent: what is needed of it here is known afterwards.
             here = replace(load, parts=(), configurations=(first.configuration,))
-            self._expected = self._here.submit(carry_out, sealed(self._sealable(here, self._canary)))
+            self._expected = self._here.submit(work_on, message_bytes(self._sealable(here, self._canary)))
         return self._sealable(load, self._canary)
 
-    def _sealable(self, load: Load, canary: Batch) -> Parcel:
+    def _sealable(self, load: Assignment, canary: Batch) -> WorkMessage:
         names = {part.batch.configuration for part in load.parts} | {canary.configuration}
         needs = {name: self._needs_of(name) for name in sorted(names)}
-        return Parcel(
+        return WorkMessage(
             self._study,
             tuple(part.batch for part in load.parts),
             self._work.make_runner,
@@ -304,7 +314,7 @@ class Dispatcher:
             self._needs[name] = {entry: self._digests[entry] for entry in configuration.entries}
         return self._needs[name]
 
-    def _pack(self, name: str) -> Packed:
+    def _pack(self, name: str) -> PackedConfiguration:
         if name not in self._packed:
             while len(self._packed) >= _MOST_PACKED:
                 del self._packed[next(iter(self._packed))]

@@ -43,7 +43,7 @@ def found(place: str, digest: str) -> Path | None:
     return _known.get(digest)
 
 
-def receive(digest: str, content: bytes) -> None:
+def receive_entry(digest: str, content: bytes) -> None:
     """Keep what `sent` gave. DseError if it is not what has this *digest*, or the cache cannot be written."""
     target = _received(digest)
 

@@ -13,7 +13,7 @@ from dse.errors import fail
 from dse.exploration.executor import Pool
 from dse.exploration.remote.dispatcher import Dispatcher
 from dse.exploration.remote.messages import Answer
-from dse.exploration.remote.worker import carry_out
+from dse.exploration.remote.worker import work_on
 from dse.exploration.work import Sink, Work
 
 
@@ -32,11 +32,11 @@ class FuturesExecutor:
     @contextmanager
     def open(self, work: Work, sink: Sink) -> Iterator[Pool]:
         """An FMU that crashes or hangs costs its run and nothing else; a worker that is killed, what it had."""
-        with closing(_FuturesLine(self.given, self.count)) as line, Dispatcher(line, work, sink) as pool:
+        with closing(_FuturesTransport(self.given, self.count)) as line, Dispatcher(line, work, sink) as pool:
             yield pool
 
 
-class _FuturesLine:
+class _FuturesTransport:
     """What breaks when a worker dies is made anew if it was made here."""
 
     def __init__(self, given: Workers | Callable[[], Workers], count: int) -> None:
@@ -51,7 +51,7 @@ class _FuturesLine:
     def send(self, content: bytes, worker: str) -> Future[Answer]:
         """Whoever is free takes it."""
         del worker
-        return self._workers.submit(carry_out, content)
+        return self._workers.submit(work_on, content)
 
     def renew(self, error: BaseException) -> None:
         """Make another executor."""

@@ -16,7 +16,7 @@ from dse.storage import Attempt, Measures, RowBlock
 
 
 @dataclass(frozen=True, slots=True)
-class Parcel:
+class WorkMessage:
     """What is needed to make the runs of *batches*, without any path of this machine; *study* names what they are of.
 
     *needs* has for each configuration the entries of the cache it refers to, with the digests of their contents.
@@ -35,7 +35,7 @@ class Parcel:
 
 
 @dataclass(frozen=True, slots=True)
-class Missing:
+class MissingEntries:
     """The *worker* (its address, "" if it has none) needs these configurations and entries of the cache first."""
 
     configurations: tuple[str, ...]
@@ -44,7 +44,7 @@ class Missing:
 
 
 @dataclass(frozen=True, slots=True)
-class Trouble:
+class WorkerError:
     """The machine *host* could not make the runs for a reason that is not theirs."""
 
     host: str
@@ -52,7 +52,7 @@ class Trouble:
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class BatchRows:
     """The results of a batch: rows, the runs that have waveforms, and files with these."""
 
     blocks: tuple[RowBlock, ...]
@@ -61,14 +61,14 @@ class Piece:
 
 
 @dataclass(frozen=True, slots=True)
-class Carried:
-    """The results of a parcel, a piece for each batch, made by *machine* in *seconds*.
+class BatchResults:
+    """The results of a message, a piece for each batch, made by *machine* in *seconds*.
 
     *retried* runs were made twice there, *attempts* are the tries that gave no row. *canary* is the run by which
     machines are compared, if it was made just now.
     """
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[BatchRows, ...]
     machine: Machine
     seconds: float
     retried: int
@@ -76,22 +76,22 @@ class Carried:
     canary: RowBlock | None
 
 
-Answer = Carried | Missing | Trouble
+Answer = BatchResults | MissingEntries | WorkerError
 
 
-def sealed(parcel: Parcel) -> bytes:
-    """*parcel* with what tells whether a worker can open it."""
-    return pickle.dumps((_kind(), pickle.dumps(parcel, protocol=pickle.HIGHEST_PROTOCOL)))
+def message_bytes(message: WorkMessage) -> bytes:
+    """*message* with what tells whether a worker can open it."""
+    return pickle.dumps((_kind(), pickle.dumps(message, protocol=pickle.HIGHEST_PROTOCOL)))
 
 
-def opened(content: bytes, host: str) -> Parcel:
-    """The parcel in *content*; DseError if it was sealed by another version of dse or on another platform."""
+def read_message(content: bytes, host: str) -> WorkMessage:
+    """The message in *content*; DseError if it was sealed by another version of dse or on another platform."""
     kind, inside = pickle.loads(content)  # noqa: S301  # from our own coordinator
     if kind != _kind():
         what = f"the worker on {host} has {_kind()}, this machine {kind}"
         raise fail(what, hint="give workers the same version of dse and a machine of the same kind")
-    parcel: Parcel = pickle.loads(inside)  # noqa: S301  # same
-    return parcel
+    message: WorkMessage = pickle.loads(inside)  # noqa: S301  # same
+    return message
 
 
 def _kind() -> str:

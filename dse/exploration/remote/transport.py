@@ -8,18 +8,18 @@ from typing import Protocol
 from dse.exploration.remote.messages import Answer
 
 
-class Line(Protocol):
-    """Takes parcels to workers.
+class Transport(Protocol):
+    """Takes messages to workers.
 
     A future fails with BrokenExecutor or CancelledError if all that is under way is lost, with another exception if its
     worker was.
     """
 
     def slots(self) -> int:
-        """How many parcels are carried out at once at present; quick."""
+        """How many messages are carried out at once at present; quick."""
 
     def send(self, content: bytes, worker: str) -> Future[Answer]:
-        """Have `carry_out` called with *content*, best by *worker* if that is not ""."""
+        """Have `work_on` called with *content*, best by *worker* if that is not ""."""
 
     def renew(self, error: BaseException) -> None:
         """Connect again after all was lost for *error*; DseError if that cannot be."""

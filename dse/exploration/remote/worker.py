@@ -1,6 +1,6 @@
-"""Carries out parcels where they arrive: each in a supervised process, so that no FMU takes the worker with it.
+"""Executes messages where they arrive: each in a supervised process, so that no FMU takes the worker with it.
 
-Such a process is kept for the next parcel of the same study, and let go when none has come for a while.
+Such a process is kept for the next message of the same study, and let go when none has come for a while.
 """
 
 from __future__ import annotations
@@ -15,16 +15,24 @@ from pathlib import Path
 
 from dse.errors import DseError
 from dse.exploration.packed_configuration import unpacked
-from dse.exploration.remote.entries import found, receive
+from dse.exploration.remote.entries import found, receive_entry
 from dse.exploration.remote.machine import this_machine
-from dse.exploration.remote.messages import Answer, Carried, Missing, Parcel, Piece, Trouble, opened
+from dse.exploration.remote.messages import (
+    Answer,
+    BatchResults,
+    BatchRows,
+    MissingEntries,
+    WorkerError,
+    WorkMessage,
+    read_message,
+)
 from dse.exploration.supervision.supervisor import Supervisor
 from dse.exploration.work import Batch, Runnable, Work
 from dse.scratch import ScratchFolder
-from dse.storage import Attempt, RowBlock, clear_spool
+from dse.storage import Attempt, RowBlock, clear_log
 
 IDLE_SECONDS = 60.0
-"""How long a process waits for another parcel."""
+"""How long a process waits for another message."""
 
 _MOST_CONFIGURATIONS = 64
 
@@ -32,38 +40,38 @@ _lock = threading.Lock()
 _idle: list[_Crew] = []
 
 
-def carry_out(content: bytes) -> Answer:
-    """Make the runs of the parcel in *content*. A run that fails is a row, also if its FMU crashes or hangs.
+def work_on(content: bytes) -> Answer:
+    """Make the runs of the message in *content*. A run that fails is a row, also if its FMU crashes or hangs.
 
-    Raises DseError if the parcel was made by another version of dse or for another platform.
+    Raises DseError if the message was made by another version of dse or for another platform.
     """
     machine = this_machine()
-    parcel = opened(content, machine.host)
+    message = read_message(content, machine.host)
     try:
-        crew = _taken(parcel)
+        crew = _taken(message)
         try:
-            answer = crew.carry(parcel)
+            answer = crew.results_of(message)
         except BaseException as error:
             crew.close(error)
             raise
     except (DseError, OSError) as error:
-        return Trouble(machine.host, str(error))
+        return WorkerError(machine.host, str(error))
     _let_go_later(crew)
     return answer
 
 
 def dismiss(study: str) -> None:
-    """Let the processes go that wait here for parcels of *study*."""
+    """Let the processes go that wait here for messages of *study*."""
     _let_go(lambda crew: crew.study == study)
 
 
-def _taken(parcel: Parcel) -> _Crew:
+def _taken(message: WorkMessage) -> _Crew:
     with _lock:
         for crew in _idle:
-            if crew.study == parcel.study:
+            if crew.study == message.study:
                 _idle.remove(crew)
                 return crew
-    return _Crew(parcel)
+    return _Crew(message)
 
 
 def _let_go_later(crew: _Crew) -> None:
@@ -91,31 +99,31 @@ def _let_go_at_exit() -> None:
 
 
 class _Crew:
-    """A process with its supervisor, for the parcels of one study, one at a time."""
+    """A process with its supervisor, for the messages of one study, one at a time."""
 
-    def __init__(self, parcel: Parcel) -> None:
-        self.study = parcel.study
+    def __init__(self, message: WorkMessage) -> None:
+        self.study = message.study
         self.idle_since = 0.0
         self._folder = ScratchFolder()
         self._configurations: dict[str, Runnable] = {}
         self._sink = _Gathered(Path(self._folder.name))
-        self._spool = self._sink.folder / "spool"
-        work = Work(self._configurations, parcel.make_runner, self._sink.folder, parcel.measures, self._spool)
+        self._log = self._sink.folder / "spool"
+        work = Work(self._configurations, message.make_runner, self._sink.folder, message.measures, self._log)
         self._supervisor = Supervisor(work, self._sink, workers=1)
         self._is_compared = False
 
-    def carry(self, parcel: Parcel) -> Answer:
-        """What comes of *parcel*. DseError if the process cannot work at all."""
-        batches = parcel.batches if self._is_compared else (parcel.canary, *parcel.batches)
-        if missing := self._prepare({batch.configuration for batch in batches}, parcel):
+    def results_of(self, message: WorkMessage) -> Answer:
+        """What comes of *message*. DseError if the process cannot work at all."""
+        batches = message.batches if self._is_compared else (message.canary, *message.batches)
+        if missing := self._prepare({batch.configuration for batch in batches}, message):
             return missing
         retried, canary = self._supervisor.retried, None
         if not self._is_compared:
-            self._is_compared, (canary,) = True, self._pieces((parcel.canary,))[0].blocks
+            self._is_compared, (canary,) = True, self._pieces((message.canary,))[0].blocks
         begun = time.perf_counter()
-        pieces = self._pieces(parcel.batches)
+        pieces = self._pieces(message.batches)
         seconds, retried = time.perf_counter() - begun, self._supervisor.retried - retried
-        return Carried(pieces, this_machine(), seconds, retried, tuple(self._sink.attempts), canary)
+        return BatchResults(pieces, this_machine(), seconds, retried, tuple(self._sink.attempts), canary)
 
     def close(self, error: BaseException | None = None) -> None:
         """End the process."""
@@ -124,31 +132,32 @@ class _Crew:
         finally:
             self._folder.cleanup()
 
-    def _pieces(self, batches: tuple[Batch, ...]) -> tuple[Piece, ...]:
+    def _pieces(self, batches: tuple[Batch, ...]) -> tuple[BatchRows, ...]:
         self._sink.begin(batches)
         self._supervisor.work_off(batches)
-        # A supervisor does not make what the spool holds, and the same parcel may come again: its answer can be lost.
-        clear_spool(self._spool, {batch.name for batch in batches})
+        # A supervisor does not make what the write-ahead log holds, and the same message may come again: its answer
+        # can be lost.
+        clear_log(self._log, {batch.name for batch in batches})
         return self._sink.pieces()
 
-    def _prepare(self, names: set[str], parcel: Parcel) -> Missing | None:
+    def _prepare(self, names: set[str], message: WorkMessage) -> MissingEntries | None:
         """Have the configurations of *names* at hand; what is missing for that."""
         lacking, places, absent = [], {}, []
-        for digest, content in parcel.entries.items():
-            receive(digest, content)
+        for digest, content in message.entries.items():
+            receive_entry(digest, content)
         for name in sorted(names - self._configurations.keys()):
-            if name not in parcel.configurations:
+            if name not in message.configurations:
                 lacking.append(name)
-            for place, digest in parcel.needs[name].items():
+            for place, digest in message.needs[name].items():
                 path = found(place, digest)
                 if path is None:
                     absent.append(place)
                 else:
                     places[place] = path
         if lacking or absent:
-            return Missing(tuple(lacking), tuple(sorted(set(absent))), _address())
+            return MissingEntries(tuple(lacking), tuple(sorted(set(absent))), _address())
         for name in sorted(names - self._configurations.keys()):
-            self._configurations[name] = unpacked(parcel.configurations[name], places)
+            self._configurations[name] = unpacked(message.configurations[name], places)
         for name in list(self._configurations)[: max(0, len(self._configurations) - _MOST_CONFIGURATIONS)]:
             if name not in names:
                 del self._configurations[name]
@@ -175,10 +184,10 @@ class _Gathered:
         self._files = [[] for _ in batches]
         self.attempts = []
 
-    def pieces(self) -> tuple[Piece, ...]:
+    def pieces(self) -> tuple[BatchRows, ...]:
         """What came."""
         parts = zip(self._blocks, self._kept, self._files, strict=True)
-        return tuple(Piece(tuple(blocks), tuple(sorted(kept)), tuple(files)) for blocks, kept, files in parts)
+        return tuple(BatchRows(tuple(blocks), tuple(sorted(kept)), tuple(files)) for blocks, kept, files in parts)
 
     def rows(self, batch: Batch, block: RowBlock) -> None:
         if len(block):

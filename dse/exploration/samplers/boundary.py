@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dse.exploration.surrogate import BeliefAt, Shapes
+    from dse.exploration.surrogate import SurrogateAt, SurrogateShapes
 
     Array = NDArray[np.float64]
 
@@ -129,39 +129,41 @@ class _Search:
         if not candidates:
             return []
         with single_threaded():
-            beliefs = self._beliefs(known, candidates)
+            surrogates = self._surrogates(known, candidates)
             # At points that were drawn anew; where there is a run, nothing is misjudged.
-            wrong = round(float(misjudged(beliefs)[len(filling) :].sum()) / len(pool), _DIGITS)
+            wrong = round(float(misjudged(surrogates)[len(filling) :].sum()) / len(pool), _DIGITS)
             known.sure = known.sure + 1 if wrong <= float(self._sampler.accuracy) else 0
             known.is_done = bool(self._sampler.accuracy) and known.sure >= _SURE
-            return [] if known.is_done else self._batch(beliefs, candidates, len(known.points), count)
+            return [] if known.is_done else self._batch(surrogates, candidates, len(known.points), count)
 
-    def _beliefs(self, known: _Known, candidates: Sequence[Point]) -> list[BeliefAt]:
+    def _surrogates(self, known: _Known, candidates: Sequence[Point]) -> list[SurrogateAt]:
         """Of each requirement, at *candidates*."""
         import numpy as np
 
-        from dse.exploration.surrogate import Belief, shapes_of
+        from dse.exploration.surrogate import Surrogate, shapes_of
 
         points, at = self._unit(known.told), self._unit(candidates)
         margins = {name: np.array(column) for name, column in known.margins.items()}
         if len(points) >= _FITTED_AGAIN * known.fitted:
             known.fitted = len(points)
             known.shapes = {name: shapes_of(points, column) for name, column in margins.items()}
-        return [Belief.of(points, column, known.shapes[name]).at(at) for name, column in margins.items()]
+        return [Surrogate.of(points, column, known.shapes[name]).at(at) for name, column in margins.items()]
 
-    def _batch(self, beliefs: Sequence[BeliefAt], candidates: Sequence[Point], there: int, count: int) -> list[Point]:
+    def _batch(
+        self, surrogates: Sequence[SurrogateAt], candidates: Sequence[Point], there: int, count: int
+    ) -> list[Point]:
         import numpy as np
 
         open_ = np.ones(len(candidates), dtype=np.bool_)
         chosen: list[Point] = []
         for number in range(there, there + min(count, len(candidates))):
             # The first of equals, in the order of the sequence, which fills the ranges.
-            score = np.zeros(len(candidates)) if number % _FILLING == 0 else _score(beliefs)
+            score = np.zeros(len(candidates)) if number % _FILLING == 0 else _score(surrogates)
             index = int(np.argmax(np.where(open_, score, -1.0)))
             open_[index] = False
             chosen.append(candidates[index])
-            for belief in beliefs:
-                belief.include(index)
+            for surrogate in surrogates:
+                surrogate.include(index)
         return chosen
 
     def _unit(self, points: Sequence[Point]) -> Array:
@@ -209,7 +211,7 @@ class _Known:
     points: dict[Point, None] = field(default_factory=dict)
     told: list[Point] = field(default_factory=list)
     margins: dict[str, list[float]] = field(default_factory=dict)
-    shapes: dict[str, Shapes] = field(default_factory=dict)
+    shapes: dict[str, SurrogateShapes] = field(default_factory=dict)
     fitted: int = 0
     sure: int = 0
     is_done: bool = False
@@ -223,7 +225,7 @@ class _Known:
         return [point for point in dict.fromkeys(moved) if point not in there]
 
 
-def _score(beliefs: Sequence[BeliefAt]) -> Array:
+def _score(surrogates: Sequence[SurrogateAt]) -> Array:
     """How much less doubt about all verdicts a run at each point would leave; 0 where there is little doubt, (m,).
 
     Doubt counts where no other requirement surely fails. Rounded, so that the last bits of another machine do not
@@ -231,14 +233,14 @@ def _score(beliefs: Sequence[BeliefAt]) -> Array:
     """
     import numpy as np
 
-    passing = [1 - belief.failing() for belief in beliefs]
+    passing = [1 - surrogate.failing() for surrogate in surrogates]
     others = [np.prod(passing[:i] + passing[i + 1 :], axis=0) for i in range(len(passing))]
-    doubt = np.sum([belief.doubt() * other for belief, other in zip(beliefs, others, strict=True)], axis=0)
+    doubt = np.sum([surrogate.doubt() * other for surrogate, other in zip(surrogates, others, strict=True)], axis=0)
     order = np.argsort(-np.round(doubt, _DIGITS), kind="stable")[:_DOUBTFUL]
     asked = order[:_CANDIDATES]
     gains = [
-        belief.relief(asked, order) @ np.broadcast_to(other, len(doubt))[order]
-        for belief, other in zip(beliefs, others, strict=True)
+        surrogate.relief(asked, order) @ np.broadcast_to(other, len(doubt))[order]
+        for surrogate, other in zip(surrogates, others, strict=True)
     ]
     score = np.zeros(len(doubt))
     score[asked] = np.round(np.sum(gains, axis=0), _DIGITS)

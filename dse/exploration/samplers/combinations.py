@@ -9,7 +9,7 @@ from pydantic import Field
 
 from dse.domain.sampler import Architecture, Architectures, Brief, Placing
 from dse.errors import Problem, closest, fail, raise_if_any
-from dse.exploration.configuration_sampler import ProposingOnce
+from dse.exploration.configuration_sampler import ConfigurationSampler
 from dse.exploration.one_shot_sampler import MOST_RUNS
 from dse.exploration.variables import scaled
 
@@ -25,7 +25,7 @@ _MOST = 100_000
 """Combinations that are made; more are refused."""
 
 
-class Combinations(ProposingOnce):
+class Combinations(ConfigurationSampler):
     """A configuration for every combination of what can be chosen at the places of *choices*, all places if there are
     none, that a valid one has; what they leave open is drawn. With *samples* points of a Latin hypercube, the same for
     each.

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import Field
 
 from dse.domain.sampler import Brief, Placing
-from dse.exploration.one_shot_sampler import MOST_RUNS, OnceSampler
+from dse.exploration.one_shot_sampler import MOST_RUNS, OneShotSampler
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
 
-class Halton(OnceSampler):
+class Halton(OneShotSampler):
     """The first *samples* points of a Halton sequence, scrambled by the study's seed unless that is switched off.
 
     Any number of them is even, in up to about ten variables. An extended study keeps its points.

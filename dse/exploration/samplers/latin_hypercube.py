@@ -9,7 +9,7 @@ from pydantic import Field
 
 from dse.domain.sampler import Brief, Placing, Point
 from dse.errors import fail
-from dse.exploration.one_shot_sampler import MOST_RUNS, OnceSampler
+from dse.exploration.one_shot_sampler import MOST_RUNS, OneShotSampler
 from dse.exploration.variables import scaled, unit_of
 from dse.loading import Surroundings
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-class LatinHypercube(OnceSampler):
+class LatinHypercube(OneShotSampler):
     """Points of which every variable has exactly one in each of *samples* equal strata, placed by the study's seed.
 
     In a study that is extended, the points that are there stay, and new ones are put into the strata that are empty.

@@ -57,9 +57,9 @@ class _Promising:
     def __init__(self, sampler: MixedGp, brief: Brief, cases: Cases) -> None:
         import numpy as np
 
-        from dse.exploration.optimization.expected_improvement import Shapes
+        from dse.exploration.optimization.expected_improvement import ImprovementShapes
 
-        self._shapes = Shapes()
+        self._shapes = ImprovementShapes()
         self._space, self._cases, self._sampler, self._seed = space_of(brief), cases, sampler, brief.seed
         self._breeding = Breeding(self._space, len(cases.variables))
         self._objectives = len(brief.objectives)

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import Field
 
 from dse.domain.sampler import Brief, Placing
-from dse.exploration.one_shot_sampler import MOST_RUNS, OnceSampler
+from dse.exploration.one_shot_sampler import MOST_RUNS, OneShotSampler
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
 
-class Sobol(OnceSampler):
+class Sobol(OneShotSampler):
     """The first *samples* points of a Sobol' sequence, scrambled by the study's seed (Owen) unless switched off.
 
     Powers of two fill the ranges most evenly. More samples go on with the sequence: an extended study keeps its points.

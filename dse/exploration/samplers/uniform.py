@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import Field
 
 from dse.domain.sampler import Architecture, Architectures, Brief, Placing
-from dse.exploration.configuration_sampler import ProposingOnce
+from dse.exploration.configuration_sampler import ConfigurationSampler
 from dse.exploration.one_shot_sampler import MOST_RUNS
 from dse.exploration.variables import scaled, unit_of
 
@@ -22,7 +22,7 @@ _MOST_DRAWS = 64
 """Draws for each configuration that is wanted: after so many, what did not come is not there, but for bad luck."""
 
 
-class Uniform(ProposingOnce):
+class Uniform(ConfigurationSampler):
     """*configurations* different ones, each valid one as likely as any other, with *samples* points each.
 
     All points together are a sliced Latin hypercube (Qian 2012): those of each configuration have one in each of

@@ -20,7 +20,7 @@ class Setup:
     make_runner: MakeRunner
     configurations: Path
     waveforms: Path
-    spool: Path
+    log_folder: Path
     measures: Measures
     study: str = ""
     threads: int = 1
@@ -34,7 +34,7 @@ class Setup:
 def in_sandbox(setup: Setup) -> Setup:
     """*setup* for workers in a sandbox, who are in a folder of their own."""
     home = setup.configurations / "scratch"
-    return replace(setup, sandbox=Sandbox((home, setup.waveforms, setup.spool), (setup.configurations,)))
+    return replace(setup, sandbox=Sandbox((home, setup.waveforms, setup.log_folder), (setup.configurations,)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ class Report:
     *ended* with the last of them; then *kept* are the numbers whose waveforms are in the batch's file. *retired*
     comes last: the process is worn out and leaves, runs that are still to be made go to another; *fault* is what came
     to nothing here and may be good there. *broken* says why no worker can go on, as when the disk is full. *spooled* is
-    of a run that the worker could not write to the spool.
+    of a run that the worker could not write to the write-ahead log.
     """
 
     identity: int
@@ -63,7 +63,7 @@ class Report:
     retired: bool = False
     broken: str = ""
     fault: Fault | None = None
-    spooled: bytes = b""
+    logged: bytes = b""
 
 
 FROM_WORKERS = (Report, RowBlock, Fault)

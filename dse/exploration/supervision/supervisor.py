@@ -34,7 +34,7 @@ from dse.exploration.supervision.worker import CHANNEL_CLOSED
 from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
 from dse.exploration.work import Batch, Sink, Work
 from dse.scratch import ScratchFolder
-from dse.storage import STOPPED, Attempt, RowBlock, made_by, read_spool, spooled_names, write_spooled
+from dse.storage import STOPPED, Attempt, RowBlock, logged_names, made_by, read_log, write_logged
 
 START_TIMEOUT = 60.0
 """Seconds a worker may take to start, to load a configuration or to write a file."""
@@ -69,12 +69,12 @@ class Supervisor:
         self._configurations = work.configurations
         self._sink = sink
         self._workers_wanted = self._most = workers
-        spool, waveforms = work.spool.absolute(), work.waveforms.absolute()
-        spool.mkdir(parents=True, exist_ok=True)
-        # In a sandbox the spool can be written, and what this process reads again must not be.
-        self._folder = ScratchFolder() if sandboxed else _beside(spool)
+        log_folder, waveforms = work.log_folder.absolute(), work.waveforms.absolute()
+        log_folder.mkdir(parents=True, exist_ok=True)
+        # In a sandbox the write-ahead log can be written, and what this process reads again must not be.
+        self._folder = ScratchFolder() if sandboxed else _beside(log_folder)
         place = Path(self._folder.name)
-        self._setup = Setup(work.make_runner, place, waveforms, spool, work.measures, work.study, threads)
+        self._setup = Setup(work.make_runner, place, waveforms, log_folder, work.measures, work.study, threads)
         if sandboxed:
             self._setup = in_sandbox(self._setup)
         self._workers: list[WorkerProcess] = []
@@ -104,8 +104,8 @@ class Supervisor:
 
     def _work_off(self, batches: Iterable[Batch], workers: int) -> None:
         self._most = workers
-        spooled = spooled_names(self._setup.spool)
-        self._queue.fill(self._less_spooled(batch) if batch.name in spooled else batch for batch in batches)
+        logged = logged_names(self._setup.log_folder)
+        self._queue.fill(self._less_logged(batch) if batch.name in logged else batch for batch in batches)
         self._tell_of_interrupted()
         while len(self._queue) or any(worker.assignments for worker in self._workers):
             self._start_workers()
@@ -114,16 +114,17 @@ class Supervisor:
             self._look_after_workers()
             self._sink.tick()
 
-    def _less_spooled(self, batch: Batch) -> Batch:
-        """*batch* without the runs whose waveforms are in the spool, as their rows are in the folder, from before."""
+    def _less_logged(self, batch: Batch) -> Batch:
+        """*batch* without the runs whose waveforms are in the write-ahead log, as their rows are in the folder, from
+        before."""
         setup = self._setup
-        spooled = read_spool(setup.spool, setup.measures, setup.study, batch.name) if batch.keep else []
-        return batch.after({number for each in spooled for number in each.kept}.intersection(batch.numbers))
+        logged = read_log(setup.log_folder, setup.measures, setup.study, batch.name) if batch.keep else []
+        return batch.after({number for each in logged for number in each.kept}.intersection(batch.numbers))
 
     def _tell_of_interrupted(self) -> None:
         """Tell of runs that were begun when a supervisor before this one was killed with its workers."""
         asked = self._queue.numbers()
-        for folder in self._setup.spool.glob(f"{_FOLDER}*"):
+        for folder in self._setup.log_folder.glob(f"{_FOLDER}*"):
             if folder != self._setup.configurations:
                 for state in (state for file in folder.glob("*.beat") for state in states_in(file)):
                     if state.phase is Phase.RUNNING and state.number in asked:
@@ -207,7 +208,7 @@ class Supervisor:
     def _receive(self, worker: WorkerProcess) -> bool:
         """Take all that *worker* has sent; False if it is dead.
 
-        One that sends anything else is not listened to any more: what it makes is in the spool.
+        One that sends anything else is not listened to any more: what it makes is in the write-ahead log.
         """
         try:
             for report in worker.reports():
@@ -224,8 +225,8 @@ class Supervisor:
 
     def _take(self, worker: WorkerProcess, report: Report) -> None:
         assignment = worker.assignments[0]
-        if report.spooled:
-            self._write_spooled(assignment.batch, report.spooled)
+        if report.logged:
+            self._write_logged(assignment.batch, report.logged)
         if report.block is not None:
             self._take_rows(worker, assignment, report.block)
         if report.broken:
@@ -237,9 +238,9 @@ class Supervisor:
             self._queue.end(assignment.batch, report.kept)
         worker.retired, worker.fault = report.retired, report.fault
 
-    def _write_spooled(self, batch: Batch, content: bytes) -> None:
+    def _write_logged(self, batch: Batch, content: bytes) -> None:
         try:
-            write_spooled(self._setup.spool, batch.name, content)
+            write_logged(self._setup.log_folder, batch.name, content)
         except OSError as error:
             raise not_stored(f"results cannot be written: {error.strerror or error}") from error
 
@@ -253,11 +254,11 @@ class Supervisor:
         """Take what a dead *worker* had spooled and not sent."""
         setup = self._setup
         for assignment in worker.assignments:
-            for spooled in read_spool(setup.spool, setup.measures, setup.study, assignment.batch.name):
+            for logged in read_log(setup.log_folder, setup.measures, setup.study, assignment.batch.name):
                 missing = assignment.missing
-                rows = [row for row, number in enumerate(spooled.block.numbers.tolist()) if number in missing]
+                rows = [row for row, number in enumerate(logged.block.numbers.tolist()) if number in missing]
                 if rows:
-                    self._take_rows(worker, assignment, spooled.block.part(np.array(rows, np.intp)))
+                    self._take_rows(worker, assignment, logged.block.part(np.array(rows, np.intp)))
 
     def _look_after_workers(self) -> None:
         now = time.monotonic()
@@ -341,8 +342,8 @@ class Supervisor:
         return self._configurations[assignment.batch.configuration].describe_progress(traces.progress)
 
 
-def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool, ignore_cleanup_errors=True)
+def _beside(log_folder: Path) -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=log_folder, ignore_cleanup_errors=True)
 
 
 def _given_up(cause: str, traces: Traces) -> DseError:

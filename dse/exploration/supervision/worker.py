@@ -28,7 +28,7 @@ from dse.exploration.supervision.worker_threads import are_spent, simulate
 from dse.exploration.work import Batch
 from dse.processes import forget_start
 from dse.sandbox import protect_parent
-from dse.storage import RowBlock, SpoolWriter, assemble, block_of, read_spool, this_process
+from dse.storage import LogWriter, RowBlock, assemble, block_of, read_log, this_process
 
 _SEND_EVERY = 0.1
 _TURN = 1e-4
@@ -93,30 +93,30 @@ def _carry_out(
     finished: list[tuple[Run, float]] = []
     done = 0
     sent = time.perf_counter()
-    spool = _Spool(batch, setup, runners, channel, spare)
+    log = _Spool(batch, setup, runners, channel, spare)
     for run, seconds in simulate(batch, runners):
-        spool.add(run, seconds)
+        log.add(run, seconds)
         finished.append((run, seconds))
         done += 1
         if time.perf_counter() - sent > _SEND_EVERY:
             send(channel, Report(batch.identity, _block(finished, setup)))
             finished, sent = [], time.perf_counter()
-    spool.close()
+    log.close()
     block = _block(finished, setup) if finished else None
     if done < len(batch.todo):
         fault = next((runner.fault for runner in runners if runner.fault), None)
         _retire(channel, Report(batch.identity, block, retired=True, fault=fault))
     kept: tuple[int, ...] = ()
     if batch.keep and not batch.part:
-        if not spool.is_whole:  # and the supervisor may not have written the rest yet
+        if not log.is_whole:  # and the supervisor may not have written the rest yet
             _retire(channel, Report(batch.identity, block, retired=True))
         heart.beat(Phase.WRITING, batch.identity)
         for runner in runners:
             runner.put_back()
         spare.give()
         try:
-            spooled = read_spool(setup.spool, setup.measures, setup.study, batch.name)
-            kept = assemble(setup.waveforms / batch.file, spooled, batch.numbers)
+            logged = read_log(setup.log_folder, setup.measures, setup.study, batch.name)
+            kept = assemble(setup.waveforms / batch.file, logged, batch.numbers)
         except (OSError, MemoryError, ImportError) as error:
             # Where FMUs have run, whatever fails may be their doing: it is for a fresh process to say.
             is_harmed = any(runner.runs for runner in runners)
@@ -131,7 +131,7 @@ def _carry_out(
 
 
 class _Spool:
-    """Appends the runs of *batch* to the spool, for which a run may have left neither room nor files.
+    """Appends the runs of *batch* to the write-ahead log, for which a run may have left neither room nor files.
 
     What cannot be written here is sent to the supervisor, which no FMU has harmed: *is_whole*: nothing was.
     """
@@ -171,12 +171,12 @@ class _Spool:
             self._writer.add(run, seconds)
         except OSError:
             self.is_whole = False
-            send(self._channel, Report(self._batch.identity, spooled=self._writer.alone(run, seconds)))
+            send(self._channel, Report(self._batch.identity, logged=self._writer.alone(run, seconds)))
         self._spare.take()
 
-    def _new(self) -> SpoolWriter:
+    def _new(self) -> LogWriter:
         setup = self._setup
-        return SpoolWriter(setup.spool, self._batch.name, this_process(), setup.measures, setup.study)
+        return LogWriter(setup.log_folder, self._batch.name, this_process(), setup.measures, setup.study)
 
 
 def _block(finished: Sequence[tuple[Run, float]], setup: Setup) -> RowBlock:

@@ -34,13 +34,13 @@ def read_types(root: XmlElement, version: int, problems: list[Problem]) -> Mappi
     types: dict[str, DeclaredType] = {}
     for named, typed in _elements(root, version):
         name = named.required("name", problems)
-        told = said_of_values(typed, typed.tag.removesuffix("Type"), version, problems)
+        told = declared_values(typed, typed.tag.removesuffix("Type"), version, problems)
         if types.setdefault(name, told) != told:
             problems.append(Problem(f"type '{name}' is there twice, with different meanings", named.where))
     return types
 
 
-def said_of_values(typed: XmlElement, base: str, version: int, problems: list[Problem]) -> DeclaredType:
+def declared_values(typed: XmlElement, base: str, version: int, problems: list[Problem]) -> DeclaredType:
     """What the attributes and items of *typed*, a type of the kind *base* or a variable, say."""
     items = _items(typed, version, problems) if base == "Enumeration" else {}
     if base in ("Boolean", "String", "Binary", "Clock"):

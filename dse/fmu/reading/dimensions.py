@@ -23,7 +23,7 @@ class Size:
 Sizes = Mapping[int, Size]
 
 
-def sizes_told(model: XmlElement) -> Sizes:
+def declared_sizes(model: XmlElement) -> Sizes:
     """The structural parameters and whole constants below ModelVariables, by value reference."""
     sizes: dict[int, Size] = {}
     for element in model.children:

@@ -10,8 +10,8 @@ from dse.domain.component import Kind
 from dse.domain.fmu import Variable
 from dse.errors import Problem
 from dse.fmu.reading.clocks import read_clocks, read_timing
-from dse.fmu.reading.declared_types import NUMBER_RANGES, DeclaredType, inherited, said_of_values
-from dse.fmu.reading.dimensions import Sizes, read_shape, sizes_told
+from dse.fmu.reading.declared_types import NUMBER_RANGES, DeclaredType, declared_values, inherited
+from dse.fmu.reading.dimensions import Sizes, declared_sizes, read_shape
 from dse.fmu.reading.starts import read_start
 from dse.formats import XmlElement, shortened
 
@@ -58,7 +58,7 @@ def read_variables(
         if version > 1:
             problems.append(Problem("there is no <ModelVariables>", root.where))
         return []
-    sizes = sizes_told(model) if version == 3 else {}
+    sizes = declared_sizes(model) if version == 3 else {}
     elements = model.children if version == 3 else model.all("ScalarVariable")
     listed = [_listed(element, version, types, sizes, problems) for element in elements]
     if version == 1:
@@ -87,7 +87,7 @@ def _values_told(
     typed: XmlElement, version: int, types: Mapping[str, DeclaredType], problems: list[Problem]
 ) -> DeclaredType:
     """What a variable says of its values, with what its declared type adds."""
-    own = said_of_values(typed, typed.tag, version, problems)
+    own = declared_values(typed, typed.tag, version, problems)
     # A type that is not defined, or one of another base, adds nothing: no value depends on it.
     declared = types.get(typed.get("declaredType"))
     told = inherited(own, declared if declared is not None and declared.base == typed.tag else None)

@@ -7,7 +7,7 @@ from collections.abc import Container, Iterator
 from dse.domain.fmu import FmiInterface, Variable
 from dse.errors import DseError, Problem, closest
 from dse.formats import shown
-from dse.interchange.resolving.network import Endpoint, Network
+from dse.interchange.resolving.network import Endpoint, HopNetwork
 from dse.interchange.structure import Connector, SspComponent
 
 
@@ -17,7 +17,7 @@ def of_fmu(component: SspComponent, problem: Problem) -> Problem:
     return Problem(f"{place}: {problem.what}", component.where, problem.hint)
 
 
-def interface_problems(network: Network) -> Iterator[Problem]:
+def interface_problems(network: HopNetwork) -> Iterator[Problem]:
     """Components whose FMU is not of the kind they ask for."""
     for way, component in network.components.items():
         wanted = component.implementation
@@ -25,7 +25,7 @@ def interface_problems(network: Network) -> Iterator[Problem]:
             yield Problem(f"{'.'.join(way)}: its FMU has no {wanted}", component.where, 'use implementation="any"')
 
 
-def connector_problems(network: Network, given: Container[Endpoint], ignored: list[Problem]) -> Iterator[Problem]:
+def connector_problems(network: HopNetwork, given: Container[Endpoint], ignored: list[Problem]) -> Iterator[Problem]:
     """Connectors of components that do not match their FMU.
 
     Those that are not connected, *given* a value or recorded are taken out of *network*, and *ignored* is told of them.
@@ -41,7 +41,7 @@ def connector_problems(network: Network, given: Container[Endpoint], ignored: li
             del network.connectors[node]
 
 
-def _mismatches(network: Network, node: Endpoint, connector: Connector) -> Iterator[Problem]:
+def _mismatches(network: HopNetwork, node: Endpoint, connector: Connector) -> Iterator[Problem]:
     model = network.models[node.way]
     variable = model.variables.get(node.connector)
     if variable is None:

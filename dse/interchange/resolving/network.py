@@ -51,7 +51,7 @@ class Hop:
 
 
 @dataclass(slots=True)
-class Network:
+class HopNetwork:
     """The FMUs of a package and everything between them.
 
     *components*, their *models*, and *systems* are by their way. *hops* are by the connector (and indices) they lead
@@ -85,9 +85,9 @@ class Network:
             raise fail(f"{node}: {error}", connector.where if connector else None) from None
 
 
-def network_of(system: System, models: Models) -> Network:
+def network_of(system: System, models: Models) -> HopNetwork:
     """The network of *system* and all systems in it. Raises DseError with every connection that cannot be."""
-    network = Network()
+    network = HopNetwork()
     problems: list[Problem] = []
     _add(network, system, (), {}, models, problems)
     raise_if_any(problems)
@@ -102,14 +102,14 @@ _Dictionaries = Mapping[str, tuple[Way, Mapping[str, SignalType]]]
 class _Scope:
     """A system where it stands, with the signal dictionaries of its own and of the systems around it."""
 
-    network: Network
+    network: HopNetwork
     system: System
     way: Way
     dictionaries: _Dictionaries
 
 
 def _add(
-    network: Network, system: System, way: Way, outer: _Dictionaries, models: Models, problems: list[Problem]
+    network: HopNetwork, system: System, way: Way, outer: _Dictionaries, models: Models, problems: list[Problem]
 ) -> None:
     own = {name: (way, entries) for name, entries in system.dictionaries.items()}
     scope = _Scope(network, system, way, {**outer, **own})
@@ -165,7 +165,7 @@ def _hop(scope: _Scope, connection: SspConnection) -> Hop:
     return Hop(source, target, connection, source_indices, target_indices)
 
 
-def _is_timed(network: Network, node: Endpoint) -> bool:
+def _is_timed(network: HopNetwork, node: Endpoint) -> bool:
     variable = network.variable(node)
     return variable is not None and variable.is_timed
 
@@ -210,7 +210,7 @@ def _signal(scope: _Scope, reference: DictionaryReference, connector: Connector)
     return node
 
 
-def _is_late(network: Network, source: Endpoint, target: Endpoint) -> bool:
+def _is_late(network: HopNetwork, source: Endpoint, target: Endpoint) -> bool:
     """Whether a parameter would be set by what is known only after initialization."""
     given, taken = network.connectors.get(source), network.connectors.get(target)
     if given is None or taken is None or target.way not in network.components:

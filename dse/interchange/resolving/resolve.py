@@ -12,10 +12,10 @@ from dse.domain.system import Conversion, Element, SystemStructure, Wire
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.interchange.resolving.carry import ConversionError
 from dse.interchange.resolving.matching import connector_problems, interface_problems, of_fmu
-from dse.interchange.resolving.network import Endpoint, Models, Network, Way, network_of
+from dse.interchange.resolving.network import Endpoint, HopNetwork, Models, Way, network_of
 from dse.interchange.resolving.osmp import with_binaries
 from dse.interchange.resolving.routes import Route, carried, forms_along, label_of, routes_to
-from dse.interchange.resolving.signals import Signal, signals_of
+from dse.interchange.resolving.signals import RecordedSignal, signals_of
 from dse.interchange.resolving.units import take_declared_units
 from dse.interchange.resolving.values import TYPED, Settled, assignments, named, settle
 from dse.interchange.structure import Assignment, ParameterValue, SspSystem
@@ -32,7 +32,7 @@ class ResolvedSystem:
     """
 
     structure: SystemStructure
-    signals: tuple[Signal, ...]
+    signals: tuple[RecordedSignal, ...]
     notes: tuple[Problem, ...] = ()
     ignored: tuple[Problem, ...] = ()
     places: Mapping[str, Location] = field(default_factory=dict)
@@ -87,7 +87,7 @@ def system_of(
     return ResolvedSystem(structure, signals, tuple(dict.fromkeys(notes)), tuple(dict.fromkeys(ignored)), places)
 
 
-def _names(network: Network, problems: list[Problem]) -> dict[Way, str]:
+def _names(network: HopNetwork, problems: list[Problem]) -> dict[Way, str]:
     names: dict[Way, str] = {}
     for way, component in network.components.items():
         name = ".".join(way)
@@ -98,7 +98,7 @@ def _names(network: Network, problems: list[Problem]) -> dict[Way, str]:
     return names
 
 
-def _typed(network: Network, settings: Mapping[str, str], problems: list[Problem]) -> dict[Endpoint, Assignment]:
+def _typed(network: HopNetwork, settings: Mapping[str, str], problems: list[Problem]) -> dict[Endpoint, Assignment]:
     given: dict[Endpoint, Assignment] = {}
     for name, text in settings.items():
         here = Location(f"--set {name}={text}")
@@ -112,7 +112,7 @@ def _typed(network: Network, settings: Mapping[str, str], problems: list[Problem
     return given
 
 
-def _resized(network: Network, given: Mapping[Endpoint, Assignment], problems: list[Problem]) -> dict[Way, FmuModel]:
+def _resized(network: HopNetwork, given: Mapping[Endpoint, Assignment], problems: list[Problem]) -> dict[Way, FmuModel]:
     """The FMUs with the sizes their arrays have by the structural parameters that are given."""
     found = dict(network.models)
     for way, model in found.items():
@@ -130,7 +130,7 @@ def _resized(network: Network, given: Mapping[Endpoint, Assignment], problems: l
     return found
 
 
-def _settled(network: Network, node: Endpoint, assigned: Assignment, problems: list[Problem]) -> tuple[Settled, ...]:
+def _settled(network: HopNetwork, node: Endpoint, assigned: Assignment, problems: list[Problem]) -> tuple[Settled, ...]:
     try:
         form = network.form(node)
         return settle(assigned, form) if form else ()
@@ -205,7 +205,7 @@ class _Assembly:
 
     def __init__(
         self,
-        network: Network,
+        network: HopNetwork,
         given: Mapping[Endpoint, Assignment],
         problems: list[Problem],
         notes: list[Problem],

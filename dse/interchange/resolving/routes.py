@@ -10,7 +10,7 @@ from dse.domain.fmu import Variable
 from dse.errors import Location, Problem, fail
 from dse.interchange.resolving.carry import SAME, Carry, ConversionError
 from dse.interchange.resolving.conversion import Form, carry
-from dse.interchange.resolving.network import Endpoint, Hop, Network
+from dse.interchange.resolving.network import Endpoint, Hop, HopNetwork
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class Route:
     hops: tuple[Hop, ...]
 
 
-def routes_to(network: Network, target: Endpoint, problems: list[Problem]) -> Iterator[Route]:
+def routes_to(network: HopNetwork, target: Endpoint, problems: list[Problem]) -> Iterator[Route]:
     """The routes to all values of the FMU's variable at *target* that something arrives at."""
     arriving = network.arrivals.get(target, [])
     if () in arriving and len(arriving) > 1:
@@ -40,7 +40,7 @@ def routes_to(network: Network, target: Endpoint, problems: list[Problem]) -> It
 
 
 def _trace(
-    network: Network, target: Endpoint, target_indices: tuple[int, ...], problems: list[Problem]
+    network: HopNetwork, target: Endpoint, target_indices: tuple[int, ...], problems: list[Problem]
 ) -> Iterator[Route]:
     hops: list[Hop] = []
     node, indices = target, target_indices
@@ -72,7 +72,7 @@ def _trace(
         yield Route(node, indices, target, target_indices, tuple(reversed(hops)))
 
 
-def carried(network: Network, route: Route, *, beginning: int = 0) -> Carry:
+def carried(network: HopNetwork, route: Route, *, beginning: int = 0) -> Carry:
     """What becomes of a value on *route* from its hop number *beginning* on. Raises DseError, at a connection."""
     forms = forms_along(network, route)
     total = SAME
@@ -96,7 +96,7 @@ def carried(network: Network, route: Route, *, beginning: int = 0) -> Carry:
     return total
 
 
-def forms_along(network: Network, route: Route) -> list[Form | None]:
+def forms_along(network: HopNetwork, route: Route) -> list[Form | None]:
     """The forms at the route's source and behind every hop.
 
     What a system's connector does not say is what is said at the FMU behind it: for an input further on, for an output

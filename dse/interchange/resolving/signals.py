@@ -9,13 +9,13 @@ from dse.domain.fmu import Variable
 from dse.errors import DseError, Location, Problem, closest, fail
 from dse.interchange.resolving.carry import SAME, Carry
 from dse.interchange.resolving.conversion import Form
-from dse.interchange.resolving.network import Endpoint, Network, Way
+from dse.interchange.resolving.network import Endpoint, HopNetwork, Way
 from dse.interchange.resolving.routes import carried, forms_along, label_of, routes_to
 from dse.interchange.resolving.values import named
 
 
 @dataclass(frozen=True, slots=True)
-class Signal:
+class RecordedSignal:
     """One waveform: what it is called, and the value behind it.
 
     *label* is the ``element.variable`` that is recorded, *way* and *variable* name its FMU's instance and variable.
@@ -36,7 +36,9 @@ Passed = AbstractSet[tuple[Way, str]]
 """Instances' variables that others take values from."""
 
 
-def signals_of(network: Network, passed: Passed, record: Sequence[str], problems: list[Problem]) -> tuple[Signal, ...]:
+def signals_of(
+    network: HopNetwork, passed: Passed, record: Sequence[str], problems: list[Problem]
+) -> tuple[RecordedSignal, ...]:
     """The system's own outputs and the output connectors of its components; with *record*, what that names instead.
 
     A clock is recorded as the number of its ticks so far, a string or binary that belongs to clocks and is *passed* on
@@ -46,13 +48,13 @@ def signals_of(network: Network, passed: Passed, record: Sequence[str], problems
         found = [signal for name in record for signal in _asked(network, passed, name, problems)]
     else:
         found = [*_outer(network, problems), *_inner(network, passed)]
-    unique: dict[str, Signal] = {}
+    unique: dict[str, RecordedSignal] = {}
     for signal in found:
         unique.setdefault(signal.name, signal)
     return tuple(unique.values())
 
 
-def _inner(network: Network, passed: Passed) -> Iterator[Signal]:
+def _inner(network: HopNetwork, passed: Passed) -> Iterator[RecordedSignal]:
     pointers = {way: model.pointers for way, model in network.models.items()}
     for node, connector in network.connectors.items():
         variable = network.variable(node)
@@ -63,7 +65,7 @@ def _inner(network: Network, passed: Passed) -> Iterator[Signal]:
             yield from _of_variable(network, node, variable, variable.labels)
 
 
-def _is_recorded(network: Network, passed: Passed, way: Way, variable: Variable) -> bool:
+def _is_recorded(network: HopNetwork, passed: Passed, way: Way, variable: Variable) -> bool:
     """Whether *variable* has numbers, or is counted; other strings and binaries cannot be recorded."""
     if variable.kind is not None:
         return True
@@ -71,19 +73,21 @@ def _is_recorded(network: Network, passed: Passed, way: Way, variable: Variable)
     return network.models[way].ticks and (variable.timing is not None or is_text)
 
 
-def _of_variable(network: Network, node: Endpoint, variable: Variable, labels: Iterable[str]) -> Iterator[Signal]:
+def _of_variable(
+    network: HopNetwork, node: Endpoint, variable: Variable, labels: Iterable[str]
+) -> Iterator[RecordedSignal]:
     """The signals of these values of *variable*."""
     form = network.form(Endpoint(node.way, variable.name))
     for label in labels:
         name = f"{'.'.join(node.way)}.{label}"
-        yield Signal(name, name, node.way, variable.name, _unit(form), is_counted=variable.kind is None)
+        yield RecordedSignal(name, name, node.way, variable.name, _unit(form), is_counted=variable.kind is None)
 
 
 def _unit(form: Form | None) -> str:
     return form.unit.name if form and form.unit else ""
 
 
-def _outer(network: Network, problems: list[Problem]) -> Iterator[Signal]:
+def _outer(network: HopNetwork, problems: list[Problem]) -> Iterator[RecordedSignal]:
     """The outputs of the whole system."""
     for connector in network.systems[()].connectors:
         if not connector.gives:
@@ -108,10 +112,10 @@ def _outer(network: Network, problems: list[Problem]) -> Iterator[Signal]:
                 if route.target_indices:
                     suffix = f"[{','.join(map(str, route.target_indices))}]"
                 source = f"{'.'.join(route.source.way)}.{one}"
-                yield Signal(connector.name + suffix, source, route.source.way, variable.name, _unit(form), way)
+                yield RecordedSignal(connector.name + suffix, source, route.source.way, variable.name, _unit(form), way)
 
 
-def _asked(network: Network, passed: Passed, name: str, problems: list[Problem]) -> Iterator[Signal]:
+def _asked(network: HopNetwork, passed: Passed, name: str, problems: list[Problem]) -> Iterator[RecordedSignal]:
     outer = {signal.name: signal for signal in _outer(network, [])}
     if name in outer:
         yield outer[name]

@@ -7,11 +7,11 @@ from dataclasses import replace
 from dse.domain.fmu import UnitDefinition
 from dse.errors import Location, Problem
 from dse.interchange.resolving.conversion import is_known
-from dse.interchange.resolving.network import Endpoint, Network, Way
+from dse.interchange.resolving.network import Endpoint, HopNetwork, Way
 from dse.interchange.structure import Assignment, NamedUnit
 
 
-def take_declared_units(network: Network, given: dict[Endpoint, Assignment]) -> list[Problem]:
+def take_declared_units(network: HopNetwork, given: dict[Endpoint, Assignment]) -> list[Problem]:
     """Define units of connectors, signals and values *given* as an FMU of *network* does; a note for each unit.
 
     The FMU at hand counts first, else all that declare the name must mean the same by it.

@@ -10,7 +10,7 @@ from dse.errors import Problem
 from dse.formats import flag_of, real_of, shortened, whole_of
 from dse.interchange.resolving.carry import Carry, ConversionError
 from dse.interchange.resolving.conversion import KINDS, Form, carry, convert
-from dse.interchange.resolving.network import Endpoint, Network, Way
+from dse.interchange.resolving.network import Endpoint, HopNetwork, Way
 from dse.interchange.structure import Assignment, NamedUnit, System, Transformation
 from dse.system import find_variable
 from dse.units import UnitError, parse_quantity
@@ -21,7 +21,7 @@ TYPED = "typed"
 Settled = float | str | bytes
 
 
-def assignments(network: Network, notes: list[Problem], problems: list[Problem]) -> dict[Endpoint, Assignment]:
+def assignments(network: HopNetwork, notes: list[Problem], problems: list[Problem]) -> dict[Endpoint, Assignment]:
     """What the bindings of all elements give, by variable of an FMU or connector of a system.
 
     Of several values for one of them the later binding's counts, and that of the outer system (SSP, 5.2.3). A name that
@@ -35,7 +35,7 @@ def assignments(network: Network, notes: list[Problem], problems: list[Problem])
     return given
 
 
-def _assigned(network: Network, way: Way, notes: list[Problem]) -> Iterator[tuple[Endpoint, Assignment]]:
+def _assigned(network: HopNetwork, way: Way, notes: list[Problem]) -> Iterator[tuple[Endpoint, Assignment]]:
     element = network.components.get(way) or network.systems[way]
     for inner in element.parts if isinstance(element, System) else ():
         yield from _assigned(network, (*way, inner.name), notes)
@@ -48,7 +48,7 @@ def _assigned(network: Network, way: Way, notes: list[Problem]) -> Iterator[tupl
         yield from ((node, assigned) for node in nodes)
 
 
-def named(network: Network, name: str, way: Way = ()) -> Iterator[Endpoint]:
+def named(network: HopNetwork, name: str, way: Way = ()) -> Iterator[Endpoint]:
     """All variables and connectors at *way* that have the hierarchical *name*; there may be several."""
     if way in network.models:
         model = network.models[way]

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.domain.provenance import Notes
+from dse.domain.provenance import Provenance
 from dse.domain.sampler import Role
 from dse.errors import Problem
 from dse.report.content.insight import Insight
@@ -29,7 +29,7 @@ class SamplerKind(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Variable:
+class ReportVariable:
     """A design variable; *values* holds one number per run, in the unit shown (as do all bounds).
 
     Configurations that *lack* it are known by their places; their runs have the nominal value, to stand somewhere.
@@ -186,7 +186,7 @@ class ReportContent:
     study_folder: str
     runs: Runs
     configurations: tuple[ConfigurationEntry, ...]
-    variables: tuple[Variable, ...] = ()
+    variables: tuple[ReportVariable, ...] = ()
     metrics: tuple[MetricColumn, ...] = ()
     requirements: tuple[RequirementRow, ...] = ()
     figures: tuple[FigureSpec, ...] = ()
@@ -196,7 +196,7 @@ class ReportContent:
     objectives: tuple[ObjectiveEntry, ...] = ()
     composites: tuple[MetricColumn, ...] = ()
     insight: Insight | None = None
-    notes: Notes | None = None
+    notes: Provenance | None = None
     retried: tuple[Retried, ...] = ()
     scenes: Scenes | None = None
 
@@ -215,7 +215,7 @@ class ReportContent:
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
 
-    def variable(self, name: str) -> Variable:
+    def variable(self, name: str) -> ReportVariable:
         """The variable called *name*; KeyError if there is none."""
         return _named(self.variables, name)
 
@@ -228,7 +228,7 @@ class ReportContent:
         return np.flatnonzero(np.array([name == configuration for name in self.runs.configurations], dtype=np.bool_))
 
 
-_Noun = TypeVar("_Noun", "Variable", "MetricColumn")
+_Noun = TypeVar("_Noun", "ReportVariable", "MetricColumn")
 
 
 def label(title: str, unit_symbol: str) -> str:

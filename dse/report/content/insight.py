@@ -33,7 +33,7 @@ class Asked:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class InsightFinding:
     """A sentence of `dse.analysis`."""
 
     plane: Plane
@@ -51,7 +51,7 @@ class Range:
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
+class InsightBox:
     """Limits within which all requirements are met more often than elsewhere; *choices* are those that are no range."""
 
     plane: Plane
@@ -228,7 +228,7 @@ class Stage:
 
 
 @dataclass(frozen=True, slots=True)
-class Search:
+class SearchCourse:
     """What came of the objectives: the *picks* best first, or along the front, whose *knee* is at that position."""
 
     objectives: tuple[str, ...]
@@ -246,12 +246,12 @@ class Insight:
     """All of it; *withheld* is what of it cannot be told, and why. Of many runs it is told of *drawn* ones, else 0."""
 
     asked: Asked
-    told: tuple[Told, ...] = ()
-    boxes: tuple[Box, ...] = ()
+    told: tuple[InsightFinding, ...] = ()
+    boxes: tuple[InsightBox, ...] = ()
     centres: tuple[Centre, ...] = ()
     parts: tuple[Part, ...] = ()
     chances: tuple[ChanceMap, ...] = ()
     around: tuple[Around, ...] = ()
-    search: Search | None = None
+    search: SearchCourse | None = None
     withheld: tuple[str, ...] = ()
     drawn: int = 0

@@ -30,11 +30,11 @@ from dse.report.content.data import (
     MetricColumn,
     Property,
     ReportContent,
+    ReportVariable,
     RequirementRow,
     Retried,
     Runs,
     SamplerKind,
-    Variable,
 )
 from dse.report.content.objectives import composites_of, objectives_of
 from dse.report.content.scenes import scenes_of
@@ -192,7 +192,7 @@ def lacking(header: StudyHeader) -> list[tuple[int, ...]]:
     return [tuple(np.flatnonzero(~column).tolist()) for column in by_variable]
 
 
-def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]) -> Variable:
+def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]) -> ReportVariable:
     # As tables have them: what was written as 0.36 km/h is that again.
     scale = Scale(entry.unit, parse_unit(entry.unit))
     found, where = np.unique(coordinates, return_inverse=True)
@@ -202,7 +202,9 @@ def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]
     low, high, nominal = (scale.number(value) for value in (entry.low, entry.high, nominal))
     levels = entry.levels or None
     labels = tuple(entry.label(float(value)) for value in range(int(entry.high) + 1)) if entry.labels else ()
-    return Variable(entry.name, entry.title, entry.unit, low, high, levels, nominal, values, lack, labels, entry.role)
+    return ReportVariable(
+        entry.name, entry.title, entry.unit, low, high, levels, nominal, values, lack, labels, entry.role
+    )
 
 
 def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> RequirementRow:

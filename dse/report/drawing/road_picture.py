@@ -102,7 +102,7 @@ class RoadPicture:
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
+class MapExtent:
     """A part of the plane."""
 
     left: float
@@ -126,16 +126,16 @@ class Box:
         inside: NDArray[np.bool_] = (self.left <= x) & (x <= self.right) & (self.below <= y) & (y <= self.above)
         return inside
 
-    def meets(self, other: Box) -> bool:
+    def meets(self, other: MapExtent) -> bool:
         """Whether they overlap."""
         apart = (
             self.right < other.left or other.right < self.left or self.above < other.below or other.above < self.below
         )
         return not apart
 
-    def joined(self, other: Box) -> Box:
+    def joined(self, other: MapExtent) -> MapExtent:
         """What holds both."""
-        return Box(
+        return MapExtent(
             min(self.left, other.left),
             max(self.right, other.right),
             min(self.below, other.below),
@@ -143,21 +143,21 @@ class Box:
         )
 
 
-def around(strips: Sequence[Strip], margin: float) -> Box:
+def around(strips: Sequence[Strip], margin: float) -> MapExtent:
     """What holds the *strips*, with a *margin* in m, and some more."""
     return around_points(np.concatenate([side for strip in strips for side in (strip.left, strip.right)]), margin)
 
 
-def around_points(points: Floats, margin: float) -> Box:
+def around_points(points: Floats, margin: float) -> MapExtent:
     """What holds the *points* (n, 2), with a *margin* in m, and some more."""
     (left, below), (right, above) = points.min(axis=0), points.max(axis=0)
     margin += 0.03 * float(max(right - left, above - below))
-    return Box(float(left) - margin, float(right) + margin, float(below) - margin, float(above) + margin)
+    return MapExtent(float(left) - margin, float(right) + margin, float(below) - margin, float(above) + margin)
 
 
-def crossings(strips: Sequence[Strip]) -> Iterator[Box]:
+def crossings(strips: Sequence[Strip]) -> Iterator[MapExtent]:
     """Around lanes within junctions, those together that are near each other."""
-    boxes: list[Box] = []
+    boxes: list[MapExtent] = []
     for strip in strips:
         if strip.is_inside:
             box = around([strip], 8.0)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dse.report.content.data import Floats
-from dse.report.drawing.road_picture import Along, Box, RoadPicture, Strip, around, around_points, crossings
+from dse.report.drawing.road_picture import Along, MapExtent, RoadPicture, Strip, around, around_points, crossings
 from dse.report.drawing.sheets import axes_of, gridded, say, style
 from dse.report.drawing.style import COLOURS, CURRENT, INK, LINE, MUTED, TARGET
 
@@ -61,7 +61,7 @@ _DETAIL = 0.3
 _DETAILED, _MOST_DETAILS = 2.5, 3
 
 
-def _map(axes: Axes, picture: RoadPicture, box: Box, metres: float) -> None:
+def _map(axes: Axes, picture: RoadPicture, box: MapExtent, metres: float) -> None:
     """What is in *box*; a point of the sheet stands for so many *metres*."""
     from matplotlib.collections import LineCollection, PolyCollection
 
@@ -134,7 +134,7 @@ def _ticks(length: float) -> list[float]:
     return [tick for tick in MaxNLocator(8, steps=[1, 2, 5, 10]).tick_values(0.0, length) if 0 < tick < 0.97 * length]
 
 
-def _arrows(axes: Axes, lanes: Sequence[Strip], box: Box, metres: float) -> None:
+def _arrows(axes: Axes, lanes: Sequence[Strip], box: MapExtent, metres: float) -> None:
     """On each lane, in its middle, along its direction."""
     for strip in lanes:
         middle = (strip.left + strip.right) / 2

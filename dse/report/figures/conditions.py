@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from dse.report.content.data import ReportContent, Variable, label
+from dse.report.content.data import ReportContent, ReportVariable, label
 from dse.report.drawing.sheets import axes_of, say, sheet, style, ticks
 from dse.report.figure import PrintOnly, View
 from dse.report.verdicts import Mark, Marks, marks_of, overall_marks
@@ -42,7 +42,7 @@ class Conditions(PrintOnly):
 FIGURE = Conditions()
 
 
-def _draw(content: ReportContent, conditions: Sequence[Variable], what: str, marks: Marks) -> Sheet:
+def _draw(content: ReportContent, conditions: Sequence[ReportVariable], what: str, marks: Marks) -> Sheet:
     across, *rest = conditions
     xs, x = np.unique(across.values, return_inverse=True)
     ys, y = np.unique(rest[0].values, return_inverse=True) if rest else (np.zeros(1), np.zeros(len(marks), dtype=int))
@@ -68,7 +68,7 @@ def _draw(content: ReportContent, conditions: Sequence[Variable], what: str, mar
         return figure
 
 
-def _name(axes: Axes, along: Literal["x", "y"], condition: Variable, values: Sequence[float]) -> None:
+def _name(axes: Axes, along: Literal["x", "y"], condition: ReportVariable, values: Sequence[float]) -> None:
     shown = [condition.labels[int(value)] if condition.labels else f"{value:g}" for value in values]
     ticks(axes, along, shown, first=0.5)
     text = condition.title if condition.labels else label(condition.title, condition.unit_symbol)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from dse.domain.sampler import Role
 from dse.errors import fail
 from dse.exploration import equal_rows
-from dse.report.content.data import Floats, ReportContent, RequirementRow, Variable, label
+from dse.report.content.data import Floats, ReportContent, ReportVariable, RequirementRow, label
 from dse.report.drawing.constraint_plot import ConstraintPlotData, Line, RequirementLayer, draw_constraint_plot
 from dse.report.figure import PrintOnly, View
 from dse.report.interpolation.planes import Plane, PlaneFields, plane_of
@@ -68,13 +68,13 @@ def _planes(content: ReportContent, x: str, y: str, configuration: str) -> list[
     return [plane_of(content, x, y, configuration, dict(zip(names, case.tolist(), strict=True))) for case in cases]
 
 
-def _pooled(content: ReportContent, x: str, y: str) -> list[Variable]:
+def _pooled(content: ReportContent, x: str, y: str) -> list[ReportVariable]:
     """The conditions over which designs are judged: those on no axis."""
     return [variable for variable in conditions_of(content) if variable.name not in (x, y)]
 
 
 def _designs(
-    content: ReportContent, pooled: Sequence[Variable], planes: Sequence[Plane]
+    content: ReportContent, pooled: Sequence[ReportVariable], planes: Sequence[Plane]
 ) -> tuple[list[NDArray[np.intp]], Floats]:
     """The runs of each point, which differ in conditions only, and how strongly it is shown."""
     strength = np.zeros(len(content.runs))
@@ -97,7 +97,7 @@ def axis_pairs(content: ReportContent) -> list[tuple[str, str]]:
     return [(first.name, second.name)]
 
 
-def _variable(content: ReportContent, name: str) -> Variable:
+def _variable(content: ReportContent, name: str) -> ReportVariable:
     try:
         return content.variable(name)
     except KeyError:

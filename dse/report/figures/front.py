@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dse.domain.sampler import Role
 from dse.exploration import equal_rows, front_of
 from dse.report.charts.chart import Axis, Chart, Line, Points, Rule
-from dse.report.content.data import Floats, ReportContent, Variable
+from dse.report.content.data import Floats, ReportContent, ReportVariable
 from dse.report.drawing.chart import draw_chart
 from dse.report.figure import PrintOnly, View
 from dse.report.verdicts import Mark, alike, conditions_of, worst_marks
@@ -90,7 +90,7 @@ def _chart(content: ReportContent, x: _Quantity, y: _Quantity, name: str) -> Cha
     return Chart(name, f"{content.title}: {names}", Axis(x[0], x[1]), Axis(y[0], y[1]), tuple(drawn), note)
 
 
-def _at_worst(quantity: _Quantity, designs: Sequence[NDArray[np.intp]], conditions: Sequence[Variable]) -> Floats:
+def _at_worst(quantity: _Quantity, designs: Sequence[NDArray[np.intp]], conditions: Sequence[ReportVariable]) -> Floats:
     """The mean over what is uncertain, at the condition where that is worst."""
     _, _, values, sense, _ = quantity
     at = np.column_stack([np.zeros(len(values)), *(each.values for each in conditions)])

@@ -18,17 +18,19 @@ from dse.analysis import (
     worst_designs,
 )
 from dse.errors import DseError
-from dse.report.content.insight import Box, Centre, Range, Told
+from dse.report.content.insight import Centre, InsightBox, InsightFinding, Range
 from dse.report.insight.naming import Naming
 from dse.units import parse_unit
 
 
-def told_of(findings: Sequence[Finding], naming: Naming) -> tuple[Told, ...]:
+def insight_findings(findings: Sequence[Finding], naming: Naming) -> tuple[InsightFinding, ...]:
     """Every finding, with titles for names."""
-    return tuple(Told(naming.plane(each.plane), str(each.topic), naming.spoken(each.text)) for each in findings)
+    return tuple(
+        InsightFinding(naming.plane(each.plane), str(each.topic), naming.spoken(each.text)) for each in findings
+    )
 
 
-def boxes_of(data: StudyData, findings: Sequence[Finding], naming: Naming) -> tuple[Box, ...]:
+def boxes_of(data: StudyData, findings: Sequence[Finding], naming: Naming) -> tuple[InsightBox, ...]:
     """The boxes of all requirements together, as they are told in *findings*; none where they are withheld."""
     try:
         data = worst_designs(data)
@@ -55,10 +57,10 @@ def whole_of(data: StudyData) -> str:
     return next(iter(data.verdicts)) if len(data.verdicts) == 1 else "all requirements"
 
 
-def _box(box: FoundBox, data: StudyData, naming: Naming, text: str) -> Box:
+def _box(box: FoundBox, data: StudyData, naming: Naming, text: str) -> InsightBox:
     choices = [f"{limit.factor.name} is {' or '.join(limit.levels)}" for limit in box.limits if limit.factor.is_choice]
     density = box.density
-    return Box(
+    return InsightBox(
         naming.plane(data.plane),
         text,
         (density.value, density.low, density.high),

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.analysis import StudyData, drawn, first_order_shares, robust_centre, worst_designs
+from dse.analysis import StudyData, drawn, model_first_order_shares, robust_centre, worst_designs
 from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.definition import DefinedVariable
 from dse.domain.sampler import DesignVariable, Role
@@ -170,7 +170,7 @@ def _plane(data: StudyData, name: str) -> tuple[str, str]:
     if len(numbers) > 2:
         metric = next(each.metric for each in data.definition.requirements if each.name == name)
         try:
-            shares = {each.factor: each.share.value for each in first_order_shares(data, metric)}
+            shares = {each.factor: each.share.value for each in model_first_order_shares(data, metric)}
         except DseError:
             shares = {}
         strongest = sorted(numbers, key=lambda each: -shares.get(each, 0.0))[:2]

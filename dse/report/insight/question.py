@@ -13,7 +13,7 @@ from dse.storage import RunTable
 from dse.units import parse_unit
 
 
-def asked_of(table: RunTable, naming: Naming) -> Asked:
+def question_of(table: RunTable, naming: Naming) -> Asked:
     """From the definition that is stored with the runs."""
     definition = table.header.definition
     constants = [each.constants for each in definition.configurations]

@@ -11,10 +11,10 @@ from dse.analysis import drawn, essentials, planes
 from dse.report.content.data import ReportContent
 from dse.report.content.insight import Insight
 from dse.report.content.reading import MAX_WAVEFORMS, read_content
-from dse.report.insight.findings import boxes_of, centres_of, told_of
+from dse.report.insight.findings import boxes_of, centres_of, insight_findings
 from dse.report.insight.naming import Naming
 from dse.report.insight.probability_maps import chances_of
-from dse.report.insight.question import asked_of
+from dse.report.insight.question import question_of
 from dse.report.insight.responses import part_of
 from dse.report.insight.sample import part_of_table
 from dse.report.insight.search import search_of
@@ -48,7 +48,7 @@ def insight_of(table: RunTable) -> Insight:
 
 def _insight(table: RunTable) -> Insight:
     naming = Naming(table.header.definition)
-    asked = asked_of(table, naming)
+    asked = question_of(table, naming)
     if not len(table):
         return Insight(asked)
     every = np.arange(len(table))
@@ -59,7 +59,7 @@ def _insight(table: RunTable) -> Insight:
     search, reasons = search_of(table, naming)
     return Insight(
         asked,
-        told_of(findings, naming),
+        insight_findings(findings, naming),
         tuple(box for data in parts for box in boxes_of(data, findings, naming)),
         tuple(centre for data in parts for centre in centres_of(data, naming)),
         tuple(part_of(data, naming) for data in parts if len(data)),

@@ -12,16 +12,16 @@ import numpy as np
 from dse.analysis import (
     Factor,
     Formula,
-    Indices,
+    IndexEstimates,
     Interval,
     StudyData,
     centres_of,
     drawn,
     features,
-    first_order_shares,
     formulas,
     importances,
     main_effects,
+    model_first_order_shares,
     sobol_indices,
 )
 from dse.errors import DseError, fail
@@ -120,7 +120,7 @@ class _Fits:
 def _response(data: StudyData, name: str, fits: _Fits, naming: Naming) -> Response:
     unit = parse_unit(next(metric.unit for metric in data.definition.metrics if metric.name == name))
     withheld: list[str] = []
-    shares = _or_reason(lambda: first_order_shares(data, name), "what explains it", name, withheld)
+    shares = _or_reason(lambda: model_first_order_shares(data, name), "what explains it", name, withheld)
     effects = _or_reason(lambda: main_effects(data, name), "means along factors", name, withheld)
     profile = None
     if name in fits.found:
@@ -150,7 +150,7 @@ def _together(data: StudyData, name: str) -> Together:
     """By the design, if the study is made for it, else by a model. DseError says why it cannot be stated."""
     if data.definition.sampler.kind == _DESIGN:
         designed = sobol_indices(data, name)
-        indices = [(each.factor, each.total) for each in designed.factors if isinstance(each, Indices)]
+        indices = [(each.factor, each.total) for each in designed.factors if isinstance(each, IndexEstimates)]
         return Together(f"Sobol' indices of {designed.blocks} blocks", tuple(_bar(data, *each) for each in indices), ())
     if name not in data.judged_metrics:
         raise fail("no requirement or objective is about it")

@@ -8,7 +8,7 @@ from dse.analysis import Ranking, Standing, objectives_of, ranked, slack_of_runs
 from dse.domain.definition import StudyDefinition
 from dse.errors import DseError
 from dse.report.content.data import Floats
-from dse.report.content.insight import Pick, Search, Stage
+from dse.report.content.insight import Pick, SearchCourse, Stage
 from dse.report.insight.naming import Naming
 from dse.storage import RunTable
 from dse.units import parse_unit
@@ -18,7 +18,7 @@ _MOST_RUNS = 20_000
 _STAGES = 20
 
 
-def search_of(table: RunTable, naming: Naming) -> tuple[Search | None, tuple[str, ...]]:
+def search_of(table: RunTable, naming: Naming) -> tuple[SearchCourse | None, tuple[str, ...]]:
     """None for a study without objectives, or where they cannot be ranked: with the reason."""
     definition = table.header.definition
     objectives = objectives_of(definition, (), ())
@@ -33,7 +33,7 @@ def search_of(table: RunTable, naming: Naming) -> tuple[Search | None, tuple[str
         return None, (f"best designs: {error.problems[0].what}",)
     units = tuple(unit_of_objective(definition, each) for each in objectives)
     least = slack_of_runs(table)
-    return Search(
+    return SearchCourse(
         tuple(naming.objectives(definition)),
         units,
         tuple(_pick(each, table, least, naming, units) for each in ranking.best[:_MOST_PICKS]),

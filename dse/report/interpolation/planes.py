@@ -11,7 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.report.content.data import Flags, Floats, MetricColumn, ReportContent, RequirementRow, SamplerKind, Variable
+from dse.report.content.data import (
+    Flags,
+    Floats,
+    MetricColumn,
+    ReportContent,
+    ReportVariable,
+    RequirementRow,
+    SamplerKind,
+)
 from dse.report.interpolation.radial import MOST_CENTRES, evaluate, has_value, radial_fields, unit_points
 
 _SIZE = 81
@@ -64,7 +72,7 @@ def plane_of(content: ReportContent, x: str, y: str, configuration: str, at: Map
     return Plane(rows, strength, fields, "Boundaries are interpolated linearly between the runs of the grid.")
 
 
-def _nearest_level(variable: Variable) -> float:
+def _nearest_level(variable: ReportVariable) -> float:
     levels = np.unique(variable.values)
     return float(levels[np.argmin(np.abs(levels - variable.nominal))])
 

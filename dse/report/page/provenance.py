@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from dse.domain.provenance import Funnel, Notes
+from dse.domain.provenance import Funnel, Provenance
 from dse.report.content.data import ReportContent
 
 Json = dict[str, object]
@@ -26,7 +26,7 @@ def notes_of(content: ReportContent) -> Json:
     }
 
 
-def _notes(notes: Notes) -> Json:
+def _notes(notes: Provenance) -> Json:
     sources = [
         {"kind": each.kind, "file": each.file, "text": _spelt(each.text), "digest": each.digest}
         for each in notes.sources

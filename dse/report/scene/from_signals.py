@@ -22,7 +22,7 @@ _LENGTH, _WIDTH, _HEIGHT, _FRONT = 4.5, 1.8, 1.5, 2.3
 
 
 @dataclass(frozen=True)
-class Told:
+class SceneSignals:
     """The parts of a configuration that tell what a scene shows, found by the ports they have.
 
     *signals* are all outputs by ``part.port``, *settings* what keeps one value in the run.

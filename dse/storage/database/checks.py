@@ -10,7 +10,7 @@ import numpy as np
 
 from dse.storage.checks import NO_CHECKS, Checks
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.row_checksum import cells_of, seals
+from dse.storage.database.row_checksum import cells_of, row_checksums
 
 
 def write_checks(connection: sqlite3.Connection, checks: Checks) -> None:
@@ -18,10 +18,10 @@ def write_checks(connection: sqlite3.Connection, checks: Checks) -> None:
     cells = zip(checks.numbers.tolist(), checks.errors.tolist(), checks.verdicts.tolist(), strict=True)
     rows = [(number, checks.problems.get(number, ""), *errors, *verdicts) for number, errors, verdicts in cells]
     if rows:
-        sealed = zip(rows, seals([*zip(*rows, strict=True)]).tolist(), strict=True)
+        checked = zip(rows, row_checksums([*zip(*rows, strict=True)]).tolist(), strict=True)
         places = ", ".join("?" * (len(rows[0]) + 1))
         insert = f"INSERT OR IGNORE INTO checks VALUES ({places})"  # noqa: S608  # marks only
-        connection.executemany(insert, [(*row, seal) for row, seal in sealed])
+        connection.executemany(insert, [(*row, checksum) for row, checksum in checked])
 
 
 def read_checks(connection: sqlite3.Connection, header: StudyHeader, numbers: Sequence[int] = ()) -> Checks:
@@ -36,9 +36,9 @@ def read_checks(connection: sqlite3.Connection, header: StudyHeader, numbers: Se
     rows = connection.execute(query, [json.dumps([*map(int, numbers)])] * bool(numbers)).fetchall() if is_there else ()
     if not rows:
         return NO_CHECKS
-    those, problems, *cells, sealed = zip(*rows, strict=True)
-    for number, seal, now in zip(those, sealed, _sealed(those, problems, *cells), strict=True):
-        if seal != now:
+    those, problems, *cells, checked = zip(*rows, strict=True)
+    for number, checksum, now in zip(those, checked, _with_checksum(those, problems, *cells), strict=True):
+        if checksum != now:
             raise ValueError(f"the check of run {number} is not what was written")
     return Checks(
         np.array(those, dtype=np.int64),
@@ -48,6 +48,6 @@ def read_checks(connection: sqlite3.Connection, header: StudyHeader, numbers: Se
     )
 
 
-def _sealed(*columns: tuple[object, ...]) -> list[int]:
-    found: list[int] = seals([cells_of(column) for column in columns]).tolist()
+def _with_checksum(*columns: tuple[object, ...]) -> list[int]:
+    found: list[int] = row_checksums([cells_of(column) for column in columns]).tolist()
     return found

@@ -21,8 +21,8 @@ from dse.storage.database.attempts import ATTEMPTS, FROM_TIMING
 from dse.storage.database.definition import definition_from_json, definition_to_json
 from dse.storage.database.files import FILES
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.sampler_requests import Asks, Block, read_asks, write_asks
-from dse.storage.database.schema import APPLICATION_ID, ASKS, SEALED, SEALS, VERSION, checks_table, statements
+from dse.storage.database.sampler_requests import Block, SamplerRequests, read_sampler_requests, write_sampler_requests
+from dse.storage.database.schema import APPLICATION_ID, ASKS, ROW_CHECKSUMS, SEALED, VERSION, checks_table, statements
 from dse.storage.disk import FULL, GO_ON, refused
 
 NAME = "study.sqlite"
@@ -119,7 +119,7 @@ def attachable(path: Path) -> str:
     return _address(path / NAME).replace("mode=rw", "mode=ro")
 
 
-def lay_out(path: Path, header: StudyHeader) -> None:
+def create_tables(path: Path, header: StudyHeader) -> None:
     """Write an empty `study.sqlite` into *path*, all of it or nothing. DseError if *header* cannot be stored."""
     try:
         definition_from_json(read_json(_json(definition_to_json(header.definition))))
@@ -141,7 +141,7 @@ def fill(connection: sqlite3.Connection, header: StudyHeader) -> None:
     connection.execute("BEGIN")
     for statement in statements(header):
         connection.execute(statement)
-    write_header(connection, header, Asks())
+    write_header(connection, header, SamplerRequests())
     connection.execute("COMMIT")
 
 
@@ -180,10 +180,10 @@ def require_structure(connection: sqlite3.Connection, path: Path) -> None:
         raise damaged_study(path, str(found).replace("\n", " "))
 
 
-def write_header(connection: sqlite3.Connection, header: StudyHeader, asks: Asks) -> None:
+def write_header(connection: sqlite3.Connection, header: StudyHeader, asks: SamplerRequests) -> None:
     """Store *header* in place of what was there; the caller has a transaction open and *asks* stored."""
     facts = {key: getattr(header, key) for key in _COUNTS} | {"definition": definition_to_json(header.definition)}
-    facts["seal"] = _seal(facts, asks)
+    facts["seal"] = _header_checksum(facts, asks)
     connection.executemany(
         "INSERT OR REPLACE INTO facts VALUES (?, ?)", [(key, _json(value)) for key, value in facts.items()]
     )
@@ -196,7 +196,7 @@ def write_header(connection: sqlite3.Connection, header: StudyHeader, asks: Asks
     )
 
 
-def read_header(connection: sqlite3.Connection, path: Path) -> tuple[StudyHeader, Asks]:
+def read_header(connection: sqlite3.Connection, path: Path) -> tuple[StudyHeader, SamplerRequests]:
     """What `write_header` stored, in this version's tables or earlier ones, and the asks; DseError if it is none."""
     try:
         facts = {key: read_json(value) for key, value in connection.execute("SELECT key, value FROM facts")}
@@ -206,8 +206,10 @@ def read_header(connection: sqlite3.Connection, path: Path) -> tuple[StudyHeader
         counts: dict[str, int] = {key: read_noun(facts[key], int, key) for key in _COUNTS}
         if min(counts.values()) < 0:
             raise ValueError("a count is negative")
-        asks = _first_asks(definition, counts["runs"]) if _version(connection) == 1 else read_asks(connection)
-        if _version(connection) >= SEALED and facts["seal"] != _seal(facts, asks):
+        asks = (
+            _first_asks(definition, counts["runs"]) if _version(connection) == 1 else read_sampler_requests(connection)
+        )
+        if _version(connection) >= SEALED and facts["seal"] != _header_checksum(facts, asks):
             raise ValueError("they are not what was written")
     except (ValueError, KeyError, TypeError) as error:
         raise damaged_study(path, f"its facts cannot be read ({error})") from error
@@ -215,15 +217,15 @@ def read_header(connection: sqlite3.Connection, path: Path) -> tuple[StudyHeader
     return StudyHeader(definition, numbers=asks.numbers, first=first, **counts), asks
 
 
-def migrate(connection: sqlite3.Connection, header: StudyHeader, asks: Asks) -> None:
+def migrate(connection: sqlite3.Connection, header: StudyHeader, asks: SamplerRequests) -> None:
     """Bring the tables of an earlier version up to this one; the caller has a transaction open."""
     version = _version(connection)
     if version == 1:
         connection.execute(ASKS)
-        write_asks(connection, asks.blocks)
+        write_sampler_requests(connection, asks.blocks)
         connection.execute("DELETE FROM facts")
     if version < VERSION:
-        added = (*ATTEMPTS, *FROM_TIMING, FILES, *SEALS) if version < SEALED else ()
+        added = (*ATTEMPTS, *FROM_TIMING, FILES, *ROW_CHECKSUMS) if version < SEALED else ()
         for statement in (*added, checks_table(header), f"PRAGMA user_version = {VERSION}"):
             connection.execute(statement)
         write_header(connection, header, asks)
@@ -232,9 +234,9 @@ def migrate(connection: sqlite3.Connection, header: StudyHeader, asks: Asks) -> 
 _COUNTS = ("runs", "asked", "era", "base", "earlier")
 
 
-def _seal(facts: Mapping[str, Any], asks: Asks) -> str:
-    sealed = {key: facts[key] for key in (*_COUNTS, "definition")}
-    return hashlib.sha256(f"{_json(sealed)} {asks.seal}".encode()).hexdigest()
+def _header_checksum(facts: Mapping[str, Any], asks: SamplerRequests) -> str:
+    checked = {key: facts[key] for key in (*_COUNTS, "definition")}
+    return hashlib.sha256(f"{_json(checked)} {asks.checksum}".encode()).hexdigest()
 
 
 def _of_first_version(facts: Mapping[str, Any]) -> dict[str, Any]:
@@ -242,10 +244,10 @@ def _of_first_version(facts: Mapping[str, Any]) -> dict[str, Any]:
     return {"runs": facts["runs"], "asked": facts["runs"], "era": 0, "base": 0, "earlier": 0}
 
 
-def _first_asks(definition: StudyDefinition, runs: int) -> Asks:
+def _first_asks(definition: StudyDefinition, runs: int) -> SamplerRequests:
     names = definition.explored
     each = runs // len(names) if names else 0
-    return Asks(Block(index * each, each, name, 0, 0) for index, name in enumerate(names) if each)
+    return SamplerRequests(Block(index * each, each, name, 0, 0) for index, name in enumerate(names) if each)
 
 
 def _version(connection: sqlite3.Connection) -> int:

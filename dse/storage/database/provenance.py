@@ -6,24 +6,24 @@ import json
 import sqlite3
 
 from dse.domain.definition import to_json
-from dse.domain.provenance import Notes
+from dse.domain.provenance import Provenance
 from dse.json_data import read_json, read_noun
 
 _KEY = "notes"
 
 
-def write_notes(connection: sqlite3.Connection, notes: Notes) -> None:
+def write_provenance(connection: sqlite3.Connection, notes: Provenance) -> None:
     """Store *notes* in place of what was there; the caller has a transaction open."""
     text = json.dumps(to_json(notes), sort_keys=True, ensure_ascii=False, separators=(",", ":"))
     connection.execute("INSERT OR REPLACE INTO facts VALUES (?, ?)", (_KEY, text))
 
 
-def read_notes(connection: sqlite3.Connection) -> Notes | None:
-    """What `write_notes` stored, None if nothing was. ValueError if that is not what it wrote."""
+def read_provenance(connection: sqlite3.Connection) -> Provenance | None:
+    """What `write_provenance` stored, None if nothing was. ValueError if that is not what it wrote."""
     row = connection.execute("SELECT value FROM facts WHERE key = ?", (_KEY,)).fetchone()
     if row is None:
         return None
-    notes: Notes = read_noun(read_json(row[0]), Notes, _KEY)
+    notes: Provenance = read_noun(read_json(row[0]), Provenance, _KEY)
     for source in notes.sources:
         if not source.is_sound:
             raise ValueError(f"the text of {source.file} is not what was written")

@@ -22,8 +22,8 @@ def cells_of(column: Sequence[Any]) -> Cells:
     return np.array(column, dtype=np.float64) if set(map(type, column)) <= {float, NoneType} else column
 
 
-def seals(columns: Sequence[Cells]) -> NDArray[np.int64]:
-    """The seal of each row of *columns*, (n,): a sum over its cells, each times an odd number of its column's.
+def row_checksums(columns: Sequence[Cells]) -> NDArray[np.int64]:
+    """The checksum of each row of *columns*, (n,): a sum over its cells, each times an odd number of its column's.
 
     NaN and None are alike, and zeros of both signs, as SQLite does not tell them apart.
     """
@@ -33,9 +33,9 @@ def seals(columns: Sequence[Cells]) -> NDArray[np.int64]:
     return total.view(np.int64)
 
 
-def kept_seal(number: int, file: str | None) -> int:
-    """The seal of a row that says that the waveforms of run *number* are in *file*."""
-    return int(seals([(number,), (file or "",)])[0])
+def stored_checksum(number: int, file: str | None) -> int:
+    """The checksum of a row that says that the waveforms of run *number* are in *file*."""
+    return int(row_checksums([(number,), (file or "",)])[0])
 
 
 def _bits(column: Cells) -> NDArray[np.uint64]:

@@ -28,7 +28,7 @@ class Maker:
 
 
 @dataclass(frozen=True, slots=True)
-class Tally:
+class RunCounts:
     """*finished* runs have a row, *failed* of them failed, *kept* have waveforms.
 
     *failures* counts what failed runs say, *tries* what tries came to that gave no row; *repeated* runs had one.
@@ -45,7 +45,7 @@ class Tally:
     makers: tuple[Maker, ...]
 
 
-def read_tally(connection: sqlite3.Connection) -> Tally:
+def read_run_counts(connection: sqlite3.Connection) -> RunCounts:
     """Count."""
     early = are_early(connection)
 
@@ -55,7 +55,7 @@ def read_tally(connection: sqlite3.Connection) -> Tally:
     def number(query: str) -> int:
         return int(connection.execute(query).fetchone()[0])
 
-    return Tally(
+    return RunCounts(
         number("SELECT count(*) FROM runs"),
         number("SELECT count(*) FROM runs WHERE outcome = 'failed'"),
         number("SELECT count(file) FROM kept"),

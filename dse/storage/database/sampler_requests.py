@@ -32,14 +32,14 @@ class Block:
     era: int
 
 
-class Asks:
+class SamplerRequests:
     """The blocks of a study, sorted by their first number."""
 
     def __init__(self, blocks: Iterable[Block] = ()) -> None:
         self.blocks: list[Block] = sorted(blocks, key=lambda block: block.first)
         self._firsts = [block.first for block in self.blocks]
         self._sizes: dict[tuple[int, int], int] = {}
-        self.seal = 0
+        self.checksum = 0
         """Changes with any change of the blocks."""
         for block in self.blocks:
             self._count(block)
@@ -89,7 +89,7 @@ class Asks:
         return block if block and number < block.first + block.count else None
 
     def _count(self, block: Block) -> None:
-        self.seal = (self.seal + zlib.crc32(repr(block).encode()) * (block.first + 1)) % 2**64
+        self.checksum = (self.checksum + zlib.crc32(repr(block).encode()) * (block.first + 1)) % 2**64
         key = (block.era, block.ask)
         self._sizes[key] = self._sizes.get(key, 0) + block.count
 
@@ -103,7 +103,7 @@ def blocks_of(requests: Iterable[RunRequest], ask: int, era: int) -> list[Block]
     return blocks
 
 
-def read_asks(connection: sqlite3.Connection) -> Asks:
+def read_sampler_requests(connection: sqlite3.Connection) -> SamplerRequests:
     """The asks that are stored. ValueError if they are none."""
     rows = connection.execute("SELECT first, count, configuration, ask, era FROM asks ORDER BY first").fetchall()
     blocks = [Block(*row) for row in rows]
@@ -112,10 +112,10 @@ def read_asks(connection: sqlite3.Connection) -> Asks:
         if block.first < end or block.count < 1:
             raise ValueError(f"the asks overlap at run {block.first}")
         end = block.first + block.count
-    return Asks(blocks)
+    return SamplerRequests(blocks)
 
 
-def write_asks(connection: sqlite3.Connection, blocks: Iterable[Block]) -> None:
+def write_sampler_requests(connection: sqlite3.Connection, blocks: Iterable[Block]) -> None:
     """Store *blocks*; the caller has a transaction open."""
     rows = [(block.first, block.count, block.configuration, block.ask, block.era) for block in blocks]
     connection.executemany("INSERT INTO asks VALUES (?, ?, ?, ?, ?)", rows)

@@ -19,13 +19,13 @@ APPLICATION_ID = 0x44534553
 VERSION = 4
 """Version of these tables, stored as user_version.
 
-Version 1 had no table of asks, 2 no attempts, files and seals, 3 no checks.
+Version 1 had no table of asks, 2 no attempts, files and row checksums, 3 no checks.
 """
 
 SEALED = 3
 """The first version whose rows tell whether they are what was written."""
 
-SEALS = tuple(f"ALTER TABLE {table} ADD COLUMN seal INTEGER" for table in ("runs", "kept"))
+ROW_CHECKSUMS = tuple(f"ALTER TABLE {table} ADD COLUMN seal INTEGER" for table in ("runs", "kept"))
 
 ASKS = """CREATE TABLE asks (
     first INTEGER PRIMARY KEY, count INTEGER NOT NULL, configuration TEXT NOT NULL, ask INTEGER NOT NULL,
@@ -35,7 +35,8 @@ _FIXED = ("number", "configuration", "outcome", "problem")
 
 
 def columns(header: StudyHeader) -> tuple[str, ...]:
-    """Columns of the table of runs before its seal: fixed ones, ``p:`` variables, ``m:`` metrics, verdicts, margins."""
+    """Columns of the table of runs before its row checksum: fixed ones, ``p:`` variables, ``m:`` metrics, verdicts,
+    margins."""
     return (
         *_FIXED,
         *(f"p:{name}" for name in header.variables),

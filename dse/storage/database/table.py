@@ -21,7 +21,7 @@ from dse.domain.sampler import Outcomes
 from dse.storage.checks import NO_CHECKS, Checks, certainties, certainties_by_bars
 from dse.storage.database.checks import read_checks
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.row_checksum import Cells, cells_of, seals
+from dse.storage.database.row_checksum import Cells, cells_of, row_checksums
 from dse.storage.database.schema import SEALED, columns, quoted, value_of
 from dse.storage.rows import RowBlock
 
@@ -163,8 +163,8 @@ def read_table(connection: sqlite3.Connection, header: StudyHeader, numbers: Seq
     parts = [_part(header, [()] * len(names))]
     # A few rows at a time: as Python's numbers they take ten times the memory.
     while rows := cursor.fetchmany(_AT_ONCE):
-        *cells, sealed = map(cells_of, zip(*rows, strict=True))
-        _refuse_unsealed(cells, sealed)
+        *cells, checked = map(cells_of, zip(*rows, strict=True))
+        _refuse_changed_rows(cells, checked)
         parts.append(_part(header, cells))
     table = _joined(header, parts)
     checks = read_checks(connection, header, numbers)
@@ -182,10 +182,10 @@ def read_verdicts(connection: sqlite3.Connection, requirements: Sequence[str]) -
     return {row[:-1]: row[-1] for row in rows}
 
 
-def _refuse_unsealed(columns: Sequence[Cells], sealed: Cells) -> None:
+def _refuse_changed_rows(columns: Sequence[Cells], checked: Cells) -> None:
     """ValueError for a row that is not what was written; one of an earlier version's study does not tell."""
-    for number, seal, now in zip(columns[0], sealed, seals(columns).tolist(), strict=True):
-        if seal != now and seal is not None and seal == seal:  # noqa: PLR0124  # NaN where there is none
+    for number, checksum, now in zip(columns[0], checked, row_checksums(columns).tolist(), strict=True):
+        if checksum != now and checksum is not None and checksum == checksum:  # noqa: PLR0124  # NaN where there is none
             raise ValueError(f"run {number} is not what was written")
 
 

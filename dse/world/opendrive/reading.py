@@ -20,11 +20,11 @@ from dse.world.opendrive.structure import (
     Junction,
     Limit,
     Network,
-    Order,
     Road,
     RoadLink,
     Sign,
     Signal,
+    TrafficOrder,
 )
 from dse.world.opendrive.values import cubic, in_order, number, text, whole
 
@@ -101,7 +101,7 @@ def _road(element: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[
     limits: tuple[Limit, ...] = ()
     signals: tuple[Signal, ...] = ()
     signs: tuple[Sign, ...] = ()
-    orders: tuple[Order, ...] = ()
+    orders: tuple[TrafficOrder, ...] = ()
     with refused:
         limits, signals = tuple(_limits(element)), tuple(read_signals(element, named, cycles))
         signs, orders = tuple(read_signs(element, named)), tuple(read_orders(element, named))

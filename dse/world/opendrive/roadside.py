@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dse.errors import Problem, fail
 from dse.formats import XmlElement, real_of, shortened
 from dse.world.opendrive.lanes import SPEED_UNITS
-from dse.world.opendrive.structure import Order, Sign, Signal, Slick
+from dse.world.opendrive.structure import Sign, Signal, Slick, TrafficOrder
 from dse.world.opendrive.values import number, text, whole
 
 PHASES, SHIFT = "dse.phases", "dse.shift"
@@ -60,11 +60,11 @@ def read_signs(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[Si
                 yield Sign(*_place(stands), speed)
 
 
-def read_orders(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[Order]:
+def read_orders(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[TrafficOrder]:
     """The signs of a road that say who has the right of way: 205, 206, 301, 306 and 307 of the same catalogue."""
     for stands, signal in _standing(road, named):
         if _is_sign(signal, _ORDERS):
-            yield Order(*_place(stands), signal.get("type"))
+            yield TrafficOrder(*_place(stands), signal.get("type"))
 
 
 def read_slicks(road: XmlElement, refused: list[Problem]) -> Iterator[Slick]:

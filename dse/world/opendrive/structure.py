@@ -174,7 +174,7 @@ class Sign:
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class TrafficOrder:
     """A sign of the German catalogue that says who has the right of way, which stands as a Signal does.
 
     *kind* is 205 (give way), 206 (stop), 301 (right of way at the next junction), 306 (priority road) or 307 (its end).
@@ -208,7 +208,7 @@ class Road:
     slicks: tuple[Slick, ...]
     signals: tuple[Signal, ...]
     signs: tuple[Sign, ...]
-    orders: tuple[Order, ...]
+    orders: tuple[TrafficOrder, ...]
     refused: tuple[Problem, ...]
     where: Location
 

@@ -17,7 +17,7 @@ MOST_FACTOR = 1e30
 """No factor of a polynomial is larger; what they come to is looked at where it matters."""
 
 
-class Placed(Protocol):
+class PlacedText(Protocol):
     """Something that begins at a station of a road."""
 
     @property
@@ -29,7 +29,7 @@ class Placed(Protocol):
         """Where it stands in the file."""
 
 
-P = TypeVar("P", bound=Placed)
+P = TypeVar("P", bound=PlacedText)
 
 
 def number(

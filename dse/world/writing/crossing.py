@@ -51,7 +51,7 @@ class Arm:
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class JunctionWay:
     """A lane through a crossing, on its middle: from the *first* lane of an arm to the *last* of another one."""
 
     start: Arm
@@ -89,7 +89,7 @@ def _half(lanes: Lanes) -> float:
     return max(lanes.forward, lanes.backward) * lanes.width
 
 
-def ways(arms: Mapping[str, Arm]) -> Iterator[Way]:
+def ways(arms: Mapping[str, Arm]) -> Iterator[JunctionWay]:
     """All ways through an intersection: straight on lane by lane, to the right and left between the outer and the inner
     lanes."""
     for start in arms.values():
@@ -100,10 +100,10 @@ def ways(arms: Mapping[str, Arm]) -> Iterator[Way]:
             if abs(turn) < 0.1:
                 for number in range(1, min(start.coming, end.leaving) + 1):
                     length = math.dist(_xy(start.into(number)), _xy(end.out(number)))
-                    yield Way(start, end, number, number, (Bend(length),))
+                    yield JunctionWay(start, end, number, number, (Bend(length),))
                 continue
             first, last = (1, 1) if turn > 0 else (start.coming, end.leaving)
-            yield Way(start, end, first, last, turning(start.into(first), end.out(last)))
+            yield JunctionWay(start, end, first, last, turning(start.into(first), end.out(last)))
 
 
 def _xy(pose: Pose) -> tuple[float, float]:

@@ -11,16 +11,16 @@ from dse.domain.road import Intersection, Lanes, Lights, Road, Roundabout, Segme
 from dse.errors import fail
 from dse.world.writing.crossing import COMING, Arm, Ring, arms_of, ways
 from dse.world.writing.network import (
-    Connection,
-    Cubic,
-    Junction,
-    Lane,
+    ConnectionRecord,
+    CubicRecord,
+    JunctionRecord,
+    LaneRecord,
     LaneSection,
     LightGroup,
     Link,
-    Network,
+    NetworkRecord,
     RoadRecord,
-    Signal,
+    SignalRecord,
     ramp,
 )
 from dse.world.writing.pieces import Bend, Piece, Pose, laid
@@ -30,7 +30,7 @@ _MET = 1e-6
 """How far apart, in m and rad, the ends of a closed road may be."""
 
 
-def network_of(road: Road) -> Network:
+def network_of(road: Road) -> NetworkRecord:
     """The roads and junctions of *road*. Raises DseError if it is closed and its ends do not meet."""
     made = _Made(road.name)
     place, lanes, number = Place(Pose(0.0, 0.0, 0.0)), road.segments[0].lanes, made.new()
@@ -55,10 +55,10 @@ class _Made:
         self._name = name
         self._last = 0
         self._roads: dict[int, RoadRecord] = {}
-        self._junctions: list[Junction] = []
+        self._junctions: list[JunctionRecord] = []
         self._before: dict[int, Link] = {}
         self._behind: dict[int, Link] = {}
-        self._signals: dict[int, tuple[Signal, ...]] = {}
+        self._signals: dict[int, tuple[SignalRecord, ...]] = {}
         # Of each crossing: by the lane in which one comes, the lane in which one leaves, and the roads there.
         self._passed: list[dict[int, tuple[int, tuple[int, ...]]]] = []
 
@@ -67,7 +67,7 @@ class _Made:
         self._last += 1
         return self._last
 
-    def network(self) -> Network:
+    def network(self) -> NetworkRecord:
         """All of it, with its links."""
         roads = (
             replace(
@@ -78,7 +78,7 @@ class _Made:
             )
             for number, road in self._roads.items()
         )
-        return Network(self._name, tuple(roads), tuple(self._junctions), self._along())
+        return NetworkRecord(self._name, tuple(roads), tuple(self._junctions), self._along())
 
     def _along(self) -> tuple[int, ...]:
         """The roads along the segments, if there are crossings and a lane leads through all of them: the outermost."""
@@ -161,14 +161,14 @@ class _Made:
             )
             self._before[number] = _end(way.start, ids)
             self._behind[number] = _end(way.end, ids)
-            connections.append(Connection(ids[way.start.side], number, coming))
+            connections.append(ConnectionRecord(ids[way.start.side], number, coming))
             if (way.start.side, way.end.side) == (COMING, shape.exit):
                 passed[way.first] = (way.last, (number, ids[shape.exit]))
         self._passed.append(passed)
         for side, arm in arms.items():
             self._attach(arm, ids[side], junction)
         lights = () if shape.lights is None else tuple(self._lights(shape.lights, arms, ids))
-        self._junctions.append(Junction(junction, f"intersection_{junction}", tuple(connections), lights=lights))
+        self._junctions.append(JunctionRecord(junction, f"intersection_{junction}", tuple(connections), lights=lights))
 
     def _attach(self, arm: Arm, road: int, junction: int) -> None:
         (self._behind if arm.side == COMING else self._before)[road] = Link(junction, "")
@@ -191,7 +191,7 @@ class _Made:
                     beside = arm.coming * arm.lanes.width + 1.0
                     inward = arm.side == COMING
                     station, offset = (self._roads[ids[arm.side]].length, -beside) if inward else (0.0, beside)
-                    signal = Signal(signals[-1], station, offset, "+" if inward else "-")
+                    signal = SignalRecord(signals[-1], station, offset, "+" if inward else "-")
                     self._signals[ids[arm.side]] = (*self._signals.get(ids[arm.side], ()), signal)
             if signals:
                 shown = tuple((colour, seconds) for colour, seconds in phases if seconds)
@@ -231,12 +231,14 @@ class _Made:
                 self._before[number], self._behind[number] = start, end
             self._attach(arm, ids[side], junction)
             connections = (
-                Connection(came.id, past[side], -1),
-                Connection(came.id, off[side], -1),
-                Connection(ids[side], onto[side], into),
+                ConnectionRecord(came.id, past[side], -1),
+                ConnectionRecord(came.id, off[side], -1),
+                ConnectionRecord(ids[side], onto[side], into),
             )
             before_entering = ((past[side], onto[side]),)
-            self._junctions.append(Junction(junction, f"roundabout_{side}_{junction}", connections, before_entering))
+            self._junctions.append(
+                JunctionRecord(junction, f"roundabout_{side}_{junction}", connections, before_entering)
+            )
         sides = [arm.side for arm in around]
         comes = sides.index(COMING)
         passed = [*sides[comes + 1 :], *sides[:comes]]
@@ -269,8 +271,8 @@ def _single(
     """A road of one lane whose middle *pieces* are; *lanes* are those it comes from and leads to."""
     length = sum(piece.bend.length for piece in pieces)
     width = ramp(0.0, length, *widths)
-    lane = Lane(-1, width, "none" if within else "solid", *lanes)
-    offset = Cubic(0.0, width.a / 2, 0.0, width.c / 2, width.d / 2)
+    lane = LaneRecord(-1, width, "none" if within else "solid", *lanes)
+    offset = CubicRecord(0.0, width.a / 2, 0.0, width.c / 2, width.d / 2)
     sections = (LaneSection(0.0, lane.mark, (lane,)),)
-    heights, speeds = (Cubic(0.0, height),), ((0.0, limit),)
+    heights, speeds = (CubicRecord(0.0, height),), ((0.0, limit),)
     return RoadRecord(number, name, tuple(pieces), length, heights, sections, speeds, within=within, offset=offset)

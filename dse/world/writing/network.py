@@ -8,7 +8,7 @@ from dse.world.writing.pieces import Piece
 
 
 @dataclass(frozen=True, slots=True)
-class Cubic:
+class CubicRecord:
     """From *start* on a + b ds + c ds² + d ds³."""
 
     start: float
@@ -18,10 +18,10 @@ class Cubic:
     d: float = 0.0
 
 
-def ramp(start: float, length: float, first: float, last: float) -> Cubic:
+def ramp(start: float, length: float, first: float, last: float) -> CubicRecord:
     """From *first* to *last*, level at both ends."""
     change = last - first
-    return Cubic(
+    return CubicRecord(
         start, first, 0.0, 3 * change / length**2 if change else 0.0, -2 * change / length**3 if change else 0.0
     )
 
@@ -35,14 +35,14 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
-class Lane:
+class LaneRecord:
     """A lane by its *number*, > 0 left of the reference line; *mark* is its outer line.
 
     *before* and *behind* are the lanes it goes on as, 0 for none. *frictions* hold from an offset in the section on.
     """
 
     number: int
-    width: Cubic
+    width: CubicRecord
     mark: str
     before: int
     behind: int
@@ -55,11 +55,11 @@ class LaneSection:
 
     start: float
     mark: str
-    lanes: tuple[Lane, ...]
+    lanes: tuple[LaneRecord, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Patch:
+class PatchRecord:
     """A part of a road with a friction of its own: from *right* to *left*, in m to the left of the reference line."""
 
     start: float
@@ -70,7 +70,7 @@ class Patch:
 
 
 @dataclass(frozen=True, slots=True)
-class Signal:
+class SignalRecord:
     """A traffic light beside the road, for who comes in its direction ("+") or against it ("-")."""
 
     id: int
@@ -87,20 +87,20 @@ class RoadRecord:
     name: str
     pieces: tuple[Piece, ...]
     length: float
-    heights: tuple[Cubic, ...]
+    heights: tuple[CubicRecord, ...]
     sections: tuple[LaneSection, ...]
     speeds: tuple[tuple[float, float], ...]
     within: int = 0
-    banks: tuple[Cubic, ...] = ()
-    offset: Cubic | None = None
+    banks: tuple[CubicRecord, ...] = ()
+    offset: CubicRecord | None = None
     before: Link | None = None
     behind: Link | None = None
-    patches: tuple[Patch, ...] = ()
-    signals: tuple[Signal, ...] = ()
+    patches: tuple[PatchRecord, ...] = ()
+    signals: tuple[SignalRecord, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Connection:
+class ConnectionRecord:
     """From *lane* of the *incoming* road the *connecting* one goes on, whose lane is -1."""
 
     incoming: int
@@ -118,21 +118,21 @@ class LightGroup:
 
 
 @dataclass(frozen=True, slots=True)
-class Junction:
+class JunctionRecord:
     """Where roads meet, with its lights; *priorities* are pairs of roads in it of which the first goes before."""
 
     id: int
     name: str
-    connections: tuple[Connection, ...]
+    connections: tuple[ConnectionRecord, ...]
     priorities: tuple[tuple[int, int], ...] = ()
     lights: tuple[LightGroup, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Network:
+class NetworkRecord:
     """All of a file; *route* are the roads along its segments, where one lane leads there."""
 
     name: str
     roads: tuple[RoadRecord, ...]
-    junctions: tuple[Junction, ...]
+    junctions: tuple[JunctionRecord, ...]
     route: tuple[int, ...] = ()

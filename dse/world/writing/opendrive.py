@@ -10,16 +10,16 @@ from dse.world.opendrive.reading import ROUTE
 from dse.world.opendrive.roadside import PHASES, SHIFT
 from dse.world.writing.layout import network_of
 from dse.world.writing.network import (
-    Cubic,
-    Junction,
-    Lane,
+    CubicRecord,
+    JunctionRecord,
+    LaneRecord,
     LaneSection,
     LightGroup,
     Link,
-    Network,
-    Patch,
+    NetworkRecord,
+    PatchRecord,
     RoadRecord,
-    Signal,
+    SignalRecord,
 )
 from dse.world.writing.pieces import Piece
 
@@ -51,7 +51,7 @@ def _text(value: str | float) -> str:
     return value if isinstance(value, str) else repr(value)
 
 
-def _file(network: Network) -> Lines:
+def _file(network: NetworkRecord) -> Lines:
     def inner() -> Lines:
         yield from _tag("header", {"revMajor": 1, "revMinor": 7, "name": network.name, "version": "1.00"}, 1)
         for road in network.roads:
@@ -117,7 +117,7 @@ def _plan(pieces: tuple[Piece, ...]) -> Lines:
         station += bend.length
 
 
-def _cubics(name: str, along: str, cubics: tuple[Cubic, ...], level: int) -> Lines:
+def _cubics(name: str, along: str, cubics: tuple[CubicRecord, ...], level: int) -> Lines:
     for cubic in cubics:
         factors = {"a": cubic.a, "b": cubic.b, "c": cubic.c, "d": cubic.d}
         yield from _tag(name, {along: cubic.start, **factors}, level)
@@ -141,7 +141,7 @@ def _section(section: LaneSection) -> Lines:
         yield from _tag("right", {}, 4, (line for lane in right for line in _lane(lane)))
 
 
-def _lane(lane: Lane) -> Lines:
+def _lane(lane: LaneRecord) -> Lines:
     def inner() -> Lines:
         links = [("predecessor", lane.before), ("successor", lane.behind)]
         known = [(name, number) for name, number in links if number]
@@ -160,7 +160,7 @@ def _mark(kind: str) -> Lines:
     return _tag("roadMark", head, 6)
 
 
-def _patch(road: RoadRecord, number: int, patch: Patch) -> Lines:
+def _patch(road: RoadRecord, number: int, patch: PatchRecord) -> Lines:
     corners = [
         (patch.start, patch.right),
         (patch.end, patch.right),
@@ -189,7 +189,7 @@ def _patch(road: RoadRecord, number: int, patch: Patch) -> Lines:
     return _tag("object", head, 3, inner())
 
 
-def _signal(signal: Signal) -> Lines:
+def _signal(signal: SignalRecord) -> Lines:
     head: Attributes = {
         "s": signal.station,
         "t": signal.offset,
@@ -205,11 +205,11 @@ def _signal(signal: Signal) -> Lines:
     return _tag("signal", head, 3)
 
 
-def _controller_id(junction: Junction, number: int) -> str:
+def _controller_id(junction: JunctionRecord, number: int) -> str:
     return f"{junction.id}{'ab'[number]}"
 
 
-def _controller(junction: Junction, number: int, group: LightGroup) -> Lines:
+def _controller(junction: JunctionRecord, number: int, group: LightGroup) -> Lines:
     def inner() -> Lines:
         for signal in group.signals:
             yield from _tag("control", {"signalId": signal, "type": "0"}, 2)
@@ -222,7 +222,7 @@ def _controller(junction: Junction, number: int, group: LightGroup) -> Lines:
     return _tag("controller", {"id": name, "name": f"lights_{name}", "sequence": number}, 1, inner())
 
 
-def _junction(junction: Junction) -> Lines:
+def _junction(junction: JunctionRecord) -> Lines:
     def inner() -> Lines:
         for number, connection in enumerate(junction.connections):
             head: Attributes = {

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from dse.domain.road import Curve, Hill, Intersection, Lanes, Rise, Roundabout, Segment, Slippery, Straight
-from dse.world.writing.network import Cubic, Lane, LaneSection, Patch, RoadRecord, ramp
+from dse.world.writing.network import CubicRecord, LaneRecord, LaneSection, PatchRecord, RoadRecord, ramp
 from dse.world.writing.pieces import Bend, Piece, Pose, laid
 
 
@@ -27,8 +27,8 @@ def stretch(
     station, place = 0.0, start
     pieces: list[Piece] = []
     speeds: list[tuple[float, float]] = []
-    heights: list[Cubic] = []
-    banks, patches, changes, whole = [Cubic(0.0)], [], [(0.0, before, before)], []
+    heights: list[CubicRecord] = []
+    banks, patches, changes, whole = [CubicRecord(0.0)], [], [(0.0, before, before)], []
     lanes = before
     for segment in segments:
         made, pose = laid(place.pose, bends(segment))
@@ -48,7 +48,7 @@ def stretch(
         moved = [replace(patch, start=station + patch.start, end=station + patch.end) for patch in segment.slippery]
         whole += [patch for patch in moved if patch.right is None]
         patches += [
-            Patch(p.start, p.end, p.right, p.left, p.friction)
+            PatchRecord(p.start, p.end, p.right, p.left, p.friction)
             for p in moved
             if p.right is not None and p.left is not None
         ]
@@ -69,7 +69,7 @@ def stretch(
     return road, place
 
 
-def _goes_on(cubic: Cubic, before: Sequence[Cubic]) -> bool:
+def _goes_on(cubic: CubicRecord, before: Sequence[CubicRecord]) -> bool:
     """Whether the height rises as straight as it did *before*."""
     return bool(before) and (before[-1].b, before[-1].c, before[-1].d) == (cubic.b, cubic.c, cubic.d) == (cubic.b, 0, 0)
 
@@ -104,22 +104,22 @@ def bends(segment: Segment) -> tuple[Bend, ...]:
             raise AssertionError(segment)
 
 
-def _rise(segment: Segment, length: float, place: Place) -> Iterator[Cubic]:
+def _rise(segment: Segment, length: float, place: Place) -> Iterator[CubicRecord]:
     """The height along the segment, from 0."""
     if isinstance(segment.shape, Hill):
         yield from _joined(_over(segment.shape), place)
         return
     match segment.rise:
         case Rise(height=(first, second, third)):
-            yield Cubic(0.0, place.height, first, second, third)
+            yield CubicRecord(0.0, place.height, first, second, third)
         case Rise(grade, 0.0):
-            yield Cubic(0.0, place.height, grade)
+            yield CubicRecord(0.0, place.height, grade)
         case Rise(grade, rounding) if abs(grade - place.grade) > 1e-12:
             over = rounding * abs(grade - place.grade)
             parts = [(over, (grade - place.grade) / over)]
             yield from _joined([*parts, (length - over, 0.0)] if over < length else parts, place)
         case _:
-            yield Cubic(0.0, place.height, place.grade)
+            yield CubicRecord(0.0, place.height, place.grade)
 
 
 def _over(hill: Hill) -> list[tuple[float, float]]:
@@ -130,16 +130,16 @@ def _over(hill: Hill) -> list[tuple[float, float]]:
     return [part for part in (foot, slope, top, top, slope, foot) if part[0] > 0]
 
 
-def _joined(parts: Iterable[tuple[float, float]], place: Place) -> Iterator[Cubic]:
+def _joined(parts: Iterable[tuple[float, float]], place: Place) -> Iterator[CubicRecord]:
     station, height, grade = 0.0, place.height, place.grade
     for length, curvature in parts:
-        cubic = Cubic(station, height, grade, curvature / 2)
+        cubic = CubicRecord(station, height, grade, curvature / 2)
         yield cubic
         station += length
         height, grade = _end(cubic, station)
 
 
-def _end(cubic: Cubic, station: float) -> tuple[float, float]:
+def _end(cubic: CubicRecord, station: float) -> tuple[float, float]:
     """Value and slope at *station*."""
     ds = station - cubic.start
     value = cubic.a + ds * (cubic.b + ds * (cubic.c + ds * cubic.d))
@@ -147,15 +147,15 @@ def _end(cubic: Cubic, station: float) -> tuple[float, float]:
     return value, 0.0 if abs(slope) < 1e-12 else slope
 
 
-def _banks(segment: Segment) -> Iterator[Cubic]:
+def _banks(segment: Segment) -> Iterator[CubicRecord]:
     """The tilt to the right, in rad, along the segment, where there is one."""
     match segment.shape:
         case Curve(bank=bank) as curve if bank:
             tilt = -math.copysign(math.atan(bank), curve.angle)
             yield ramp(0.0, curve.spiral_in, 0.0, tilt)
-            yield Cubic(curve.spiral_in, tilt)
+            yield CubicRecord(curve.spiral_in, tilt)
             yield ramp(curve.spiral_in + curve.arc, curve.spiral_out, tilt, 0.0)
-            yield Cubic(curve.length)
+            yield CubicRecord(curve.length)
 
 
 def _sections(
@@ -188,7 +188,7 @@ def section(
                 sign * count if inner[1] and count <= other else 0,
             )
             mark = "solid" if count == most else "broken"
-            made.append(Lane(sign * count, ramp(0.0, length, *widths), mark, *links, frictions))
+            made.append(LaneRecord(sign * count, ramp(0.0, length, *widths), mark, *links, frictions))
     made.sort(key=lambda lane: -lane.number)
     both = {max(first.forward, last.forward), max(first.backward, last.backward)}
     return LaneSection(start, "broken" if both == {1} else "solid", tuple(made))

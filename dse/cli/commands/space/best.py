@@ -9,7 +9,7 @@ import typer
 from dse.api import Ranking, opened
 from dse.cli.arguments import Choose, Design, Format, Maximize, Minimize, Off, On, Output, Where
 from dse.cli.commands.space import space_app
-from dse.cli.terminal import plain_table, print_json, print_table, say
+from dse.cli.terminal import plain_table, print_json, print_line, print_table
 
 _PLACES = 6
 """Places in which the configurations differ that a table has room for."""
@@ -79,7 +79,7 @@ def _show(ranking: Ranking, output: Output) -> None:
         return
     if not ranking:
         what = "no configuration is valid, or the objective is undefined for all that are"
-        say(f"{part.title()}: {what}")
+        print_line(f"{part.title()}: {what}")
         return
     _print_ranking(ranking)
 
@@ -96,9 +96,9 @@ def _print_ranking(found: Ranking) -> None:
     print_table(table)
     if len(differing) > len(shown):
         more = len(differing) - len(shown)
-        say(f"they differ in {more} more places; --format json lists all")
+        print_line(f"they differ in {more} more places; --format json lists all")
     same = {path: found[0].choices[path] for path in paths if path not in differing}
     if same:
         has = "all have" if len(found) > 1 else "it has"
         listed = ", ".join(f"{path}={choice}" for path, choice in same.items())
-        say(f"{has} {listed}")
+        print_line(f"{has} {listed}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from dse.api import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
 from dse.cli.commands.space import space_app
-from dse.cli.terminal import plain_table, print_json, print_table, say
+from dse.cli.terminal import plain_table, print_json, print_line, print_table
 from dse.errors import DseError
 
 if TYPE_CHECKING:
@@ -49,11 +49,11 @@ def space_choices(
         print_json({**part.data(), "choices": [_data(entry) for entry in found]})
         return
     if not found:
-        say(f"{part.title()}: there is nothing to choose")
+        print_line(f"{part.title()}: there is nothing to choose")
         return
     print_table(_table(found))
     if any(entry.half_width for entry in found):
-        say("≈ is an estimate from uniform draws, ± its 95 % interval")
+        print_line("≈ is an estimate from uniform draws, ± its 95 % interval")
 
 
 def _table(found: Sequence[Occurrence]) -> Table:

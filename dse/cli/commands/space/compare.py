@@ -10,7 +10,7 @@ from dse.api import opened
 from dse.cli.arguments import Design, Format, Off, On, Output, Seed
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import number_text, tally_data, tally_text
-from dse.cli.terminal import print_json, say
+from dse.cli.terminal import print_json, print_line
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -47,7 +47,7 @@ def space_compare(
         lines.append(f"{name}: {tally_text(tally)} valid{_alone(tally, found.common)}")
     lines.append(f"in both: {tally_text(found.common)}")
     for line in lines:
-        say(line)
+        print_line(line)
 
 
 def _alone(tally: Tally, common: Tally) -> str:

@@ -6,7 +6,7 @@ from dse.api import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import constraint_data, show_constraints
-from dse.cli.terminal import console, plain, print_json, say
+from dse.cli.terminal import console, plain, print_json, print_line
 
 
 @space_app.command("conflict")
@@ -36,5 +36,5 @@ def space_conflict(
     what = f"these {len(found)} constraints cannot all be met; without any one of them the others can"
     if len(found) < 2:
         what = "this constraint excludes everything" if found else "the choices exclude each other without constraints"
-    say(f"{part.title()}: {what}")
+    print_line(f"{part.title()}: {what}")
     show_constraints(found)

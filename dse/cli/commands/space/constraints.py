@@ -10,7 +10,7 @@ from dse.api import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import constraint_data, tally_cell, tally_data, tally_text
-from dse.cli.terminal import plain_table, print_json, print_table, say
+from dse.cli.terminal import plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from dse.space import Impact
@@ -49,10 +49,10 @@ def space_constraints(
     if found:
         print_table(table)
     else:
-        say(f"{part.space.name} has no constraints that are on")
+        print_line(f"{part.space.name} has no constraints that are on")
     estimated = any(not tally.exact for entry in found for tally in (entry.after, entry.removes, entry.frees))
     note = "; ≈ is an estimate, ± its 95 % interval" if estimated else ""
-    say(f"{tally_text(total)} combinations before the constraints{note}")
+    print_line(f"{tally_text(total)} combinations before the constraints{note}")
 
 
 def _data(entry: Impact) -> dict[str, object]:

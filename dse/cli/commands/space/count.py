@@ -10,7 +10,7 @@ from dse.api import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import number_text, tally_data, tally_text
-from dse.cli.terminal import print_json, say
+from dse.cli.terminal import print_json, print_line
 
 
 @space_app.command("count")
@@ -33,4 +33,4 @@ def space_count(
     if output is Output.JSON:
         print_json({**part.data(), "total": part.total, **tally_data(tally)})
         return
-    say(f"{part.title()}: {tally_text(tally)} of {number_text(part.total)} configurations are valid")
+    print_line(f"{part.title()}: {tally_text(tally)} of {number_text(part.total)} configurations are valid")

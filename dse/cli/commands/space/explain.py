@@ -10,7 +10,7 @@ from dse.api import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import constraint_data, show_constraints
-from dse.cli.terminal import print_json, say
+from dse.cli.terminal import print_json, print_line
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,16 +48,16 @@ def _show_whole(part: OpenedSpace, found: Explanation, output: Output) -> None:
         print_json({**data, "broken": [_broken_data(entry) for entry in broken], "nearest": _nearest_data(near)})
         return
     if not broken:
-        say(f"{found.id} is valid: it meets all {len(part.space.constraints)} constraints")
+        print_line(f"{found.id} is valid: it meets all {len(part.space.constraints)} constraints")
         return
-    say(f"{found.id} breaks {len(broken)} of {len(part.space.constraints)} constraints")
+    print_line(f"{found.id} breaks {len(broken)} of {len(part.space.constraints)} constraints")
     for entry in broken:
         show_constraints([entry.constraint])
         _columns([(seen.what, seen.value) for seen in entry.seen], " = ")
     if near is None:
-        say(f"no configuration is valid; ask why: dse space conflict {part.space.name}")
+        print_line(f"no configuration is valid; ask why: dse space conflict {part.space.name}")
         return
-    say(f"the nearest valid configuration is {near.id}:")
+    print_line(f"the nearest valid configuration is {near.id}:")
     _columns([(change.path, _arrow(change)) for change in near.changes], "  ")
 
 
@@ -68,19 +68,19 @@ def _show_part(part: OpenedSpace, found: Explanation, output: Output) -> None:
         data = {**part.data(), "chosen": found.chosen}
         print_json({**data, "possible": found.is_valid, "first": choices, "conflict": blamed})
     elif choices is not None:
-        say(f"these choices can be completed; the first configuration that has them is {found.id}:")
+        print_line(f"these choices can be completed; the first configuration that has them is {found.id}:")
         _columns(list(choices.items()), " = ")
     elif found.conflict:
-        say("no valid configuration has these choices, because of")
+        print_line("no valid configuration has these choices, because of")
         show_constraints(found.conflict)
     else:
-        say(f"these choices exclude each other in '{part.space.name}', whatever the constraints")
+        print_line(f"these choices exclude each other in '{part.space.name}', whatever the constraints")
 
 
 def _columns(entries: Sequence[tuple[str, str]], between: str) -> None:
     width = max((len(name) for name, _ in entries), default=0)
     for name, value in entries:
-        say(f"      {name:<{width}}{between}{value}")
+        print_line(f"      {name:<{width}}{between}{value}")
 
 
 def _arrow(change: Change) -> str:

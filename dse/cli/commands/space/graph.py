@@ -10,7 +10,7 @@ import typer
 from dse.api import opened
 from dse.cli.arguments import Choose, Configuration, Design, Off, On
 from dse.cli.commands.space import space_app
-from dse.cli.terminal import say
+from dse.cli.terminal import print_line
 from dse.scratch import write_whole
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def graph_(
     whole = opened(design, on=on, off=off)
     chosen = _chosen(whole, configuration, choose)
     write_whole(target, whole.picture(chosen, _note(whole, chosen), below))
-    say(f"{target}: {whole.space.name}")
+    print_line(f"{target}: {whole.space.name}")
 
 
 def _chosen(whole: OpenedSpace, configuration: str | None, choose: list[str]) -> nouns.Configuration | None:

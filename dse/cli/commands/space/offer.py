@@ -10,7 +10,7 @@ from dse.api import Dealership, opened
 from dse.cli.arguments import Choose, Design, Format, Output
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import number_text
-from dse.cli.terminal import plain_table, print_json, print_table, say
+from dse.cli.terminal import plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from dse.space import ChoicePoint, Offer, OfferedChoice
@@ -50,12 +50,12 @@ def space_offer(
 
 
 def _show(offer: Offer) -> None:
-    say(f"{offer.title}: {number_text(offer.left)} of {number_text(offer.total)} configurations left")
+    print_line(f"{offer.title}: {number_text(offer.left)} of {number_text(offer.total)} configurations left")
     if not offer.left:
-        say("nothing has all that is chosen: " + "; ".join(offer.texts()))
+        print_line("nothing has all that is chosen: " + "; ".join(offer.texts()))
     for total in offer.totals:
         ends = f"{total.low:.6g}" if total.low == total.high else f"{total.low:.6g} … {total.high:.6g}"
-        say(f"  {total.title}: {ends} {total.unit}".rstrip())
+        print_line(f"  {total.title}: {ends} {total.unit}".rstrip())
     table = plain_table("place", "", "choice", "")
     for point in offer.points:
         for number, choice in enumerate(point.choices):
@@ -63,7 +63,7 @@ def _show(offer: Offer) -> None:
     if offer.points:
         print_table(table)
     if offer.configuration:
-        say(f"configuration {offer.configuration}")
+        print_line(f"configuration {offer.configuration}")
 
 
 def _mark(point: ChoicePoint, choice: OfferedChoice) -> str:

@@ -12,7 +12,7 @@ from dse.api import opened
 from dse.cli.arguments import Choose, Design
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import number_text
-from dse.cli.terminal import say
+from dse.cli.terminal import print_line
 from dse.scratch import write_whole
 
 Keep = Annotated[
@@ -53,7 +53,7 @@ def space_refine(
     target.parent.mkdir(parents=True, exist_ok=True)
     write_whole(target, text)
     left = number_text(combinations(refined))
-    say(f"{target}: {left} of {number_text(whole.total)} combinations are left")
+    print_line(f"{target}: {left} of {number_text(whole.total)} combinations are left")
 
 
 def _check(design: str, target: Path | None, *, asked: bool) -> None:
