@@ -19,7 +19,7 @@ from bench_study import first_ask
 from dse.exploration.supervision.guarded_runner import GuardedRunner
 from dse.exploration.supervision.heartbeat import Heartbeat
 from dse.exploration.supervision.messages import Setup
-from dse.exploration.supervision.worker_threads import simulate
+from dse.exploration.supervision.worker import simulate
 from dse.exploration.work import Batch
 from dse.loading.workspace import Workspace
 from dse.storage.rows import Measures

@@ -17,10 +17,13 @@ from .lookup import (
     workspace_of as workspace_of,
 )
 from .packages import simulate_package as simulate_package
-from .presentation.definition_rows import metric_rows as metric_rows, requirement_labels as requirement_labels
+from .presentation.definition_rows import (
+    metric_rows as metric_rows,
+    ranking_as_data as ranking_as_data,
+    requirement_labels as requirement_labels,
+)
 from .presentation.progress import progress_bar as progress_bar
 from .presentation.quantities import difference as difference, quantity as quantity
-from .presentation.ranking import ranking_as_data as ranking_as_data
 from .probe import (
     consequences as consequences,
     facts_as_data as facts_as_data,
@@ -36,8 +39,7 @@ from .spaces.dealership import (
     choices_text as choices_text,
     read_choices_text as read_choices_text,
 )
-from .spaces.design import Design as Design
-from .spaces.ranking import Ranking as Ranking
+from .spaces.design import Design as Design, Ranking as Ranking
 from .studies.bench import Bench as Bench, Study as Study
 from .studies.comparison import (
     Compared as Compared,
@@ -48,21 +50,23 @@ from .studies.comparison import (
 )
 from .studies.component_comparison import (
     Apart as Apart,
+    Column as Column,
     Pair as Pair,
     compare_components as compare_components,
     pair_as_data as pair_as_data,
 )
-from .studies.excitation import Column as Column
 from .studies.exploration import (
     ExplorationInterruptedError as ExplorationInterruptedError,
     Explored as Explored,
     ExploreOptions as ExploreOptions,
+    Merged as Merged,
     Plan as Plan,
     Progress as Progress,
     explore_into as explore_into,
+    merge_into as merge_into,
     plan_into as plan_into,
 )
-from .studies.merge import Merged as Merged, merge_into as merge_into
+from .studies.provenance import trust as trust
 from .studies.refinement import Towards as Towards, refine as refine
 from .studies.replay import replay as replay
 from .studies.results import Results as Results, Summary as Summary, results as results
@@ -75,14 +79,14 @@ from .studies.single_run import (
 )
 from .studies.status import (
     Status as Status,
+    StudySummary as StudySummary,
     seconds_left as seconds_left,
     status as status,
     status_as_data as status_as_data,
     statuses as statuses,
+    stop as stop,
+    study_summary as study_summary,
 )
-from .studies.stop import stop as stop
-from .studies.summary import StudySummary as StudySummary, study_summary as study_summary
-from .studies.trust import trust as trust
 from .studies.what_if import WhatIfRun as WhatIfRun, what_if_run as what_if_run
 from .studies.worlds import (
     HEAD_BYTES as HEAD_BYTES,

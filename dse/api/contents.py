@@ -124,7 +124,7 @@ def _text(top: Entry, key: str) -> str:
 
 
 def _results(path: Path) -> ListedResults:
-    from dse.api.studies.summary import study_summary
+    from dse.api.studies.status import study_summary
     from dse.formats import shown
 
     folder = Path(shown(path))

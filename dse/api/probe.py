@@ -20,9 +20,8 @@ from dse.testbench import (
 )
 
 if TYPE_CHECKING:
-    from dse.domain.facts import FmuFacts, Question
+    from dse.domain.facts import FmuFacts, FmuNumerics, Question
     from dse.domain.fmu import FmuModel
-    from dse.domain.numerics import FmuNumerics
 
 __all__ = [
     "consequences", "facts_as_data", "known_facts", "model_of", "numerics_as_data", "probe_fmu", "probe_numerics",

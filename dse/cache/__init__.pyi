@@ -16,6 +16,9 @@ from .entries import (
 )
 from .folder import cache_folder as cache_folder, content_key as content_key
 from .maintenance import (
+    SECTIONS as SECTIONS,
+    CacheSection as CacheSection,
+    Entry as Entry,
     damaged as damaged,
     left_overs as left_overs,
     survey as survey,
@@ -23,4 +26,3 @@ from .maintenance import (
     unused as unused,
 )
 from .plain_data import keep as keep, kept as kept
-from .sections import SECTIONS as SECTIONS, CacheSection as CacheSection, Entry as Entry

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
-from dse.cache.entries import digest_file, remove
+from dse.cache.digests import stamp
+from dse.cache.entries import DIGEST, State, digest_file, remove, state_of
 from dse.cache.folder import is_aside, unwritable
-from dse.cache.sections import SECTIONS, CacheSection, Entry, entries_of, names
+from dse.cache.plain_data import is_plain
 from dse.scratch import is_left_over
 
 
@@ -62,3 +64,93 @@ def take_out(paths: Iterable[Path]) -> None:
             raise unwritable(path.parent, error) from error
         if os.path.lexists(path):
             raise unwritable(path.parent, OSError(f"{path.name} cannot be removed"))
+
+
+# What the cache holds, kind by kind: what is kept in a folder of its own gets a line here.
+
+
+def _matches_digest(path: Path) -> bool:
+    state = state_of(path)
+    return state is State.WHOLE or (state is State.ABSENT and time.time() - path.lstat().st_mtime < _IN_THE_MAKING)
+
+
+def _matches_head(path: Path) -> bool:
+    return path.is_file() and is_plain(path.read_bytes())
+
+
+_IN_THE_MAKING = 3600.0
+"""Seconds for which what has no digest may get one."""
+
+
+@dataclass(frozen=True, slots=True)
+class CacheSection:
+    """The entries in the folder *name* of the cache: *holds* says what they are, *is_whole* whether one is whole.
+
+    Those that *stay* are small, and others cannot be found without them.
+    """
+
+    name: str
+    holds: str
+    is_whole: Callable[[Path], bool] = _matches_digest
+    stay: bool = False
+
+
+SECTIONS = (
+    CacheSection("built", "FMUs made of components"),
+    CacheSection("unpacked", "FMUs, unpacked"),
+    CacheSection("compiled", "libraries of FMUs that came as sources"),
+    CacheSection("bridges", "bridges to libraries for Windows"),
+    CacheSection("wine", "folders of Windows, made by wine", Path.is_dir),
+    CacheSection("fused", "fused configurations"),
+    CacheSection("fused/parts", "components of fused configurations"),
+    CacheSection("fused/names", "names in the C of fused components"),
+    CacheSection("generated", "C written by kinds of components"),
+    CacheSection("sumo", "roads as networks of SUMO"),
+    CacheSection("coded", "libraries of code from Simulink"),
+    CacheSection("modelica", "Modelica models, translated"),
+    CacheSection("objects", "Modelica models, compiled"),
+    CacheSection("checked", "Modelica models found right"),
+    CacheSection("declared", "headers of code from Simulink, read"),
+    CacheSection("statics", "C components searched for static variables"),
+    CacheSection("facts", "what was found out about FMUs by dse probe"),
+    CacheSection("numerics", "how exact FMUs were found to be"),
+    CacheSection("ssp", "SSP packages, unpacked"),
+    CacheSection("runs", "runs that were simulated", Path.is_dir),  # what is damaged in it is found when it is read
+    CacheSection("received", "FMUs that other machines sent"),
+    CacheSection("compilers", "compilers that made what is here", stay=True),
+    CacheSection("documents", "YAML files of workspaces, read", _matches_head),
+    CacheSection("units", "units, looked up", _matches_head),
+    CacheSection("trusted", "workspaces that were trusted", _matches_head, stay=True),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One entry: its place, its bytes, and when it was used last, to the hour, in seconds since 1970."""
+
+    section: CacheSection
+    path: Path
+    size: int
+    used: float
+
+
+def entries_of(section: CacheSection, root: Path) -> Iterator[Entry]:
+    """The entries on *section* of the cache *root*, by name; those of which a digest is left over are among them."""
+    folder = root / section.name
+    others = {other.name for other in SECTIONS}
+    for name in sorted({name.removesuffix(DIGEST) for name in names(folder)}):
+        path = folder / name
+        if is_aside(path) or f"{section.name}/{name}" in others:
+            continue
+        files = stamp(path)
+        used = [when for _, _, _, when, *_ in stamp(digest_file(path)) or files]
+        if used:
+            yield Entry(section, path, sum(size for _, _, size, *_ in files), max(used) / 1e9)
+
+
+def names(folder: Path) -> list[str]:
+    """The names in *folder*, none if it cannot be read."""
+    try:
+        return sorted(path.name for path in folder.iterdir())
+    except OSError:
+        return []

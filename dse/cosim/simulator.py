@@ -15,8 +15,7 @@ from dse.cosim.binding.fused import fitted, loop_of
 from dse.cosim.binding.library import occupy, vacate
 from dse.cosim.clock import end_of, steps_in
 from dse.cosim.failure.diagnosis import diagnose
-from dse.cosim.failure.run_failed import RunFailed
-from dse.cosim.failure.stop_reason import StopReason
+from dse.cosim.failure.run_failed import RunFailed, StopReason
 from dse.cosim.feasibility import refusals
 from dse.cosim.instance_budget import InstanceBudget
 from dse.cosim.tables.method import CompiledMethod, columns_of

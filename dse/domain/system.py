@@ -30,7 +30,7 @@ class Element:
     ``name[2]``): numbers as they are outside of the FMU (SI), 0/1 for Booleans, the number of an enumeration's
     item. *texts* does so for strings and binaries. *conversions* are by variable name; a variable without one has
     the same value inside and outside. Structural parameters in *start* have gone into the shapes of *model*'s
-    variables already (``dse.system.shapes.resized``).
+    variables already (``dse.system.assembly.resized``).
     """
 
     name: str

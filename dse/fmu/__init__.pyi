@@ -5,12 +5,10 @@ from .c.describe import (
     model_identifier as model_identifier,
     xml_text as xml_text,
 )
-from .component_build import build as build, build_all as build_all
+from .component_build import build as build, build_all as build_all, with_platforms as with_platforms
 from .fusion.fuse import Wanted as Wanted, fuse_all as fuse_all
-from .other_platforms import with_platforms as with_platforms
 from .parallel import Tell as Tell, in_parallel as in_parallel
-from .reading.description import read_description as read_description
-from .reading.units import BASE_UNITS as BASE_UNITS, base_unit as base_unit
+from .reading.description import BASE_UNITS as BASE_UNITS, base_unit as base_unit, read_description as read_description
 from .reading.variables import VALUE_KINDS as VALUE_KINDS
 from .slot_table import SLOT_TABLE as SLOT_TABLE, Row as Row, SlotTable as SlotTable
 from .statics import shares_nothing as shares_nothing

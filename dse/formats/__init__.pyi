@@ -1,7 +1,15 @@
 from .compose import UNSAFE as UNSAFE
 from .parse_cache import read_kept as read_kept, remember as remember
-from .xml import UNBOUND as UNBOUND, XmlElement as XmlElement, read_xml as read_xml, read_xml_file as read_xml_file
-from .xml_values import flag_of as flag_of, real_of as real_of, shortened as shortened, whole_of as whole_of
+from .xml import (
+    UNBOUND as UNBOUND,
+    XmlElement as XmlElement,
+    flag_of as flag_of,
+    read_xml as read_xml,
+    read_xml_file as read_xml_file,
+    real_of as real_of,
+    shortened as shortened,
+    whole_of as whole_of,
+)
 from .yaml import (
     Document as Document,
     Entry as Entry,

@@ -1,7 +1,14 @@
 from .checks import Check as Check, Checked as Checked, Latencies as Latencies
 from .client import ClientLine as ClientLine, connected_line as connected_line
 from .client_check import check_client as check_client
-from .datagram_tap import listen_at as listen_at, tap as tap
+from .datagram_tap import (
+    Datagram as Datagram,
+    listen_at as listen_at,
+    read_recording as read_recording,
+    tap as tap,
+    write_datagram as write_datagram,
+    write_head as write_head,
+)
 from .driver_in_the_loop import (
     DRIVER as DRIVER,
     DriverInTheLoop as DriverInTheLoop,
@@ -43,12 +50,6 @@ from .packet import (
 )
 from .packet_mistakes import explain as explain
 from .recorded_drive import bench_of_drive as bench_of_drive
-from .recording import (
-    Datagram as Datagram,
-    read_recording as read_recording,
-    write_datagram as write_datagram,
-    write_head as write_head,
-)
 from .session import Ended as Ended, Patience as Patience, Seen as Seen, Session as Session, Why as Why
 from .world import News as News, What as What, require_free as require_free, serve_world as serve_world
 from .world_check import WorldTrial as WorldTrial, check_world as check_world

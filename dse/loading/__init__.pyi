@@ -1,5 +1,5 @@
+from .bench.bench import read_setting as read_setting
 from .bench.method import is_multiple as is_multiple
-from .bench.settings import read_setting as read_setting
 from .component.kind import (
     KINDS as KINDS,
     ComponentKind as ComponentKind,
@@ -8,7 +8,7 @@ from .component.kind import (
     kind_of as kind_of,
 )
 from .component.series import Column as Column, TableSection as TableSection, read_series as read_series
-from .design.exchangeability import misfits as misfits
+from .design.design import misfits as misfits
 from .extensions import (
     EXECUTORS as EXECUTORS,
     SAMPLERS as SAMPLERS,

@@ -1,9 +1,9 @@
 from .assembly import (
     WiredParts as WiredParts,
+    along_the_flow as along_the_flow,
     assemble as assemble,
     check_fmu as check_fmu,
+    resized as resized,
     wiring_problems as wiring_problems,
 )
 from .binding import bind as bind, find_variable as find_variable, unit_of as unit_of
-from .order import along_the_flow as along_the_flow
-from .shapes import resized as resized

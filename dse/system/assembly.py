@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Set
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass, field, replace
+from math import isfinite
 
 from dse.domain.component import Causality, Component, Kind, Parameter, Port, Type, Value, as_number, same_signal
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
 from dse.domain.labels import array_of
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
-from dse.errors import DseError, Location, Problem, raise_if_any, some_of
+from dse.errors import DseError, Location, Problem, fail, raise_if_any, some_of
 from dse.system.binding import IDENTITY, Binding, bind
-from dse.system.order import along_the_flow
-from dse.system.shapes import resized
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,3 +262,57 @@ def _is_built_in(component: Component, parameter: Parameter, model: FmuModel) ->
     variable = model.variables.get(component.variable(parameter.name))
     is_built = component.source is not None and not component.source.is_finished
     return is_built and not parameter.tunable and variable is not None and variable.causality == "local"
+
+
+# The order in which elements stand in a system.
+
+
+def along_the_flow(names: Sequence[str], wires: Iterable[Wire]) -> list[str]:
+    """*names* along the flow of signals; loops are cut where the given order says."""
+    import networkx as nx
+
+    graph = nx.DiGraph()
+    graph.add_nodes_from(names)
+    graph.add_edges_from((wire.source, wire.target) for wire in wires)
+    rank = {name: number for number, name in enumerate(names)}
+    condensed = nx.condensation(graph)
+    members = {node: sorted(data["members"], key=rank.__getitem__) for node, data in condensed.nodes(data=True)}
+    order = nx.lexicographical_topological_sort(condensed, key=lambda node: rank[members[node][0]])
+    return [name for node in order for name in members[node]]
+
+
+# Arrays whose size a structural parameter sets.
+
+
+MOST_VALUES = 1_000_000
+"""An array whose size is set has no more than that: each of its values has a name."""
+
+
+def resized(model: FmuModel, values: Mapping[str, float]) -> FmuModel:
+    """*model* with the shapes its arrays have if its structural parameters take these *values*.
+
+    Raises DseError for a size that is no whole number, or less than none, or makes an array beyond all measure.
+    """
+    sizes = {name: values[name] for name, v in model.variables.items() if v.is_structural and name in values}
+    if not sizes:
+        return model
+    for name, size in sizes.items():
+        if not isfinite(size) or size != int(size) or size < 0:
+            raise fail(f"{model.identifier}: the structural parameter '{name}' cannot be {size:g}")
+    variables = {name: _resized(v, sizes) for name, v in model.variables.items()}
+    for variable in variables.values():
+        if variable.size > MOST_VALUES:
+            said = ", ".join(
+                f"{name} = {int(sizes[name])}" for name in dict.fromkeys(variable.sized_by) if name in sizes
+            )
+            what = f"{model.identifier}: with {said} the array '{variable.name}' has {variable.size:,} values"
+            raise fail(what, hint=f"at most {MOST_VALUES:,} are supported")
+    return replace(model, variables=variables)
+
+
+def _resized(variable: Variable, sizes: Mapping[str, float]) -> Variable:
+    shape = tuple(int(sizes.get(name, size)) for size, name in zip(variable.shape, variable.sized_by, strict=True))
+    if shape == variable.shape:
+        return variable
+    # Starts of another size would be those of other elements.
+    return replace(variable, shape=shape, start=variable.start if len(variable.start) == 1 else ())

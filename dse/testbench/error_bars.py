@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from dse.domain.component import Component
-from dse.domain.numerics import Lever
+from dse.domain.facts import Lever
 from dse.testbench.numerics import Say, exchange_of, numerics_of
 from dse.testbench.prepared_bench import PreparedBench
 from dse.testbench.variations import checks_of

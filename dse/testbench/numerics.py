@@ -14,8 +14,8 @@ from dse.cache import cache_folder, content_key, keep_content, try_to_put
 from dse.cosim import PROBE_VERSION, ProbeLimits, probe_numerics
 from dse.domain.bench import Simulation
 from dse.domain.component import Component
+from dse.domain.facts import FmuNumerics, Lever
 from dse.domain.fmu import FmiInterface, FmuModel
-from dse.domain.numerics import FmuNumerics, Lever
 from dse.domain.system import Element, SystemStructure
 from dse.errors import DseError
 from dse.fmu import in_parallel, open_fmu, this_platform

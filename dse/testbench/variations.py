@@ -6,10 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from dse.domain.bench import Simulation
-from dse.domain.facts import FmuFacts, Question
+from dse.domain.facts import FmuFacts, FmuNumerics, Lever, Question
 from dse.domain.fmu import FmuModel
 from dse.domain.method import BONDS, Method
-from dse.domain.numerics import FmuNumerics, Lever
 from dse.domain.system import Element, SystemStructure
 from dse.loading import is_multiple
 from dse.metrics import MetricProgram

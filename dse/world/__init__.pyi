@@ -18,8 +18,7 @@ from .opendrive.structure import Lane as Lane, Network as Network, Road as Road,
 from .pieces import from_cubics as from_cubics, value as value
 from .road_reader import open_roads as open_roads, opendrive_text as opendrive_text
 from .routes import Route as Route, Way as Way, list_ways as list_ways, way_length as way_length, way_of as way_of
-from .sumo.network import sumo_version as sumo_version
-from .sumo.resources import sumo_resources as sumo_resources
+from .sumo.resources import sumo_resources as sumo_resources, sumo_version as sumo_version
 from .tables import (
     Conflict as Conflict,
     LaneBand as LaneBand,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -10,15 +11,15 @@ from typing import TypeVar
 
 import numpy as np
 
-from dse.errors import Problem, raise_if_any
-from dse.world.continuity import broken
+from dse.errors import Location, Problem, raise_if_any
 from dse.world.cross_section import Band, bands_of, overlaps
+from dse.world.evaluation import place
 from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph
 from dse.world.opendrive.curves import curve_of
 from dse.world.opendrive.driving import DRIVEN, runs_along
 from dse.world.opendrive.reading import read_network
 from dse.world.opendrive.structure import Cubic, Network, Road, Sign, Signal, TrafficOrder as Ordered
-from dse.world.pieces import backwards, from_cubics, in_a_row, joined, quintics, steps
+from dse.world.pieces import backwards, from_cubics, in_a_row, joined, quintics, steps, value
 from dse.world.right_of_way import conflicts
 from dse.world.routes import Route, Way, way_of
 from dse.world.tables import LaneBand, Leg, Light, Patch, PathOrder, Piecewise, RoadPath, RoadTables
@@ -127,9 +128,9 @@ def _refused(graph: LaneGraph, passage: _Passage) -> Iterator[Problem]:
     junction = graph.network.junctions.get(road.junction)
     if junction is not None and junction.kind not in {"default", "direct"}:
         yield Problem(f"a road in a {junction.kind} junction is not supported on a path", junction.where)
-    for place in passage.places:
-        yield from lane_at(graph.network, place).refused
-        yield from overlaps(road, place)
+    for at in passage.places:
+        yield from lane_at(graph.network, at).refused
+        yield from overlaps(road, at)
 
 
 def _line(passage: _Passage) -> tuple[Piecewise, Piecewise]:
@@ -181,9 +182,9 @@ def _speed_limit(passage: _Passage) -> Piecewise:
     """A lane's limits go before those of the road."""
     road = passage.road
     values: list[tuple[float, float]] = []
-    for place in sorted(passage.places, key=lambda place: place.section):
-        section = road.sections[place.section]
-        own = section.lanes[place.lane].limits
+    for at in sorted(passage.places, key=lambda at: at.section):
+        section = road.sections[at.section]
+        own = section.lanes[at.lane].limits
         until = min((limit.s for limit in own), default=section.end)
         before = [limit.speed for limit in road.limits if limit.s <= section.s]
         values.append((section.s, before[-1] if before else 0.0))
@@ -261,3 +262,30 @@ def _meant(passage: _Passage, signals: Iterable[_Standing]) -> Iterator[_Standin
         meant = not signal.lanes or any(min(pair) <= lane <= max(pair) for pair in signal.lanes for lane in lanes)
         if signal.orientation in facing and lanes and meant:
             yield signal
+
+
+# Whether a path goes on where roads meet.
+
+
+STEP = 0.1
+"""How far apart the middles of lanes may be where they go on in each other, in m, along, across and up."""
+BEND = 0.1
+"""How much a lane may turn there, in rad."""
+
+
+def broken(path: RoadPath, joints: Sequence[float], where: Sequence[Location]) -> Iterator[Problem]:
+    """Jumps of the path's own lane at *joints*, its stations where roads meet; *where* are the roads that follow."""
+    stations = np.array([*joints, path.length] if path.closed else joints)
+    if not len(stations):
+        return
+    own = path.lanes[0]
+    before, after = np.nextafter(stations, 0.0), np.where(stations >= path.length, 0.0, stations)
+    ends, begins = (place(path, s, (value(own.left, s) + value(own.right, s)) / 2) for s in (before, after))
+    for i in range(len(stations)):
+        there = where[(i + 1) % len(where)]
+        off = math.dist((ends.x[i], ends.y[i], ends.z[i]), (begins.x[i], begins.y[i], begins.z[i]))
+        bend = math.remainder(begins.heading[i] - ends.heading[i], math.tau)
+        if not off <= STEP:
+            yield Problem(f"the lane of the path continues {off:.3g} m off in this road", there)
+        elif not abs(bend) <= BEND:
+            yield Problem(f"the lane of the path continues with a kink of {bend:.3g} rad in this road", there)

@@ -10,7 +10,7 @@ from command_line import run_dse
 
 import dse
 from dse.api import replay, trust
-from dse.api.studies import trust as module
+from dse.api.studies import provenance as module
 from dse.api.studies.replay import benches_of
 from dse.errors import DseError
 from dse.loading import Workspace

@@ -12,8 +12,8 @@ from dse.domain.component import Kind
 from dse.domain.fmu import Capabilities, FmuModel, Host, Variable
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.errors import Location
-from dse.fmu.isolation import isolated
 from dse.fmu.toolchain.compiler import find_compiler, find_windows_compiler
+from dse.fmu.unpack import isolated
 from dse.fmu.windows import bridge_to
 
 SOURCES = Path(__file__).parent / "fmus"

@@ -20,7 +20,7 @@ from scipy.linalg import expm
 from dse.cosim.simulator import Simulator
 from dse.domain.fmu import Experiment, FmiInterface
 from dse.fmu.unpack import open_fmu
-from dse.system.shapes import resized
+from dse.system.assembly import resized
 
 BOTH = pytest.mark.parametrize("version", [2, 3])
 

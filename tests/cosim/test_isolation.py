@@ -16,8 +16,8 @@ from oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.fmu import Host, Special
 from dse.errors import DseError, Location
-from dse.fmu.isolation import isolated
 from dse.fmu.toolchain.compiler import find_compiler
+from dse.fmu.unpack import isolated
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="FMUs are isolated on Linux only")
 WHERE = Location("components/part/component.yaml", 4)

@@ -12,7 +12,7 @@ import pytest
 from dse import csolve
 from dse.cosim.binding import abilities, calls, exchange_layout, layout, plan_layout
 from dse.cosim.failure import fmu_messages
-from dse.cosim.failure.stop_reason import StopReason
+from dse.cosim.failure.run_failed import StopReason
 from dse.errors import DseError
 from dse.fmu.toolchain.compiler import find_compiler
 

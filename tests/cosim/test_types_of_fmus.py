@@ -14,7 +14,7 @@ from dse.domain.fmu import FmiInterface
 from dse.domain.method import Algorithm, Coupling, Method
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.fmu.unpack import open_fmu
-from dse.system.shapes import resized
+from dse.system.assembly import resized
 
 CO_SIMULATION, MODEL_EXCHANGE = FmiInterface.CO_SIMULATION, FmiInterface.MODEL_EXCHANGE
 KINDS = [(1, CO_SIMULATION), (2, CO_SIMULATION), (3, CO_SIMULATION), (2, MODEL_EXCHANGE), (3, MODEL_EXCHANGE)]

@@ -13,8 +13,7 @@ from reference_fmus.build import write_archive
 from dse.cosim.probing.probe import probe
 from dse.domain.facts import Question
 from dse.errors import DseError
-from dse.fmu.component_build import build_all
-from dse.fmu.other_platforms import _universal, with_platforms
+from dse.fmu.component_build import _universal, build_all, with_platforms
 from dse.fmu.toolchain.platforms import platforms_named
 from dse.fmu.unpack import open_fmu
 

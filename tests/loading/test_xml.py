@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dse.errors import DseError, Location, Problem
-from dse.formats.xml import read_xml, read_xml_file
-from dse.formats.xml_values import real_of, whole_of
+from dse.formats.xml import read_xml, read_xml_file, real_of, whole_of
 
 
 def refusal(content: bytes) -> str:

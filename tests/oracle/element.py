@@ -10,7 +10,7 @@ from types import TracebackType
 from dse.cosim.binding.abilities import Ability, takes_slopes
 from dse.cosim.binding.calls import text_type_of
 from dse.cosim.failure.fmu_messages import of_value
-from dse.cosim.failure.stop_reason import StopReason
+from dse.cosim.failure.run_failed import StopReason
 from dse.cosim.tables.starts import starts_of
 from dse.cosim.wiring.wiring import groups_by_type, is_discrete_input, moves_within_steps
 from dse.domain.fmu import FmiInterface, Variable

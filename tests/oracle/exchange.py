@@ -17,7 +17,7 @@ from dse.cosim.binding.exchange_layout import Exchange
 from dse.cosim.binding.integration import Integration
 from dse.cosim.binding.library import address
 from dse.cosim.failure.diagnosis import failed_call
-from dse.cosim.failure.stop_reason import StopReason
+from dse.cosim.failure.run_failed import StopReason
 from dse.domain.system import Element
 
 _SET = ctypes.CFUNCTYPE(

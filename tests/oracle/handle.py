@@ -20,8 +20,7 @@ from dse.cosim.binding.layout import kernel
 from dse.cosim.binding.library import address
 from dse.cosim.binding.resources import InstanceFolder
 from dse.cosim.failure.fmu_messages import of_call, place
-from dse.cosim.failure.run_failed import RunFailed
-from dse.cosim.failure.stop_reason import StopReason
+from dse.cosim.failure.run_failed import RunFailed, StopReason
 from dse.domain.fmu import FmiInterface, FmuModel
 from oracle.callbacks import (
     BETWEEN,

@@ -21,8 +21,7 @@ from dse.cosim.binding.calls import (
 )
 from dse.cosim.binding.library import find
 from dse.cosim.failure.fmu_messages import of_call, of_value, place
-from dse.cosim.failure.run_failed import RunFailed
-from dse.cosim.failure.stop_reason import StopReason
+from dse.cosim.failure.run_failed import RunFailed, StopReason
 from dse.domain.fmu import Variable
 from oracle.handle import Handle
 

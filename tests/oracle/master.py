@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.cosim.failure.diagnosis import of_loop, of_output
 from dse.cosim.failure.fmu_messages import of_value
-from dse.cosim.failure.master import of_loop, of_output
-from dse.cosim.failure.run_failed import RunFailed
-from dse.cosim.failure.stop_reason import StopReason
+from dse.cosim.failure.run_failed import RunFailed, StopReason
 from dse.cosim.tables.method import DISCRETE_WALKS, declared_nominal, nominal_of
 from dse.cosim.wiring.border import Border, ElementPort
 from dse.cosim.wiring.check import OwnStep, extrapolation_of

@@ -9,7 +9,7 @@ from ctypes import c_double, c_int
 from dse.cosim.binding.abilities import Ability
 from dse.cosim.binding.calls import DISCARD, MOST_EVENT_ITERATIONS, PENDING, WARNING, Call, function_name
 from dse.cosim.failure.fmu_messages import of_call, place
-from dse.cosim.failure.stop_reason import StopReason
+from dse.cosim.failure.run_failed import StopReason
 from oracle.instance import Instance
 
 _STEP_STATUS, _LAST_SUCCESSFUL_TIME, _TERMINATED = 0, 2, 3

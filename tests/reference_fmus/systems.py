@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from dse.domain.fmu import FmuModel, Variable
 from dse.domain.system import Element, SystemStructure, Wire
-from dse.system.shapes import resized
+from dse.system.assembly import resized
 
 T = TypeVar("T")
 

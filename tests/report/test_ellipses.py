@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dse.report.insight.ellipses import largest_ellipse
+from dse.report.insight.probability_maps import largest_ellipse
 
 EVEN = np.linspace(0, 1, 31)
 X, Y = np.meshgrid(EVEN, EVEN)

@@ -26,7 +26,7 @@ from dse.domain.method import Algorithm, Method
 from dse.exploration import Band
 from dse.report import insight_of
 from dse.report.page.encoding import Block
-from dse.report.page.insight import insight_json
+from dse.report.page.payload import insight_json
 
 
 def plane(count: int = 600, **facts):

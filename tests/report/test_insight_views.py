@@ -269,7 +269,7 @@ def test_thirty_variables_and_five_requirements_on_one_metric(open_report: Open)
 
 def test_the_payload_is_plain_json_of_bounded_size() -> None:
     from dse.report.page.encoding import Block
-    from dse.report.page.insight import insight_json
+    from dse.report.page.payload import insight_json
 
     block = Block()
     text = json.dumps(insight_json(insight_of(plane(600)), block), allow_nan=False)

@@ -15,9 +15,8 @@ from dse.cosim.simulator import Simulator
 from dse.domain.fmu import FmuModel
 from dse.domain.system import Element, SystemStructure
 from dse.errors import DseError
-from dse.fmu.component_build import build
+from dse.fmu.component_build import build, with_platforms
 from dse.fmu.fusion.fuse import fuse
-from dse.fmu.other_platforms import with_platforms
 from dse.fmu.toolchain.platforms import platforms_named
 from dse.fmu.unpack import open_fmu
 from dse.testing.kinds import lay_out, the_component

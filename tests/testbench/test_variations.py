@@ -11,10 +11,9 @@ import pytest
 
 from dse.domain.bench import Simulation
 from dse.domain.component import Kind
-from dse.domain.facts import Answer, FmuFacts, Question
+from dse.domain.facts import Answer, FmuFacts, FmuNumerics, Lever, Question
 from dse.domain.fmu import Capabilities, FmiInterface, FmuModel, Variable
 from dse.domain.method import Adaptive, Algorithm, Method
-from dse.domain.numerics import FmuNumerics, Lever
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.testbench.variations import SAFETY, Checks, checks_of
 

@@ -30,7 +30,7 @@ from dse.loading import Workspace
 from dse.world import RoadPath, lane_middle, open_roads, place, road_tables
 from dse.world.code import along_own_lane
 from dse.world.pieces import value
-from dse.world.sumo.network import sumo_network, sumo_version
+from dse.world.sumo.resources import sumo_network, sumo_version
 
 pytestmark = [needs_sumo, pytest.mark.usefixtures("kept_cache")]
 

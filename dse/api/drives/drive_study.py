@@ -15,7 +15,7 @@ import numpy as np
 
 from dse.api.studies.exploration import Tell, alone, ready
 from dse.api.studies.provenance import note_sources
-from dse.api.studies.recorded_drives import (
+from dse.api.studies.replay import (
     DRIVE,
     DRIVER,
     DRIVES,

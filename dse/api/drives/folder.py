@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from dse.api.drives.drive_study import drive_again, keep_drives, thinned
 from dse.api.drives.score_board import Board, board_of
 from dse.api.lookup import workspace_of
-from dse.api.studies.recorded_drives import RECORDINGS, drive_name, is_drives, recordings
+from dse.api.studies.replay import RECORDINGS, drive_name, is_drives, recordings
 from dse.api.studies.run import Run
 from dse.domain.drive import Drive, bits_of
 from dse.errors import DseError, Location, Problem, fail, raise_if_any

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dse.api.drives.drive_study import CONTROLLER
-from dse.api.studies.recorded_drives import NOBODY, drive_name, kept_drives
+from dse.api.studies.replay import NOBODY, drive_name, kept_drives
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.definition import DefinedRequirement, StudyDefinition
 from dse.domain.run import Outcome, Run

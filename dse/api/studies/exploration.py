@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Set as AbstractSet
+from collections.abc import Callable, Sequence, Set as AbstractSet
 from concurrent.futures import Executor as FuturesPool
 from contextlib import suppress
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from dse.api.studies.plan import (
 )
 from dse.api.studies.provenance import note_sources, note_space
 from dse.domain.study import TESTBENCH, CheckStep, ExecutorChoice, Shard
-from dse.errors import DseError, fail
+from dse.errors import DseError, Location, fail
 from dse.exploration import (
     Checkable,
     Executor,
@@ -37,7 +37,7 @@ from dse.exploration import (
     simulate_alone,
     unsettled,
 )
-from dse.storage import StudyFolder, StudyHeader, changed_inputs
+from dse.storage import Merged, StudyFolder, StudyHeader, changed_inputs, merge_studies, shards_in
 from dse.testbench import (
     PreparedStudy,
     WorldPlace,
@@ -58,10 +58,12 @@ __all__ = [
     "ExplorationInterruptedError",
     "ExploreOptions",
     "Explored",
+    "Merged",
     "Plan",
     "Progress",
     "alone",
     "explore_into",
+    "merge_into",
     "plan_into",
     "ready",
 ]
@@ -277,3 +279,17 @@ def again(
     if changed and on_changed:
         on_changed(changed)
     return _simulated(planned, int(run.request.point.get(TESTBENCH, 0)), tell=tell), planned, changed
+
+
+def merge_into(folders: Sequence[Path], target: Path | None = None) -> tuple[Path, Merged]:
+    """Merge *folders*, or the shards in them, into *target*; without, into the one folder given. Returns it, too.
+
+    DseError if there are no shards, or they are not of one study.
+    """
+    if target is None and len(folders) > 1:
+        raise fail("several folders are to be merged", hint="name the target: dse merge -o OUT …")
+    sources = [source for folder in folders for source in (shards_in(folder) or [folder])]
+    if sources == [target or folders[0]]:
+        what, hint = "there are no shards in it", "dse explore STUDY --shard 1/8 makes one, in out/STUDY"
+        raise fail(what, Location(str(folders[0])), hint)
+    return target or folders[0], merge_studies(target or folders[0], sources)

@@ -52,9 +52,8 @@ def scene_of(
 
 def _bench_of(stored: Run, source: str | Path | None, near: Path, workspace: Path | None, scratch: Path) -> TestBench:
     """The bench as it was simulated for *stored*; what was driven by somebody lies as a table in *scratch*."""
-    from dse.api.studies.recorded_drives import NOBODY, bench_driven, drive_name, is_drives, recording
-    from dse.api.studies.replay import benches_of
-    from dse.api.studies.trust import benches_near, in_workspace
+    from dse.api.studies.provenance import benches_near, in_workspace
+    from dse.api.studies.replay import NOBODY, bench_driven, benches_of, drive_name, is_drives, recording
     from dse.domain.study import TESTBENCH
     from dse.testbench import with_values
 

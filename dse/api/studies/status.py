@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
+import sys
 import time
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from math import inf, isfinite
 from pathlib import Path
 
-from dse.api.studies.summary import is_shard, state_of
-from dse.storage import Maker, RunCounts, StudyFolder, Writer, shards_in, this_process, writer_of
+from dse.domain.bench import VERDICTS, Verdict, overall_verdict
+from dse.domain.study import SHARD_FOLDER
+from dse.errors import DseError, Location, fail
+from dse.storage import LOCK, Maker, RunCounts, StudyFolder, Writer, shards_in, this_process, writer_of
 
 _PATIENCE = 1.0
 """Seconds that the rate of a running study is measured over."""
@@ -154,3 +160,156 @@ def _free(path: Path) -> int:
     with suppress(OSError):
         return shutil.disk_usage(path).free
     return 0
+
+
+# What a study has come to, at a glance: counted by the database, quick also where there are many runs.
+
+
+@dataclass(frozen=True, slots=True)
+class StudySummary:
+    """*finished* of *runs* that were asked for; *verdicts* counts them by the verdict on all requirements.
+
+    *state* is as `state_of` tells, *changed* when the folder was last written to.
+    """
+
+    study: str
+    title: str
+    bench: str
+    design: str
+    runs: int
+    finished: int
+    configurations: int
+    requirements: int
+    verdicts: Mapping[Verdict, int]
+    state: str
+    changed: datetime
+
+
+def study_summary(folder: str | Path) -> StudySummary:
+    """The study in *folder*. Raises DseError if it is none, or damaged."""
+    path = Path(folder)
+    with StudyFolder.snapshot(path) as store:
+        definition, runs = store.header.definition, store.header.runs
+        counts = store.verdicts()
+        finished = store.count()
+    return StudySummary(
+        definition.study,
+        definition.title or definition.study,
+        definition.bench.title or definition.bench.name,
+        definition.design.name,
+        runs,
+        finished,
+        len(definition.configurations),
+        len(definition.requirements),
+        _overall(counts, finished),
+        state_of(path, runs, finished, writer_of(path)),
+        _changed(path),
+    )
+
+
+def state_of(folder: Path, runs: int, finished: int, writer: Writer | None) -> str:
+    """``running``, ``finished`` or ``interrupted``; ``at rest`` for a shard, of which that cannot be told."""
+    if writer:
+        return "running"
+    if finished >= runs:
+        return "finished"
+    return "at rest" if is_shard(folder) else "interrupted"
+
+
+def is_shard(folder: Path) -> bool:
+    """Whether only a part of a study's runs is to be made in *folder*."""
+    return bool(SHARD_FOLDER.fullmatch(folder.name))
+
+
+def _overall(counts: Mapping[tuple[str, ...], int], finished: int) -> Mapping[Verdict, int]:
+    found: Counter[Verdict] = Counter()
+    for verdicts, count in counts.items():
+        found[overall_verdict(verdicts)] += count
+    found[Verdict.FAILED_TO_RUN] += finished - found.total()  # of a study without requirements
+    return {verdict: found[verdict] for verdict in VERDICTS}
+
+
+def _changed(path: Path) -> datetime:
+    """When the newest of the files that a run writes was written."""
+    times = [each.stat().st_mtime for each in path.glob("study.sqlite*")]
+    return datetime.fromtimestamp(max(times, default=0.0), UTC)
+
+
+# Stopping whoever explores a study, from another process of the same user on the same machine.
+
+
+def stop(folder: str | Path) -> Writer:
+    """Ask the process that explores the study in *folder* to stop, as Ctrl-C does: what was finished is stored.
+
+    It may take a moment. Raises DseError if nobody explores it, or somebody who cannot be asked from here.
+    """
+    path = Path(folder)
+    writer = writer_of(path)
+    if writer is None:
+        raise fail("no process explores this study at the moment", Location(str(path)))
+    host = this_process().rpartition("/")[0]
+    if writer.host != host:
+        raise _refused(path, writer, f"it is on another machine than this one ({host})", "press Ctrl-C there")
+    if writer.process == os.getpid():
+        raise _refused(path, writer, "it is this program itself", "interrupt it where it was started")
+    if sys.platform == "win32":
+        raise _refused(path, writer, "Windows has no way to interrupt another console", "press Ctrl-C in its window")
+    _require_ours(path, writer)
+    number = _heard(path, writer)
+    try:
+        os.kill(writer.process, number)
+    except ProcessLookupError:
+        raise fail("no process explores this study any more", Location(str(path))) from None
+    except PermissionError:
+        raise _refused(path, writer, "it belongs to another user", "ask that user") from None
+    return writer
+
+
+def _require_ours(path: Path, writer: Writer) -> None:
+    """DseError unless the process is this user's and has the folder's lock open.
+
+    The note beside the lock came with the folder, from anywhere: what it says alone must not have a process stopped.
+    """
+    import psutil
+
+    try:
+        process = psutil.Process(writer.process)
+        owner = process.uids().real
+        if owner != os.getuid() and os.getuid() != 0:
+            raise _refused(path, writer, f"it belongs to another user ({process.username()})", "ask that user")
+        lock = (path / LOCK).resolve()
+        has_lock = any(os.path.realpath(each.path) == str(lock) for each in process.open_files())
+    except psutil.NoSuchProcess:
+        raise fail("no process explores this study any more", Location(str(path))) from None
+    except psutil.Error as error:
+        raise _refused(path, writer, f"the system does not show whether it writes here ({error})", _THERE) from error
+    if not has_lock:
+        raise _refused(path, writer, f"it does not hold the folder's {LOCK}", _THERE)
+
+
+def _heard(path: Path, writer: Writer) -> signal.Signals:
+    """The signal to stop it with: what a shell has put into the background hears no Ctrl-C, but SIGTERM.
+
+    Only a process that handles SIGTERM itself gets that: it would end any other in the middle of things.
+    """
+    try:
+        told = Path(f"/proc/{writer.process}/status").read_text("ascii", "replace")
+    except OSError:  # only Linux tells
+        return signal.SIGINT
+    masks = {line.partition(":")[0]: line.partition(":")[2].strip() for line in told.splitlines()}
+
+    def has(mask: str, number: signal.Signals) -> bool:
+        return bool(int(masks.get(mask, "0"), 16) >> (number - 1) & 1)
+
+    if not has("SigIgn", signal.SIGINT):
+        return signal.SIGINT
+    if has("SigCgt", signal.SIGTERM):
+        return signal.SIGTERM
+    raise _refused(path, writer, "it ignores interrupts", "end it where it was started")
+
+
+_THERE = "press Ctrl-C where it was started"
+
+
+def _refused(path: Path, writer: Writer, why: str, hint: str) -> DseError:
+    return fail(f"{writer} cannot be stopped from here: {why}", Location(str(path)), hint)

@@ -8,8 +8,8 @@ from math import gcd, lcm
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
-from dse.api.templates.schema_line import headed
 from dse.api.templates.wires import wires
+from dse.api.templates.write import headed
 from dse.domain.component import Causality, Component, Interface, Kind, Port
 from dse.domain.design import Compound, DesignSpace, Part, candidates, split_path, walk
 from dse.domain.labels import array_of, is_part

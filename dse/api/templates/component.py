@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
-from dse.api.templates.schema_line import headed
+from dse.api.templates.write import headed
 from dse.domain.component import Causality, Interface, Kind, Port, Type
 from dse.domain.labels import c_member
 from dse.domain.outline import Outlined, outline

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
-from dse.api.templates.schema_line import headed
 from dse.api.templates.wires import wires
+from dse.api.templates.write import headed
 from dse.domain.component import Component
 from dse.errors import Location, fail
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import PurePosixPath
 
-from dse.api.templates.schema_line import headed
+from dse.api.templates.write import headed
 
 _TEXT = """\
 road: {name}

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
-from dse.api.templates.schema_line import headed
+from dse.api.templates.write import headed
 from dse.domain.component import Kind, Parameter
 from dse.errors import fail
 from dse.formats import write_value

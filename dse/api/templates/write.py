@@ -49,3 +49,11 @@ def _called(path: Path) -> str:
     if path.name == "component.yaml":
         return f"{path.parent.name}/{path.name}"
     return "" if path.name == "interfaces.yaml" else path.name
+
+
+# The first line of a file, by which editors know what may stand in it.
+
+
+def headed(text: str, depth: int, kind: str) -> str:
+    """*text*, a file of the *kind* so many folders below the root of its workspace, with its schema named."""
+    return f"# yaml-language-server: $schema={'../' * depth}schemas/{kind}.json\n{text}"

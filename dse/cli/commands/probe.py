@@ -15,9 +15,8 @@ from dse.cli.terminal import console, plain, plain_table, print_json, print_line
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dse.domain.facts import FmuFacts, Question
+    from dse.domain.facts import FmuFacts, FmuNumerics, Question
     from dse.domain.fmu import FmuModel
-    from dse.domain.numerics import FmuNumerics
 
 _TITLES = {
     "runs": "runs its default experiment",

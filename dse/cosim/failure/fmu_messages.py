@@ -6,7 +6,7 @@ import math
 
 from dse.cosim.binding.calls import LONGEST_TEXT, MOST_EVENT_ITERATIONS, STATUS
 from dse.cosim.binding.integration import REALS, tolerance_of
-from dse.cosim.failure.stop_reason import StopReason
+from dse.cosim.failure.run_failed import StopReason
 from dse.domain.fmu import FmuModel
 from dse.domain.system import Element
 

@@ -28,8 +28,7 @@ from dse.cosim.binding.calls import (
 from dse.cosim.binding.library import address
 from dse.cosim.failure.diagnosis import failed_call
 from dse.cosim.failure.fmu_messages import of_call, of_value, place
-from dse.cosim.failure.run_failed import RunFailed
-from dse.cosim.failure.stop_reason import StopReason
+from dse.cosim.failure.run_failed import RunFailed, StopReason
 from dse.cosim.probing.excitation import driven, start_of, watched
 from dse.cosim.tables.elements import KernelElements
 from dse.cosim.wiring.wiring import groups_by_type

@@ -18,8 +18,8 @@ from dse.cosim.probing.refinement import (
     tighter,
     tighter_tolerances,
 )
+from dse.domain.facts import FmuNumerics, Lever
 from dse.domain.fmu import FmuModel
-from dse.domain.numerics import FmuNumerics, Lever
 from dse.domain.system import Conversion, Element
 
 _HALVINGS, _MOST_HALVINGS = 8, 12

@@ -10,7 +10,7 @@ from typing import Any
 from dse.cosim.binding.abilities import Ability
 from dse.cosim.binding.calls import DISCARD, MOST_EVENT_ITERATIONS, PENDING, Call, function_name, is_good
 from dse.cosim.binding.library import find
-from dse.cosim.failure.stop_reason import StopReason
+from dse.cosim.failure.run_failed import StopReason
 from dse.cosim.probing.instance import FmuInstance
 
 _STEP_STATUS, _LAST_SUCCESSFUL_TIME, _TERMINATED = 0, 2, 3

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -13,11 +14,10 @@ from dse.cosim.binding.abilities import Ability, abilities_of, takes_slopes
 from dse.cosim.binding.calls import Call
 from dse.cosim.binding.integration import Integration
 from dse.cosim.binding.library import about, lifecycle, load
-from dse.cosim.binding.log import expanded
 from dse.cosim.binding.persistent_memory import borrow, give_back
 from dse.cosim.binding.resources import InstanceFolder
 from dse.cosim.wiring.wiring import VariableGroup
-from dse.domain.fmu import FmiInterface
+from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.system import Element
 
 
@@ -92,3 +92,27 @@ def _load(index: int, element: Element, progress: layout.Progress | None) -> cty
     if progress:
         progress.place.call = Call.IDLE
     return library
+
+
+# Lines that FMUs log, made readable.
+
+
+_REFERENCE = re.compile(r"#(?:([ribs])(\d+)#|#)")
+_TYPES = {"r": "Real", "i": "Integer", "b": "Boolean", "s": "String"}
+
+
+def expanded(lines: Sequence[str], model: FmuModel) -> tuple[str, ...]:
+    """*lines* with the names of variables in place of FMI 1 and 2's ``#r1365#``, and ``#`` for ``##``."""
+    if model.version > 2 or not any("#" in line for line in lines):  # FMI 3 has no such references
+        return tuple(lines)
+    names: dict[tuple[str, int], str] = {}
+    for variable in model.variables.values():
+        names.setdefault((variable.fmi_type, variable.reference), variable.name)
+
+    def name(match: re.Match[str]) -> str:
+        kind, reference = match.groups()
+        if kind is None:
+            return "#"
+        return names.get((_TYPES[kind], int(reference)), match.group())
+
+    return tuple(_REFERENCE.sub(name, line) for line in lines)

@@ -12,10 +12,12 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from multiprocessing import parent_process, resource_tracker
 from pathlib import Path
+from queue import SimpleQueue
 from typing import NoReturn
 
 from dse.domain.run import Run
@@ -24,7 +26,6 @@ from dse.exploration.supervision.guarded_runner import GuardedRunner
 from dse.exploration.supervision.heartbeat import Heartbeat, Phase
 from dse.exploration.supervision.messages import Report, Setup
 from dse.exploration.supervision.open_files import SpareFiles
-from dse.exploration.supervision.worker_threads import are_spent, simulate
 from dse.exploration.work import Batch
 from dse.processes import forget_start
 from dse.sandbox import protect_parent
@@ -227,3 +228,70 @@ def _print_to(log: Path) -> None:
     os.close(handle)
     sys.stdout = open(1, "w", encoding="utf-8", errors="replace", buffering=1, closefd=False)  # noqa: SIM115  # for good
     sys.stderr = open(2, "w", encoding="utf-8", errors="replace", buffering=1, closefd=False)  # noqa: SIM115  # for good
+
+
+# The runs of a batch in one worker: one after the other, or several at once in threads.
+#
+# Threads help where simulating leaves the interpreter's lock alone, as calls into C do.
+
+
+def simulate(batch: Batch, runners: Sequence[GuardedRunner]) -> Iterator[tuple[Run, float]]:
+    """The runs of *batch* as they are finished, each with the seconds it took.
+
+    Ends early if the process must not make another run.
+    """
+    if len(runners) == 1 or batch.alone or len(batch.todo) == 1:
+        return _in_turn(batch, runners[0])
+    return _side_by_side(batch, runners)
+
+
+def are_spent(runners: Sequence[GuardedRunner]) -> bool:
+    """Whether the process must not make another run."""
+    return any(runner.runs_left == 0 for runner in runners)
+
+
+def _in_turn(batch: Batch, runner: GuardedRunner) -> Iterator[tuple[Run, float]]:
+    end = time.perf_counter()
+    for request in batch.todo:
+        if are_spent((runner,)):
+            return
+        start = end
+        run = runner.run(batch, request)
+        if run is None:
+            return
+        end = time.perf_counter()
+        yield run, end - start
+
+
+def _side_by_side(batch: Batch, runners: Sequence[GuardedRunner]) -> Iterator[tuple[Run, float]]:
+    todo = deque(batch.todo)
+    finished: SimpleQueue[tuple[Run, float] | None] = SimpleQueue()
+
+    def serve(runner: GuardedRunner) -> None:
+        try:
+            while not are_spent(runners):
+                try:
+                    request = todo.popleft()
+                except IndexError:
+                    break
+                start = time.perf_counter()
+                run = runner.run(batch, request)
+                if run is None:
+                    break
+                finished.put((run, time.perf_counter() - start))
+        finally:
+            runner.rest()
+            finished.put(None)
+
+    threads = [threading.Thread(target=serve, args=(runner,), daemon=True) for runner in runners]
+    for thread in threads:
+        thread.start()
+    at_work = len(threads)
+    while at_work:
+        result = finished.get()
+        if result is None:
+            at_work -= 1
+        else:
+            yield result
+    for thread in threads:
+        thread.join()

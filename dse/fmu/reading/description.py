@@ -5,8 +5,9 @@ What this program cannot simulate, and what the file lacks or contradicts, is to
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,8 +16,6 @@ from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.reading.declared_types import read_types
 from dse.fmu.reading.interfaces import choose_interface, read_experiment
 from dse.fmu.reading.model_structure import catalog, direct_dependencies, read_exchange, read_structure
-from dse.fmu.reading.osmp import binaries, dependencies
-from dse.fmu.reading.units import read_units
 from dse.fmu.reading.variables import Listed, read_variables
 from dse.formats import XmlElement, read_xml_file, shortened, shown
 
@@ -192,3 +191,102 @@ def _raise_some(problems: list[Problem], file: str) -> None:
         raise DseError(head, *problems[:_MOST_TOLD])
     if problems:
         raise DseError(*problems)
+
+
+# Binaries in FMI 2, which has none: what the OSI Sensor Model Packaging (OSMP, by ASAM and PMSF) passes as integers.
+#
+# A binary ``X`` is an address in the process in two halves, ``X.base.lo`` and ``X.base.hi``, and a size, ``X.size``.
+
+
+_ROLES = ("base.lo", "base.hi", "size")
+_TOOL = "net.pmsf.osmp"
+_CAUSALITIES = ("input", "output", "parameter", "calculatedParameter")
+
+
+def binaries(listed: Sequence[Listed | None]) -> Iterator[Variable]:
+    """The binaries that integers of FMI 2 stand for: inputs, outputs and parameters.
+
+    They are told by OSMP's annotations, else by the three names.
+    """
+    found: dict[str, dict[str, Variable]] = {}
+    media: dict[str, str] = {}
+    for one in listed:
+        if one is None or one.variable.fmi_type != "Integer" or one.variable.causality not in _CAUSALITIES:
+            continue
+        for name, role, told in (*_annotated(one.element), *_named(one.variable.name)):
+            found.setdefault(name, {}).setdefault(role, one.variable)
+            media.setdefault(name, told)
+            break
+    taken = {one.variable.name for one in listed if one is not None}
+    for name, parts in found.items():
+        whole = [parts[role] for role in _ROLES if role in parts]
+        if len(whole) == len(_ROLES) and len({part.causality for part in whole}) == 1 and name not in taken:
+            integers = tuple((part.name, part.reference) for part in whole)
+            yield replace(
+                whole[0], name=name, fmi_type="Binary", kind=None, start=(), media=media[name], integers=integers
+            )
+
+
+def dependencies(found: Sequence[Variable], told: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+    """*told* with what the binaries among *found* depend on, and that others depend on them."""
+    owner = {name: variable.name for variable in found for name, _ in variable.integers}
+    known = {name: (*on, *dict.fromkeys(owner[one] for one in on if one in owner)) for name, on in told.items()}
+    for variable in found:
+        parts = [name for name, _ in variable.integers]
+        if variable.causality == "output" and all(part in known for part in parts):
+            known[variable.name] = tuple(dict.fromkeys(one for part in parts for one in known[part]))
+    return known
+
+
+def _annotated(element: XmlElement) -> Iterator[tuple[str, str, str]]:
+    for tool in element.below("Annotations", "Tool"):
+        if tool.get("name") == _TOOL:
+            for said in tool.all("osmp-binary-variable"):
+                if said.get("name") and said.get("role") in _ROLES:
+                    yield said.get("name"), said.get("role"), " ".join(said.get("mime-type").split())
+
+
+def _named(name: str) -> Iterator[tuple[str, str, str]]:
+    for role in _ROLES:
+        if name.endswith(f".{role}"):
+            yield name.removesuffix(f".{role}"), role, ""
+
+
+# UnitDefinitions of an FMU: what its units are in SI.
+
+
+BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
+
+def read_units(root: XmlElement, problems: list[Problem]) -> Mapping[str, UnitDefinition]:
+    """The units whose relation to SI an FMI 2.0 or 3.0 description gives, by name.
+
+    Units without a BaseUnit are left out, as are all of FMI 1.0, which has names only.
+    """
+    units: dict[str, UnitDefinition] = {}
+    for unit in root.below("UnitDefinitions", "Unit"):
+        name = unit.required("name", problems)
+        base = unit.child("BaseUnit")
+        if base is None:
+            continue
+        told = base_unit(base, problems)
+        if units.setdefault(name, told) != told:
+            problems.append(Problem(f"unit '{name}' is there twice, with different meanings", unit.where))
+    return units
+
+
+def base_unit(base: XmlElement, problems: list[Problem]) -> UnitDefinition:
+    """What a ``BaseUnit`` element of FMI 2.0, FMI 3.0 or SSP says."""
+    exponents = {name: base.whole(name, problems, least=-100, most=100) for name in BASE_UNITS}
+    factor, offset = base.real("factor", problems), base.real("offset", problems)
+    if factor is not None and (factor == 0 or not math.isfinite(factor)):
+        problems.append(Problem(f"<{base.tag}>: the factor cannot be {factor:g}", base.where))
+        factor = None
+    if offset is not None and not math.isfinite(offset):
+        problems.append(Problem(f"<{base.tag}>: the offset cannot be {offset:g}", base.where))
+        offset = None
+    return UnitDefinition(
+        factor=1.0 if factor is None else factor,
+        offset=0.0 if offset is None else offset,
+        exponents={name: number for name, number in exponents.items() if number},
+    )

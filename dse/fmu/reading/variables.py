@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import prod
 
 from dse.domain.component import Kind
-from dse.domain.fmu import Variable
+from dse.domain.fmu import ClockKind, Timing, Variable
 from dse.errors import Problem
-from dse.fmu.reading.clocks import read_clocks, read_timing
 from dse.fmu.reading.declared_types import NUMBER_RANGES, DeclaredType, declared_values, inherited
 from dse.fmu.reading.dimensions import Sizes, declared_sizes, read_shape
-from dse.fmu.reading.starts import read_start
-from dse.formats import XmlElement, shortened
+from dse.formats import XmlElement, flag_of, real_of, shortened, whole_of
 
 VALUE_KINDS: Mapping[str, Kind | None] = {
     "Real": Kind.REAL,
@@ -227,3 +226,97 @@ def _with_bases(listed: list[Listed | None], problems: list[Problem]) -> Iterato
             problems.append(Problem(what, one.element.where))
         base = bases.get((variable.fmi_type, variable.reference), "")
         yield replace(one, variable=replace(variable, alias_of=base, is_negated=is_negated))
+
+
+# Clocks of FMI 3.0: what ticks when, and which variables belong to them.
+
+
+_MOST = 2**53  # as exact as a double
+
+
+def read_clocks(element: XmlElement, problems: list[Problem]) -> tuple[int, ...]:
+    """The references of the clocks that a variable belongs to."""
+    words = element.get("clocks").split()
+    found = [number for number in map(whole_of, words) if number is not None]
+    if len(found) < len(words):
+        what = f"<{element.tag}>: 'clocks' must be a list of references, not '{shortened(element.get('clocks'))}'"
+        problems.append(Problem(what, element.where))
+    return tuple(dict.fromkeys(found))
+
+
+def read_timing(element: XmlElement, subject: str, problems: list[Problem]) -> Timing:
+    """When the clock ticks that *element* describes and messages call *subject*."""
+    word = element.word("intervalVariability", [kind.value for kind in ClockKind], problems)
+    if "intervalVariability" not in element.attributes:
+        problems.append(
+            Problem(f"{subject} does not declare when it ticks: it has no 'intervalVariability'", element.where)
+        )
+    kind = ClockKind(word) if word else ClockKind.TRIGGERED
+    has_fractions = element.flag("supportsFraction", problems)
+    counts = {
+        name: element.whole(name, problems, least=0, most=_MOST)
+        for name in ("resolution", "intervalCounter", "shiftCounter")
+    }
+    seconds = {name: element.real(name, problems) for name in ("intervalDecimal", "shiftDecimal")}
+    interval, shift, resolution = seconds["intervalDecimal"], seconds["shiftDecimal"] or 0.0, 1.0
+    if counts["resolution"] and counts["intervalCounter"]:
+        interval, shift = float(counts["intervalCounter"]), float(counts["shiftCounter"] or 0)
+        resolution = float(counts["resolution"])
+    if interval is None:
+        if kind is ClockKind.CONSTANT:
+            problems.append(Problem(f"{subject} is a constant clock, but has no interval", element.where))
+        return Timing(kind, has_fractions=has_fractions)
+    if not (0.0 < interval < float("inf") and 0.0 <= shift < float("inf")):
+        what = f"{subject} cannot tick every {interval / resolution:g} s from {shift / resolution:g} s on"
+        problems.append(Problem(what, element.where))
+    return Timing(kind, True, interval, shift, resolution, has_fractions)
+
+
+# Start values of an FMU's variables: one text per value, each fit for its type.
+
+
+_HEXADECIMAL = re.compile(r"(?:[0-9A-Fa-f]{2})*")
+_LARGEST_FLOAT32 = 3.4028235677973366e38
+
+
+def read_start(
+    typed: XmlElement, fmi_type: str, version: int, subject: str, problems: list[Problem]
+) -> tuple[str, ...]:
+    """The start values that *typed* gives for *subject*; a problem if one of them is none of *fmi_type*.
+
+    FMI 3.0 gives strings and binaries as ``Start`` elements and all else as a list; FMI 1.0 and 2.0 give one value.
+    """
+    if version == 3 and fmi_type in ("String", "Binary"):
+        texts = tuple(element.get("value") for element in typed.all("Start"))
+    elif "start" not in typed.attributes:
+        return ()
+    elif version == 3:
+        texts = tuple(typed.get("start").split()) or ("",)
+    else:
+        texts = (typed.get("start") if fmi_type == "String" else typed.get("start").strip(),)
+    for text in texts:
+        expected = _expected(fmi_type, text)
+        if expected:
+            problems.append(Problem(f"{subject}: the start value '{shortened(text)}' is not {expected}", typed.where))
+            return ()
+    return texts
+
+
+def _expected(fmi_type: str, text: str) -> str:
+    """What the text of a start value should have been; "" if it is right."""
+    if fmi_type in ("Real", "Float64", "Float32"):
+        value = real_of(text)
+        if value is None:
+            return "a number"
+        too_large = fmi_type == "Float32" and _LARGEST_FLOAT32 <= abs(value) < float("inf")
+        return "in the range of Float32" if too_large else ""
+    if fmi_type in NUMBER_RANGES:
+        number, (least, most) = whole_of(text), NUMBER_RANGES[fmi_type]
+        if number is None:
+            return "a whole number"
+        return "" if least <= number <= most else f"from {least} to {most}"
+    if fmi_type == "Boolean":
+        return "" if flag_of(text) is not None else "true or false"
+    if fmi_type == "Binary":
+        return "" if _HEXADECIMAL.fullmatch(text) else "a text of hexadecimal digits"
+    return ""

@@ -12,6 +12,7 @@ from dse.interchange.reading.common import (
     META,
     NOTHING,
     OWN_ANNOTATION,
+    SSB,
     SSD,
     STEP_ELEMENTS,
     TRANSFORMATIONS,
@@ -25,7 +26,6 @@ from dse.interchange.reading.common import (
     read_type,
     require_root,
 )
-from dse.interchange.reading.dictionary import read_dictionary
 from dse.interchange.reading.package import DEFAULT, Package, PackageFile, Target, open_package
 from dse.interchange.structure import (
     Connector,
@@ -228,3 +228,23 @@ class _Reader:
             except DseError as error:
                 self.found.problems += error.problems
         return dictionaries
+
+
+# Signal dictionaries (SSB): the signals of a bus, by name.
+
+
+def read_dictionary(root: XmlElement, found: Findings) -> dict[str, SignalType]:
+    """The entries of an ``ssb:SignalDictionary``. Raises DseError if *root* is none; all else goes to *found*."""
+    require_root(root, "SignalDictionary", SSB, found)
+    found.expect(root, META | {"version"}, {"DictionaryEntry", "Enumerations", "Units"})
+    scope = read_scope(root, found)
+    entries: dict[str, SignalType] = {}
+    for element in root.all("DictionaryEntry"):
+        found.expect(element, {"name"}, TYPES | {"Dimension"})
+        name = found.new(element, entries, "the entry")
+        type_ = read_type(element, scope, found)
+        if type_ is None:
+            found.add(f"the entry '{shortened(name)}' has no type", element.where)
+        else:
+            entries[name] = type_
+    return entries

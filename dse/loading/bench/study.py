@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, cast
 
 from pydantic import Field
 
-from dse.domain.bench import Derived, TestBench
-from dse.domain.sampler import DesignVariable, Role, Sampler
-from dse.domain.study import CheckStep, ExecutorChoice, Keep, Selection, Study
+from dse.domain.bench import Derived, Figure, Metric, TestBench
+from dse.domain.design import candidates
+from dse.domain.expression import Call, Name
+from dse.domain.sampler import DesignVariable, Objective, Role, Sampler
+from dse.domain.study import TESTBENCH, CheckStep, ExecutorChoice, Keep, Selection, Study
 from dse.errors import DseError, Location, Problems, closest, fail
-from dse.expression import parse_expression
+from dse.expression import descend, parse_expression
 from dse.formats import Entry
-from dse.loading.bench.bench_condition import bench_variable, differences
 from dse.loading.bench.candidates import bench_candidates
-from dse.loading.bench.objectives import read_objective
 from dse.loading.bench.uncertainty import UncertainSection, read_correlations, read_uncertain
 from dse.loading.bench.variables import Place, VariableSection, read_derived, read_variable
 from dse.loading.extensions import EXECUTORS, SAMPLERS, Surroundings, read_extension
 from dse.loading.include import read_document
 from dse.loading.sections import Section, read_section
+from dse.units import DIMENSIONLESS
 
 FindBench = Callable[[str, Location], TestBench]
 """Returns the test bench of that name, or raises DseError at the location."""
@@ -189,3 +191,93 @@ def _selection(entry: Entry, file: StudyFile) -> Selection:
             raise fail("a condition is a mapping", entry.where, "configurations: {where: cost < 9 EUR}")
         case name:
             return Selection(ids=(name,))
+
+
+# What a study looks for: metrics and sums of properties to be made small or large.
+
+
+_WRITTEN = re.compile(r"(minimize|maximize)\s+(.+)", re.DOTALL)
+
+
+def read_objective(entry: Entry, written: str, bench: TestBench) -> Objective:
+    """``minimize`` or ``maximize`` and a metric, ``sum(PROPERTY)`` over the design, or an expression in both.
+
+    Raises DseError.
+    """
+    match = _WRITTEN.fullmatch(written.strip())
+    if not match:
+        raise fail(f"expected an objective, found '{written}'", entry.where, "minimize METRIC, or minimize sum(cost)")
+    maximize = match[1] == "maximize"
+    expression = parse_expression(match[2], entry.where)
+    metrics = [metric.name for metric in bench.metrics]
+    match expression.root:
+        case Name(path=name) if name in metrics:
+            return Objective(name, maximize)
+        case Call("sum", arguments=(Name(path=name),)):
+            found = Objective(name, maximize, is_total=True)
+        case _:
+            found = Objective(match[2].strip(), maximize, is_composite=True)
+    stated = candidates(bench.design.root).values()
+    known = {name for components in stated for each in components for name in each.properties}
+    for name in found.totals:
+        if name not in known:
+            raise fail(f"no component of the design states '{name}'", entry.where, closest(name, known))
+    for node in descend(expression.root):
+        if isinstance(node, Name) and node.path not in (*metrics, *found.totals):
+            raise fail(f"'{node.path}' is no metric of {bench.name}", entry.where, closest(node.path, metrics))
+    return found
+
+
+# Several benches in one study: what they have to share, and the condition that tells them apart.
+
+
+def bench_variable(benches: Sequence[TestBench], where: Location | None) -> DesignVariable:
+    """The condition that counts *benches* from 0."""
+    last, names = len(benches) - 1, tuple(bench.name for bench in benches)
+    values = tuple(float(number) for number in range(len(benches)))
+    return DesignVariable(
+        TESTBENCH,
+        0.0,
+        float(last),
+        len(benches),
+        0.0,
+        DIMENSIONLESS,
+        "test bench",
+        where,
+        values=values,
+        role=Role.CONDITION,
+        labels=names,
+    )
+
+
+def differences(one: TestBench, other: TestBench) -> Iterator[str]:
+    """In what *other* is not as *one* is, though benches of one study have to be: a run's results are one row."""
+    if one.design != other.design:
+        yield f"'{other.name}' is a bench of design space '{other.design.name}', '{one.name}' of '{one.design.name}'"
+    mine, theirs = ({metric.name: (_unit(metric), metric.unit.symbol) for metric in b.metrics} for b in (one, other))
+    for name in sorted({*mine} ^ {*theirs}):
+        having, lacking = (one, other) if name in mine else (other, one)
+        yield f"'{having.name}' has the metric '{name}', '{lacking.name}' has none of that name"
+    for name in sorted({*mine} & {*theirs}):
+        if mine[name] != theirs[name]:
+            yield f"the metric '{name}' has another unit in '{other.name}': {theirs[name][1]}, not {mine[name][1]}"
+    bounds = [{r.name: (r.metric, r.at_most, r.at_least) for r in bench.requirements} for bench in (one, other)]
+    for name in sorted({*bounds[0]} | {*bounds[1]}):
+        if bounds[0].get(name) != bounds[1].get(name):
+            yield f"the requirement '{name}' is not the same in '{one.name}' and '{other.name}'"
+    drawn = {figure.name: _shown(figure) for figure in one.figures}
+    for figure in other.figures:
+        if drawn.get(figure.name, _shown(figure)) != _shown(figure):
+            yield f"the figure '{figure.name}' shows something else in '{other.name}'"
+    if one.simulation.record_every != other.simulation.record_every:
+        yield f"'{other.name}' records at other times than '{one.name}' (record_every)"
+    if one.simulation.check_step != other.simulation.check_step:
+        yield f"one of '{one.name}' and '{other.name}' has check_step, the other has not"
+
+
+def _unit(metric: Metric) -> object:
+    return metric.unit.dimension if metric.unit.symbol else None
+
+
+def _shown(figure: Figure) -> object:
+    return figure.current, figure.target, figure.unit.symbol

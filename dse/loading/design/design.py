@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from dse.domain.component import Interface
-from dse.domain.design import DesignSpace, candidates
-from dse.errors import Problems, raise_if_any
+from dse.domain.design import Alternative, Compound, DesignSpace, Node, Part, candidates, walk
+from dse.errors import Problem, Problems, raise_if_any
 from dse.formats import Entry
 from dse.loading.design.constraints import ConstraintSetSection, Rules, read_constraints, read_sets
-from dse.loading.design.exchangeability import misfits
 from dse.loading.design.forms import ConstraintSection
 from dse.loading.design.scope import Scope
 from dse.loading.design.tree import FindComponent, read_tree
@@ -65,3 +64,64 @@ def read_design(
         tuple(sets.values()),
         constraints,
     )
+
+
+# Whether what can stand at a place fits it: alternatives are exchangeable, so they have the same ports.
+
+
+def misfits(root: Compound) -> list[Problem]:
+    """Every alternative in *root* whose ports differ from those of the others, each with both interfaces' names.
+
+    Alternatives may do without an interface if all of them do.
+    """
+    return [problem for path, node in walk(root) for problem in _misfits(path, node)]
+
+
+def _misfits(path: str, node: Node) -> Iterator[Problem]:
+    if not isinstance(node, Alternative):
+        return
+    first = next((option for option in node.options if option.interface), None)
+    expected = first.interface if first else None
+    if first is None or expected is None:
+        return
+    for option in node.options:
+        where = option.where or node.where
+        if option.interface is None:
+            yield _without(path, option, first, expected)
+        elif not _alike(option.interface, expected):
+            what = (
+                f"alternatives at '{path}' have different interfaces: "
+                f"'{first.name}' is a {expected.name}, '{option.name}' a {option.interface.name}"
+            )
+            difference = _difference(option.name, option.interface, expected)
+            yield Problem(what, where, f"alternatives must be exchangeable: {difference}")
+
+
+def _without(path: str, option: Part | Compound, first: Part | Compound, expected: Interface) -> Problem:
+    if isinstance(option, Compound):
+        what = f"'{option.name}' at '{path}' is an architecture among alternatives without an interface"
+        return Problem(what, option.where, f"add implements: {expected.name}, as '{first.name}' has")
+    what = f"'{option.name}' at '{path}' implements no interface, '{first.name}' is a {expected.name}"
+    at = f" in {option.component.where.file}" if option.component.where else ""
+    return Problem(what, option.where, f"add implements: {expected.name}{at}")
+
+
+def _alike(one: Interface, other: Interface) -> bool:
+    return one is other or (one.name == other.name and set(one.ports) == set(other.ports))
+
+
+def _difference(name: str, own: Interface, expected: Interface) -> str:
+    """What *own*, the interface of the alternative *name*, lacks, has besides, and has otherwise."""
+    mine = {port.name: port for port in own.ports}
+    wanted = {port.name: port for port in expected.ports}
+    said = []
+    if missing := [f"{port} ({wanted[port].causality})" for port in wanted if port not in mine]:
+        said.append(f"lacks {', '.join(missing)}")
+    if further := [f"{port} ({mine[port].causality})" for port in mine if port not in wanted]:
+        said.append(f"has {', '.join(further)} besides")
+    said += [
+        f"has {port} as {mine[port].causality} {mine[port].type}, not {wanted[port].causality} {wanted[port].type}"
+        for port in wanted
+        if port in mine and mine[port] != wanted[port]
+    ]
+    return f"'{name}' {', '.join(said)}" if said else "the ports are the same, so let both implement one interface"

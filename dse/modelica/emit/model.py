@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import chain
+from itertools import chain, pairwise
 
 from dse.domain.component import Solver
+from dse.errors import fail
+from dse.modelica.algebra.expression import Expression, shown
+from dse.modelica.algebra.traversal import walk
 from dse.modelica.emit.blocks import (
     activation_lines,
     block_pieces,
@@ -18,13 +21,13 @@ from dse.modelica.emit.blocks import (
 )
 from dse.modelica.emit.constant_data import size_lines, slot_lines, start_lines, table_lines
 from dse.modelica.emit.events import check_lines, reinitialization_lines, relation_lines
-from dse.modelica.emit.expressions.scope import Store
+from dse.modelica.emit.expressions.printing import table_axes
+from dse.modelica.emit.expressions.scope import Store, scope_lines
 from dse.modelica.emit.expressions.setting import Collected, Setting
 from dse.modelica.emit.expressions.text import comment, literal
 from dse.modelica.emit.hoist import Hoisted, hoisted
 from dse.modelica.emit.memory import MemoryLayout, memory_layout
 from dse.modelica.emit.sharing import Program, shared_passes
-from dse.modelica.emit.table_axes import axis_checks
 from dse.modelica.emit.variables import FmuVariable
 from dse.modelica.solved_model import Activation, Solved, all_expressions
 
@@ -122,3 +125,41 @@ def _aliases(solved: Solved, setting: Setting) -> list[str]:
         stores.append(Store(f"v[{place}]", value if sign > 0 else -value, f"in the equation for {name}"))
     head = ["static void model_aliases(dse_component *m) {", "    double *const v = m->v;", "    (void)v;"]
     return [*head, *scoped(stores, setting), "}"]
+
+
+# The look at every table's axis before it is used.
+
+
+def axis_checks(roots: Iterable[Expression], setting: Setting) -> Iterator[list[str]]:
+    """Statements that fail unless every table's axis has at least two numbers, each greater than the one before.
+
+    Raises DseError for an axis of constants that is wrong already.
+    """
+    axes = {axis.number: axis for node in walk(roots) for axis in table_axes(node)}
+    for axis in axes.values():
+        if all(element.is_constant for element in axis.operands):
+            _refuse_unordered(axis)
+        else:
+            yield _check(axis, setting)
+
+
+def _text(axis: Expression) -> str:
+    ends = ", …, ".join(shown(element) for element in (*axis.operands[:1], *axis.operands[1:][-1:]))
+    return f"the axis of a table ({ends}) must have at least two numbers, each greater than the one before"
+
+
+def _refuse_unordered(axis: Expression) -> None:
+    numbers = [element.value for element in axis.operands]
+    if len(numbers) < 2 or any(not left < right for left, right in pairwise(numbers)):
+        raise fail(_text(axis))
+
+
+def _check(axis: Expression, setting: Setting) -> list[str]:
+    size = len(axis.operands)
+    place = setting.array(axis)
+    failing = setting.failing(_text(axis))
+    if place is not None:
+        return [f"    if (dse_axis({place}, {size})) {{ {failing} }}"]
+    stores = [Store(f"axis[{k}]", element, "in the axis of a table") for k, element in enumerate(axis.operands)]
+    lines = ["    {", f"        double axis[{size}];", *scope_lines(stores, setting)]
+    return [*lines, f"        if (dse_axis(axis, {size})) {{ {failing} }}", "    }"]

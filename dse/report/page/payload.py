@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.report.charts.chart import Axis, Chart, Drawn, Limits, Points, Rule, limits, values_of
 from dse.report.content.data import FigureSpec, ReportContent, SamplerKind
+from dse.report.content.insight import Insight
 from dse.report.figure import ShownFigure
 from dse.report.interpolation.radial import MOST_CENTRES, radial_fields
 from dse.report.page.designs import designs_of
 from dse.report.page.encoding import Block, quantise, second_differences
-from dse.report.page.insight import insight_json
 from dse.report.page.provenance import notes_of
 
 Json = dict[str, object]
@@ -211,3 +213,29 @@ def script_json(document: Mapping[str, object]) -> str:
     text = json.dumps(document, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
     # Inside a script element only "</script" and "<!--" end or bend the text; without < neither can be spelt.
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+# An insight as the page reads it: its fields as they are called, arrays beside it in the block of numbers.
+
+
+_KINDS = {"float32": "f4", "uint8": "u1"}
+
+
+def insight_json(insight: Insight, block: Block) -> Any:
+    """Plain data; an array is ``{"array": its name in *block*}``. Numbers have six digits, what is none is null."""
+    return _plain(insight, "insight", block)
+
+
+def _plain(value: Any, place: str, block: Block) -> Any:
+    if is_dataclass(value):
+        return {each.name: _plain(getattr(value, each.name), f"{place}.{each.name}", block) for each in fields(value)}
+    if isinstance(value, tuple | list):
+        return [_plain(each, f"{place}.{index}", block) for index, each in enumerate(value)]
+    if isinstance(value, np.ndarray):
+        block.add(place, _KINDS[value.dtype.name], value)
+        return {"array": place}
+    if isinstance(value, float):
+        return float(f"{value:.6g}") if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        raise TypeError(f"{place} is a mapping, which has no order that the page could rely on")
+    return str(value) if isinstance(value, str) else value

@@ -4,11 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Generator, Mapping, Sequence
 
-from dse.modelica.algebra.expression import Expression
+from dse.errors import Location
+from dse.modelica.algebra.expression import Expression, Graph
 from dse.modelica.flatten.document import check_counters, points, shape
-from dse.modelica.flatten.evaluation.context import Request, Rule, Steps, Visit, requested
-from dse.modelica.flatten.evaluation.indexing import indexed, updated
-from dse.modelica.flatten.values import Array, MismatchError, Structure, Value, array, only, stacked, whole
+from dse.modelica.flatten.evaluation.context import Frame, Request, Rule, Steps, Visit, requested
+from dse.modelica.flatten.values import (
+    Array,
+    MismatchError,
+    Structure,
+    Value,
+    array,
+    only,
+    places,
+    position,
+    stacked,
+    whole,
+)
 
 
 def _array(visit: Visit) -> Steps:
@@ -99,3 +110,89 @@ RULES: Mapping[str, Rule] = {
     "array_update": _update,
 }
 """Rules by kind of node."""
+
+
+# Assignment to elements of an array inside a function.
+
+
+def updated(
+    graph: Graph,
+    base: Array,
+    subscripts: Sequence[Sequence[Expression] | Expression],
+    value: Array,
+    frame: Frame,
+    where: Location | None,
+) -> Array:
+    """*base* with ``base[subscripts] := value``. An index only known at run time gives a choice for every element.
+
+    Such an index outside the array fails the run, by an assertion of *frame*. Raises MismatchError for other sizes.
+    """
+    rest: list[Sequence[Expression] | Expression] = list(subscripts)
+    rest += [[graph.constant(float(k)) for k in range(1, size + 1)] for size in base.shape[len(rest) :]]
+    lists = [[item] if isinstance(item, Expression) else list(item) for item in rest]
+    if tuple(len(items) for item, items in zip(rest, lists, strict=True) if not isinstance(item, Expression)) != (
+        value.shape
+    ):
+        raise MismatchError("an assignment to array elements of another size")
+    elements = list(base.elements)
+    for element, place in zip(value.elements, places([len(items) for items in lists]), strict=True):
+        index = [items[k - 1] for k, items in zip(place, lists, strict=True)]
+        known = [known_index(item, size) for item, size in zip(index, base.shape, strict=True)]
+        unknown = [(item, size) for item, size, found in zip(index, base.shape, known, strict=True) if found is None]
+        for item, size in unknown:
+            at_most = graph.make("less_equal", item, graph.of(float(size)))
+            inside = graph.make("and", graph.make("greater_equal", item, graph.of(1.0)), at_most)
+            frame.demand(inside, "an index outside its array", where)
+        for target in places([1 if found else size for found, size in zip(known, base.shape, strict=True)]):
+            exact = [found or at for found, at in zip(known, target, strict=True)]
+            spot = position(base.shape, exact)
+            condition = graph.constant(1.0)
+            for item, at, found in zip(index, exact, known, strict=True):
+                if found is None:
+                    condition = graph.make("and", condition, graph.make("equal", item, graph.of(float(at))))
+            elements[spot] = graph.make("if", condition, element, elements[spot])
+    return Array(tuple(elements), base.shape)
+
+
+def indexed(graph: Graph, base: Array, subscripts: Sequence[Sequence[Expression] | Expression]) -> Array:
+    """``base[subscripts]``: a single index drops its dimension, a list keeps it; missing ones mean everything.
+
+    An index only known at run time becomes a ``select`` over what the known ones leave. Raises MismatchError for a
+    known index outside the array.
+    """
+    rest: list[Sequence[Expression] | Expression] = list(subscripts)
+    if len(rest) > len(base.shape):
+        raise MismatchError("more subscripts than dimensions")
+    rest += [[graph.constant(k) for k in range(1, size + 1)] for size in base.shape[len(rest) :]]
+    lists = [[item] if isinstance(item, Expression) else list(item) for item in rest]
+    shape = tuple(len(items) for item, items in zip(rest, lists, strict=True) if not isinstance(item, Expression))
+    return Array(
+        tuple(
+            _element(graph, base, [items[k - 1] for k, items in zip(place, lists, strict=True)])
+            for place in places([len(items) for items in lists])
+        ),
+        shape,
+    )
+
+
+def _element(graph: Graph, base: Array, index: Sequence[Expression]) -> Expression:
+    known = [known_index(item, size) for item, size in zip(index, base.shape, strict=True)]
+    if None not in known:
+        return base.elements[position(base.shape, [item for item in known if item is not None])]
+    free = [size for size, item in zip(base.shape, known, strict=True) if item is None]
+    elements = []
+    for place in places(free):
+        left = iter(place)
+        full = [next(left) if item is None else item for item in known]
+        elements.append(base.elements[position(base.shape, full)])
+    unknown = [item for item, found in zip(index, known, strict=True) if found is None]
+    return graph.make("select", graph.array(elements, tuple(free)), *unknown)
+
+
+def known_index(index: Expression, size: int) -> int | None:
+    """*index* if it is a number. Raises MismatchError unless it lies in 1 .. *size*."""
+    if not index.is_constant:
+        return None
+    if not index.value.is_integer() or not 1 <= index.value <= size:
+        raise MismatchError(f"index {index.value:g} of a dimension of size {size}")
+    return int(index.value)
