@@ -73,14 +73,22 @@ def messages(source: str) -> str:
     return "\n".join(str(node.value) for node in texts if id(node) not in apart and " " in str(node.value))
 
 
+def names(path: Path) -> str:
+    """The name of a module and of what it defines, as words: one name a line."""
+    defined = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    found = [node.name for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, defined)]
+    return "\n".join(re.sub(r"(?<=[a-z])(?=[A-Z])|_", " ", name) for name in (path.stem, *found))
+
+
 def worded() -> dict[str, int]:
-    """How often words to avoid are used: in pages, and in messages of dse."""
+    """How often words to avoid are used: in pages, in messages of dse, and in names of and in its modules."""
     pattern = words_to_avoid((HOUSE / "docs/glossary.md").read_text(encoding="utf-8"))
     pages = [*HOUSE.glob("*.md"), *(path for path in (HOUSE / "docs").glob("*.md") if path.stem != "glossary")]
     sources = [path for path in (HOUSE / "dse").rglob("*.py") if "node_modules" not in path.parts]
     return {
         "pages": sum(len(pattern.findall(prose(path.read_text(encoding="utf-8")))) for path in pages),
         "messages": sum(len(pattern.findall(messages(path.read_text(encoding="utf-8")))) for path in sources),
+        "names": sum(len(pattern.findall(names(path))) for path in sources),
     }
 
 

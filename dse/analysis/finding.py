@@ -46,7 +46,7 @@ class Account:
         self.findings: list[Finding] = []
         self._reasons: dict[tuple[str, str], list[str]] = {}
 
-    def tell(self, what: str, about: str, label: str, finding: Callable[[], Iterable[Finding]]) -> None:
+    def add(self, what: str, about: str, label: str, finding: Callable[[], Iterable[Finding]]) -> None:
         """Add what *finding* gives; or its reason why *what* is withheld *about* something called *label*."""
         self._notice(f"{what} of {label}")
         try:

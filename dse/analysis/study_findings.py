@@ -23,7 +23,7 @@ def essentials(table: RunTable, parts: Sequence[StudyData] = ()) -> tuple[Findin
 
     *parts* are the `planes` of the table, if they are there already.
     """
-    return _told(parts or planes(table), _of_requirements)
+    return _stated(parts or planes(table), _of_requirements)
 
 
 def findings(table: RunTable, notice: Callable[[str], None] = lambda _: None) -> tuple[Finding, ...]:
@@ -31,10 +31,10 @@ def findings(table: RunTable, notice: Callable[[str], None] = lambda _: None) ->
 
     *notice* is called with what is computed next.
     """
-    return _told(planes(table), _of_everything, notice)
+    return _stated(planes(table), _of_everything, notice)
 
 
-def _told(
+def _stated(
     parts: Sequence[StudyData], part: _Part, notice: Callable[[str], None] = lambda _: None
 ) -> tuple[Finding, ...]:
     found: list[Finding] = []
@@ -52,14 +52,14 @@ def _of_requirements(account: Account, data: StudyData) -> None:
     names = _requirements(data)
     for name in names:
         label = requirement_label(data, name)
-        account.tell("how often it is met", name, label, partial(_met, data, name))
+        account.add("how often it is met", name, label, partial(_met, data, name))
         for factor in data.factors:
             if factor.is_condition:
-                account.tell("the worst case", name, label, partial(_worst, data, factor.name, name))
+                account.add("the worst case", name, label, partial(_worst, data, factor.name, name))
     for name in names[-1:] if len(names) > 1 else names:
         label = requirement_label(data, name)
-        account.tell("a box", name, label, partial(_boxes, data, name))
-        account.tell("a robust centre", name, label, partial(_centre, data, name))
+        account.add("a box", name, label, partial(_boxes, data, name))
+        account.add("a robust centre", name, label, partial(_centre, data, name))
     for metric in dict.fromkeys(entry.metric for entry in data.definition.requirements):
         _dependence(account, data, metric)
 
@@ -70,7 +70,7 @@ def _of_everything(account: Account, data: StudyData) -> None:
     for name in _requirements(data)[:-1]:
         if (data.met(name) == data.met()).all():
             continue
-        account.tell("a box", name, requirement_label(data, name), partial(_boxes, data, name))
+        account.add("a box", name, requirement_label(data, name), partial(_boxes, data, name))
     for metric in data.metrics:
         if metric not in behind:
             _dependence(account, data, metric)
@@ -78,7 +78,7 @@ def _of_everything(account: Account, data: StudyData) -> None:
         told = {each.about for each in account.findings if each.topic is Topic.TOGETHER}
         for metric in (name for name in data.judged_metrics if name not in told):
             label = metric_label(data, metric)
-            account.tell("what matters together", metric, label, partial(interactions, data, metric))
+            account.add("what matters together", metric, label, partial(interactions, data, metric))
 
 
 def _requirements(data: StudyData) -> list[str]:
@@ -89,9 +89,9 @@ def _requirements(data: StudyData) -> list[str]:
 def _dependence(account: Account, data: StudyData, metric: str) -> None:
     label = metric_label(data, metric)
     if data.definition.sampler.kind in DESIGNED:
-        account.tell("designed indices", metric, label, partial(designed_findings, data, metric))
+        account.add("designed indices", metric, label, partial(designed_findings, data, metric))
     if not any(each.about == metric and each.topic is Topic.TOGETHER for each in account.findings):
-        account.tell("what explains the variance", metric, label, partial(shares, data, metric))
+        account.add("what explains the variance", metric, label, partial(shares, data, metric))
 
 
 def _runs(data: StudyData) -> Iterator[Finding]:

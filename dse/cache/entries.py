@@ -119,7 +119,7 @@ def vouch(target: Path) -> None:
 
 def is_damaged(target: Path) -> bool:
     """Whether *target* is not what was kept there."""
-    return _state_told(target) is State.DAMAGED
+    return _reported_state(target) is State.DAMAGED
 
 
 def state_of(target: Path) -> State:
@@ -190,10 +190,10 @@ def replace_file(target: Path, content: bytes) -> Path:
 
 
 def _is_whole(target: Path) -> bool:
-    return _state_told(target) is State.WHOLE
+    return _reported_state(target) is State.WHOLE
 
 
-def _state_told(target: Path) -> State:
+def _reported_state(target: Path) -> State:
     state = state_of(target)
     if state is State.DAMAGED:
         tell_damage(target)

@@ -53,13 +53,13 @@ def _carry_out() -> int:
         said = ""
     except BaseException as error:  # noqa: BLE001  # one message for whatever it is
         if not stop_code():
-            return _told(error)
+            return _shown(error)
         said = str(error) if isinstance(error, InterruptedCommandError) else ""
     print_line(said or "stopped", stderr=True)
     return stop_code()
 
 
-def _told(error: BaseException) -> int:
+def _shown(error: BaseException) -> int:
     """Show what went wrong; the exit code it deserves."""
     if isinstance(error, OutputError):
         silence()

@@ -34,7 +34,7 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
 
     screen = console(stderr=True)
 
-    def tell_changes(plan: Plan) -> None:
+    def show_changes(plan: Plan) -> None:
         for line in _plan_lines(plan):
             print_line(line, stderr=True)
 
@@ -46,12 +46,12 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
                 waiting.close()
                 show(progress)
 
-            explored = explore_into(study, folder, options, on_progress=advance, tell=tell, on_changes=tell_changes)
+            explored = explore_into(study, folder, options, on_progress=advance, tell=tell, on_changes=show_changes)
     except ExplorationInterruptedError as stop:
         raise KeyboardInterrupt(f"{folder}: {stop}") from None
     results = Results(options.folder(folder), explored)
     summary = results.summary
-    _say(study, results, summary, explored, f"dse merge {folder}" if options.shard else f"dse report {folder}")
+    _show_outcome(study, results, summary, explored, f"dse merge {folder}" if options.shard else f"dse report {folder}")
     failed = summary.failed or (gate and not summary.is_passed)
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
@@ -93,7 +93,7 @@ def _duration(seconds: float) -> str:
     return "less than a second" if seconds < 1 else f"about {timedelta(seconds=round(seconds))}"
 
 
-def _say(study: Study, results: Results, summary: Summary, explored: Explored, following: str) -> None:
+def _show_outcome(study: Study, results: Results, summary: Summary, explored: Explored, following: str) -> None:
 
     from dse.api import requirement_labels
 

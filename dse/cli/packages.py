@@ -82,7 +82,7 @@ def simulate_package(
             tolerance=_tolerance(wishes.tolerance),
             timeout=seconds("--timeout", wishes.timeout) or _TIMEOUT,
         )
-    _say_ignored(prepared.resolved, strict=strict)
+    _show_ignored(prepared.resolved, strict=strict)
     run = simulated(prepared, sandbox=sandbox)
     if run.waveforms is None:
         print_line(f"{path.name} failed to run: {run.problem}", style="bold red", stderr=True)
@@ -109,11 +109,11 @@ def check_package(path: Path, *, strict: bool) -> None:
 
     with console(stderr=True).status("opening FMUs"):
         resolved = check_ssp(path)
-    _say_ignored(resolved, strict=strict)
+    _show_ignored(resolved, strict=strict)
     print_line(f"ok: {len(resolved.structure.elements)} FMUs, {len(resolved.signals)} outputs")
 
 
-def _say_ignored(resolved: ResolvedSystem, *, strict: bool) -> None:
+def _show_ignored(resolved: ResolvedSystem, *, strict: bool) -> None:
     if strict:
         raise_if_any(resolved.ignored)
     print_some("note", resolved.notes)

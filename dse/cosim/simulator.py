@@ -152,7 +152,7 @@ class Simulator:
             return self._make(run)
         except _Misled:
             # Rare, and the order that believes no FMU takes its time to find: only where it is needed.
-            self._compiled.believe_nobody()
+            self._compiled.distrust_dependencies()
             return self._make(run)
 
     def _make(self, run: _Run) -> NDArray[np.float64]:

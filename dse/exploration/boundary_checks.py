@@ -143,7 +143,7 @@ class _Checking:
         self._on_progress = on_progress
         self._known = NOTHING_KNOWN
         self._there = set(folder.table().checks.numbers.tolist())
-        self._meter, self._made, self._told = Meter(0), 0, 0.0
+        self._meter, self._made, self._reported = Meter(0), 0, 0.0
 
     def check(self, numbers: AbstractSet[int]) -> None:
         """Check those runs of *numbers* that are not."""
@@ -171,7 +171,7 @@ class _Checking:
                     pool.work_off(Chunks(requests, folder.asks, limits.get).runs(left))
         finally:
             self._known.put()
-            self._tell()
+            self._report()
 
     def rows(self, batch: Batch, block: RowBlock) -> None:
         """Store what came of some runs of *batch*."""
@@ -188,11 +188,11 @@ class _Checking:
     def tick(self) -> None:
         """Commit and tell, each when it is time."""
         self._folder.commit_if_due()
-        if time.monotonic() - self._told >= _TELL_EVERY:
-            self._tell()
+        if time.monotonic() - self._reported >= _TELL_EVERY:
+            self._report()
 
-    def _tell(self) -> None:
-        self._told = time.monotonic()
+    def _report(self) -> None:
+        self._reported = time.monotonic()
         if self._on_progress is not None:
             done, rate = len(self._there & self._wanted), self._meter.rate(self._made)
             self._on_progress(Progress(Stage.CHECKS, done, len(self._wanted), 0, rate))
@@ -208,7 +208,7 @@ class _Checking:
         under[~block.done] = _NO_RUN
         numbers = block.numbers.tolist()
         problems = {
-            number: _said(block.problems.get(number, ""), before.problems.get(number, ""), differs=other and done)
+            number: _check_text(block.problems.get(number, ""), before.problems.get(number, ""), differs=other and done)
             for number, other, done in zip(numbers, differ.tolist(), block.done.tolist(), strict=True)
         }
         self._folder.add_checks(Checks(block.numbers, errors, under.astype(np.int64), problems))
@@ -216,7 +216,7 @@ class _Checking:
         return block.part(np.flatnonzero(~differ))
 
 
-def _said(problem: str, before: str, *, differs: bool) -> str:
+def _check_text(problem: str, before: str, *, differs: bool) -> str:
     """What a check has to say beside what its run said *before*."""
     if differs:
         return f"{NOT_REPRODUCIBLE}simulated again it gave another result"

@@ -155,7 +155,7 @@ def _rules() -> str:
     """Names the rules by which texts become documents: those of dse and of the parser below."""
     from importlib.util import find_spec
 
-    own = [Path(__file__).with_name(name) for name in ("kept.py", "yaml.py", "compose.py", "scalars.py")]
+    own = [Path(__file__).with_name(name) for name in ("parse_cache.py", "yaml.py", "compose.py", "scalars.py")]
     parser = find_spec("ruamel.yaml")
     files = [*own, *([Path(parser.origin)] if parser and parser.origin else [])]
     return sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:32]

@@ -136,7 +136,7 @@ def _into(value: _Value, place: str) -> Iterator[str]:
     bounds = [f"{own} >= {code.low!r}"] * (code.low > float("-inf"))
     bounds += [f"{own} <= {code.high!r}"] * (code.high < float("inf"))
     if bounds:
-        told = f"is not between {_said(code.low)} and {_said(code.high)}"
+        told = f"is not between {_bound_text(code.low)} and {_bound_text(code.high)}"
         yield f"if (!({' && '.join(bounds)})) {_wrong(value, own, told)}"
     if code.only:
         is_one = " || ".join(f"{own} == {number}" for number in code.only)
@@ -177,7 +177,7 @@ def _listed(numbers: Sequence[int]) -> str:
     return ", ".join(map(str, numbers[:most])) + (", …" if len(numbers) > most else "")
 
 
-def _said(bound: float) -> str:
+def _bound_text(bound: float) -> str:
     return "anything" if bound in (float("inf"), float("-inf")) else f"{bound:.12g}"
 
 

@@ -58,7 +58,7 @@ def application(
         return request.query_params.get("study", "")
 
     def start(_: Request) -> Response:
-        return HTMLResponse(start_page(str(index.root), {n: _glance(index, n) for n in index.studies}))
+        return HTMLResponse(start_page(str(index.root), {n: _summary(index, n) for n in index.studies}))
 
     def study(request: Request) -> Response:
         name = request.path_params["name"]
@@ -127,7 +127,7 @@ async def _aside(work: Callable[[], T]) -> T:
         if not done.cancelled():
             how(what)
 
-    def tell(how: Callable[[Any], None], what: object) -> None:
+    def pass_on(how: Callable[[Any], None], what: object) -> None:
         with suppress(RuntimeError):  # the server has ended meanwhile
             loop.call_soon_threadsafe(settle, how, what)
 
@@ -135,15 +135,15 @@ async def _aside(work: Callable[[], T]) -> T:
         try:
             result = work()
         except Exception as error:  # noqa: BLE001  # raised where it is waited for
-            tell(done.set_exception, error)
+            pass_on(done.set_exception, error)
         else:
-            tell(done.set_result, result)
+            pass_on(done.set_result, result)
 
     threading.Thread(target=thread, daemon=True).start()
     return await done
 
 
-def _glance(index: StudyIndex, name: str) -> StudySummary | DseError:
+def _summary(index: StudyIndex, name: str) -> StudySummary | DseError:
     try:
         return study_summary(index.folder(name))
     except DseError as error:

@@ -123,7 +123,7 @@ class Guard:
         if refusal is None and scope["method"] == "POST":
             body, refusal = await self._read(headers, receive)
         if refusal is not None:
-            await _say(send, *refusal)
+            await _answer_text(send, *refusal)
             return
         cookie = None if session or scope["method"] != "GET" else self._new_session()
         with _counted(self._requests, session or _address(scope), self._limits.requests) as is_free:
@@ -208,7 +208,7 @@ class Guard:
         query = parse_qs(scope["query_string"].decode("latin-1"))
         given = (query.get("token") or [""])[0]
         if scope["method"] != "GET" or not _is_same(given, self._token):
-            await _say(send, 401, "open the address with the token that was printed")
+            await _answer_text(send, 401, "open the address with the token that was printed")
             return
         # A redirect would still be the other site's doing, from which the cookie is not sent.
         place = b"/drive" if scope["path"] == "/drive" else b"/"
@@ -338,7 +338,7 @@ def _with_headers(send: Send, cookie: bytes | None) -> Send:
     return sent
 
 
-async def _say(send: Send, status: int, why: str) -> None:
+async def _answer_text(send: Send, status: int, why: str) -> None:
     await _answer(send, status, b"text/plain; charset=utf-8", f"{why}\n".encode())
 
 

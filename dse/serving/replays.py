@@ -52,7 +52,7 @@ class Replays:
             study = results(folder)
             mark = study.scene_mark(run)
             try:
-                text = study.scene_page(run, workspace=self.workspace, tell=lambda told: self._tell(folder, run, told))
+                text = study.scene_page(run, workspace=self.workspace, tell=lambda told: self._note(folder, run, told))
             finally:
                 with self._lock:
                     self._told.pop((folder, run), None)
@@ -67,7 +67,7 @@ class Replays:
         with self._lock:
             return self._told.get((folder, run), "")
 
-    def _tell(self, folder: Path, run: int, told: str) -> None:
+    def _note(self, folder: Path, run: int, told: str) -> None:
         with self._lock:
             self._told[folder, run] = told
 

@@ -31,7 +31,7 @@ from dse.testbench.multi_bench import Prepared, joint_address, singly
 from dse.testbench.prepared_bench import PreparedBench
 from dse.testbench.variations import Variation
 
-_CODE = ("cosim", "csolve", "metrics", "testbench/runner.py", "testbench/several.py", "testbench/comparing.py")
+_CODE = ("cosim", "csolve", "metrics", "testbench/runner.py", "testbench/multi_bench.py", "testbench/comparison.py")
 """What of dse makes a run's numbers from FMUs, which hold their own code."""
 
 _KERNEL = "cosim/_kernel.so"
@@ -129,12 +129,12 @@ def _element(element: Element) -> dict[str, Any]:
         "fmu": (element.model.content_hash, element.model.manner, _compiled(element.model)),
         "inputs": sorted(variable.name for variable in element.inputs),
         "outputs": sorted(variable.name for variable in element.outputs),
-        "texts": {name: _told(text) for name, text in element.texts.items()},
+        "texts": {name: _content_of(text) for name, text in element.texts.items()},
         "conversions": {name: repr(conversion) for name, conversion in element.conversions.items()},
     }
 
 
-def _told(text: str | bytes) -> object:
+def _content_of(text: str | bytes) -> object:
     """What a text tells an FMU: of a file its content, wherever it lies."""
     if isinstance(text, bytes):
         return ("bytes", text.hex())

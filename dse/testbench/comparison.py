@@ -89,7 +89,7 @@ class Comparison:
                 unmeasured[name] = checks.unless[name]
             elif bars[name] == 0.0 and len(apart) < _ENOUGH and name not in checks.exact:
                 unmeasured[name] = _UNCHANGED
-        said = "; ".join(filter(None, (_said(unmeasured, metrics), failure)))
+        said = "; ".join(filter(None, (_unmeasured_text(unmeasured, metrics), failure)))
         under |= {each.name: 0 for each in self._prepared.requirements if each.metric in unmeasured}
         numbers = {
             f"{name}{ERROR_BAR}": math.nan if name in unmeasured else bars.get(name, math.nan) for name in metrics
@@ -137,7 +137,7 @@ def _note(under: dict[str, int], judged: Iterable[Judgement]) -> None:
         under[each.requirement] |= 1 << VERDICTS.index(each.verdict)
 
 
-def _said(unmeasured: Mapping[str, str], metrics: Mapping[str, float]) -> str:
+def _unmeasured_text(unmeasured: Mapping[str, str], metrics: Mapping[str, float]) -> str:
     """Which of *metrics* have no error bar, and why."""
     by_reason: dict[str, list[str]] = {}
     for name in metrics:

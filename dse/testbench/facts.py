@@ -59,7 +59,7 @@ def is_thread_safe(
     Its FMUs were seen to bear it; or they are built from source here, without static variables, so that instances
     share nothing, and nothing else was seen. *parts* are the components by element.
     """
-    return all(_bears_threads(e.model, facts.get(e.name), parts.get(e.name), cache) for e in system.elements)
+    return all(_supports_threads(e.model, facts.get(e.name), parts.get(e.name), cache) for e in system.elements)
 
 
 def consequences(facts: FmuFacts) -> tuple[str, ...]:
@@ -109,7 +109,7 @@ def _file(content: str, platform: str, interface: str, cache: Path | None) -> Pa
     return cache_folder(cache) / "facts" / f"{content[:32]}-{interface}-{platform}-{PROBE_VERSION}.json"
 
 
-def _bears_threads(model: FmuModel, facts: FmuFacts | None, component: Component | None, cache: Path | None) -> bool:
+def _supports_threads(model: FmuModel, facts: FmuFacts | None, component: Component | None, cache: Path | None) -> bool:
     if model.capabilities.once_per_process:
         return False
     if facts is not None and facts.answer(Question.THREADS) is not Answer.UNKNOWN:

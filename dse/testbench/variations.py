@@ -150,9 +150,9 @@ def _refined(
     for element in system.elements:
         known, own = numerics[element.name], _step_of(element, simulation)
         if Lever.EXCHANGE in known.changes:
-            elements.append(_told(replace(element, model=exchanges[element.name]), known.tolerance))
+            elements.append(_with_tolerance(replace(element, model=exchanges[element.name]), known.tolerance))
             continue
-        elements.append(_told(element, known.tolerance) if Lever.TOLERANCE in known.changes else element)
+        elements.append(_with_tolerance(element, known.tolerance) if Lever.TOLERANCE in known.changes else element)
         if known.divisor > 2:
             finer = own / known.divisor
             steps[element.name] = finer if own <= simulation.step else _fraction(simulation.step, finer)
@@ -167,7 +167,7 @@ def _refined(
     return Variation(what, refined, simulation.method, shortest, cost, _SETTLING)
 
 
-def _told(element: Element, tolerance: float) -> Element:
+def _with_tolerance(element: Element, tolerance: float) -> Element:
     experiment = replace(element.model.experiment, tolerance=tolerance)
     return replace(element, model=replace(element.model, experiment=experiment))
 

@@ -32,7 +32,7 @@ class LaneGraph:
 def lane_graph(network: Network) -> LaneGraph:
     """The graph of a network's lanes."""
     found: dict[LaneEnd, dict[LaneEnd, None]] = {}
-    said = list(_said(network))
+    said = list(_declared_links(network))
     backwards = [(there, here) for here, there in said if _may_be_answered(network, there)]
     for here, there in said + backwards:
         found.setdefault(here, {})[there] = None
@@ -97,7 +97,7 @@ def _may_be_answered(network: Network, there: LaneEnd) -> bool:
     return link is None or link.element != "junction" or network.junctions[link.id].kind == "direct"
 
 
-def _said(network: Network) -> Iterator[tuple[LaneEnd, LaneEnd]]:
+def _declared_links(network: Network) -> Iterator[tuple[LaneEnd, LaneEnd]]:
     for road in network.roads.values():
         for end, link in road.links.items():
             if link.element == "road":

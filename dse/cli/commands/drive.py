@@ -58,7 +58,7 @@ def drive(
         on.require(bench, configuration)
     drives.mkdir(parents=True, exist_ok=True)
 
-    def tell(announced: Announced) -> None:
+    def announce(announced: Announced) -> None:
         address = announced.address + (f"#{urlencode(wanted)}" if wanted else "")
         print_line(address, style="bold")
         if announced.has_token:
@@ -67,7 +67,7 @@ def drive(
         if browser:
             show_page(address)
 
-    serve(StudyIndex(drives), listen=listen, port=port, tell=tell, drives=on)
+    serve(StudyIndex(drives), listen=listen, port=port, tell=announce, drives=on)
 
 
 def _show(folder: Path, run: int, browser: bool) -> None:
@@ -75,8 +75,8 @@ def _show(folder: Path, run: int, browser: bool) -> None:
     from dse.cli.arguments import named_folder
     from dse.cli.status import status_line
 
-    with status_line() as tell:
-        page = Results(named_folder(folder)).replay_page(run, tell=tell)
+    with status_line() as announce:
+        page = Results(named_folder(folder)).replay_page(run, tell=announce)
     print_line(str(page))
     if browser:
         show_page(page.absolute().as_uri())

@@ -61,7 +61,7 @@ def _show(boards: tuple[Board, ...], checked: list[CheckedDrive]) -> None:
     if boards:
         print_line(SCORING)
     for each in checked:
-        print_line(f"{each.id} of {each.driver} on {each.bench}: {_told(each)}")
+        print_line(f"{each.id} of {each.driver} on {each.bench}: {_checked_text(each)}")
 
 
 def _row(score: Score) -> tuple[str, ...]:
@@ -76,7 +76,7 @@ def _row(score: Score) -> tuple[str, ...]:
     return place, who, name, score.configuration, f"{score.met} of {score.of}", share, f"{score.seconds:g} s", beside
 
 
-def _told(checked: CheckedDrive) -> str:
+def _checked_text(checked: CheckedDrive) -> str:
     if not checked.is_same:
         parts = [f"in the study: {', '.join(checked.from_study)}"] if checked.from_study else []
         parts += [f"when it was driven: {', '.join(checked.from_driving)}"] if checked.from_driving else []

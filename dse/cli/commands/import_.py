@@ -75,7 +75,7 @@ def import_fmu(
         raise typer.BadParameter("only one FMU can be given a name", param_hint="--name")
     for file in files:
         written = import_component(file, target, name)
-        _say_written(written.path, written.component, has_own_interface=written.has_own_interface)
+        _show_written(written.path, written.component, has_own_interface=written.has_own_interface)
         if written.starts:
             starts = plain(", ".join(written.starts))
             print_line(f"  inputs, with the values the FMU gives them itself: {starts}")
@@ -135,7 +135,7 @@ def import_simulink(
         if len(ports) > _MOST_SHOWN:
             table.add_row(what, f"and {len(ports) - _MOST_SHOWN} more")
     print_table(table)
-    _say_written(written.path, written.component, has_own_interface=written.has_own_interface)
+    _show_written(written.path, written.component, has_own_interface=written.has_own_interface)
     for what in written.told:
         print_line(f"  {plain(what)}")
     for what in written.left_out:
@@ -183,7 +183,7 @@ def _target(folder: Path | None) -> Path:
     return folder or Path(os.path.relpath(find_root(Path()) or Path()))
 
 
-def _say_written(path: Path, component: Component, *, has_own_interface: bool) -> None:
+def _show_written(path: Path, component: Component, *, has_own_interface: bool) -> None:
     counts = f"{_counted(component.interface.ports, 'port')}, {_counted(component.parameters, 'parameter')}"
     print_line(f"{path}: {counts}")
     whose = "of its own" if has_own_interface else "of the workspace"

@@ -66,10 +66,10 @@ def probe(
         if facts is None:
             with console(stderr=True).status(plain(f"probing {name}")) as status:
 
-                def tell(question: Question) -> None:
+                def show(question: Question) -> None:
                     status.update(plain(f"probing {name}: {_TITLES[str(question)]}?"))  # noqa: B023  # called at once
 
-                facts = probe_fmu(model, timeout=timeout, tell=tell, sandbox=sandbox)
+                facts = probe_fmu(model, timeout=timeout, tell=show, sandbox=sandbox)
         with console(stderr=True).status(plain(f"probing {name}: how exact is it?")):
             numerics = probe_numerics(name, model, timeout=timeout, again=again, sandbox=sandbox)
         found.append((facts, numerics))

@@ -35,7 +35,7 @@ def replay(
 
     stored = Results(folder).run(number)
     with console(stderr=True).status("") as status:
-        found = replayed(stored, source=source, fmi=version, tell=status.update, on_changed=_tell_changed)
+        found = replayed(stored, source=source, fmi=version, tell=status.update, on_changed=_show_changed)
     present_run(found.run, output, plot, units_word(si))
     problem = found.problem(str(folder))
     if problem:
@@ -46,5 +46,5 @@ def replay(
     raise typer.Exit(DONE if found.run.is_done else RUNS_FAILED)
 
 
-def _tell_changed(changed: tuple[str, ...]) -> None:
+def _show_changed(changed: tuple[str, ...]) -> None:
     print_line(f"changed since the study was made: {', '.join(changed)}", stderr=True)

@@ -34,7 +34,7 @@ def serve(
     """
     from dse.serving import Announced, StudyIndex, serve as serve_studies
 
-    def tell(announced: Announced) -> None:
+    def announce(announced: Announced) -> None:
         print_line(f"{announced.address}", style="bold")
         if announced.has_token:
             print_line(
@@ -42,4 +42,4 @@ def serve(
             )
         print_line("Ctrl-C ends it", stderr=True)
 
-    serve_studies(StudyIndex(folder, workspace), listen=listen, port=port, tell=tell)
+    serve_studies(StudyIndex(folder, workspace), listen=listen, port=port, tell=announce)

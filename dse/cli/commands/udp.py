@@ -71,7 +71,7 @@ def check(
             opened = connected_line(*to)
         with opened.socket:
             found = check_world(opened, WorldTrial(*sizes, step, steps, timeout, wholes_of(sides.out)))
-    _tell(found, output)
+    _show_checked(found, output)
     if not found.is_right:
         raise typer.Exit(RUNS_FAILED)
 
@@ -262,7 +262,7 @@ def _socket_errors(host: str, port: int) -> Iterator[None]:
         ) from error
 
 
-def _tell(found: Checked, output: Output) -> None:
+def _show_checked(found: Checked, output: Output) -> None:
     latencies = found.latencies
     shares = {"median": 0.5, "p90": 0.9, "p99": 0.99, "worst": 1.0}
     if output is Output.JSON:

@@ -67,7 +67,7 @@ class _Numerics:
             if not outcome.failure or outcome.hung:
                 break  # waiting once is enough
         if outcome.failure:
-            return FmuNumerics(self.step, unknown=f"by itself it {_said(outcome.failure)}")
+            return FmuNumerics(self.step, unknown=f"by itself it {_failure_text(outcome.failure)}")
         digests, by_step, grid, is_moving = outcome.result
         by_step = Settling(*by_step)
         if digests[0] != digests[1]:
@@ -151,7 +151,7 @@ class _Numerics:
             time.sleep(0.05)
         outcome = self._attempt(digest_of_run, element, self.step, steps)
         if outcome.failure:
-            return f"in another process it {_said(outcome.failure)}"
+            return f"in another process it {_failure_text(outcome.failure)}"
         return "" if outcome.result == digest else "its outputs differ from one process to another: by time or chance"
 
     def _attempt(self, experiment: Experiment, *arguments: object) -> ExperimentOutcome:
@@ -178,5 +178,5 @@ def _driven(element: Element, drive: Excitation) -> Element:
     return replace(element, start=start)
 
 
-def _said(failure: str) -> str:
+def _failure_text(failure: str) -> str:
     return f"fails: {failure}"

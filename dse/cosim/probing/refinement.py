@@ -74,7 +74,7 @@ def tighter_tolerances(journal: Journal, element: Element, step: float, steps: i
     runs = [_run(element, step, steps)]
     for tolerance in tighter(element.model):
         try:
-            runs.append(_run(_told(element, tolerance), step, steps))
+            runs.append(_run(_with_tolerance(element, tolerance), step, steps))
         except RunFailed:
             break  # one that it cannot keep
     return _plain(settling_of(runs, least=_LEAST_BY_TOLERANCE))
@@ -85,7 +85,9 @@ def exchanged(journal: Journal, element: Element, exchange: FmuModel, step: floa
     journal.note("simulating it for model exchange")
     tolerances = tighter(exchange)
     runs = [_run(element, step, steps)]
-    runs += [_run(_told(replace(element, model=exchange), tolerance), step, steps) for tolerance in tolerances[:2]]
+    runs += [
+        _run(_with_tolerance(replace(element, model=exchange), tolerance), step, steps) for tolerance in tolerances[:2]
+    ]
     apart, own = (settling_of(pair, least=_LEAST_BY_TOLERANCE).change for pair in (runs[:2], runs[1:]))
     return apart if own <= max(apart, 1e-6) else None
 
@@ -128,7 +130,7 @@ def _plain(settling: Settling) -> tuple[float, ...]:
     return settling.at, settling.change, settling.last, settling.place
 
 
-def _told(element: Element, tolerance: float) -> Element:
+def _with_tolerance(element: Element, tolerance: float) -> Element:
     experiment = replace(element.model.experiment, tolerance=tolerance)
     return replace(element, model=replace(element.model, experiment=experiment))
 

@@ -97,7 +97,7 @@ class CompiledMethod:
         for pace, own in zip(self._paces, steps, strict=True):
             pace.every, pace.parts = own.every, own.parts
 
-    def believe_nobody(self) -> None:
+    def distrust_dependencies(self) -> None:
         """Be ready for FMUs whose dependencies in the initialization are not true: from now on the kernel goes on by
         itself where it stopped with MISLED."""
         self.structure.untold = self._walk(order_of(self._wiring, initially=True, told=False))

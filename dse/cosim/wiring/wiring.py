@@ -112,8 +112,8 @@ def groups_by_type(element: Element, variables: Iterable[Variable], *, texts: bo
         if kind is not None and variable.size:
             ticks = model.lets_tick(variable)
             is_discrete = is_discrete_input(variable, model) or variable.name in tuned
-            waits = _knows_events(model) and is_discrete and not ticks
-            moves = _knows_events(model) and moves_within_steps(variable, model) and not ticks
+            waits = _handles_events(model) and is_discrete and not ticks
+            moves = _handles_events(model) and moves_within_steps(variable, model) and not ticks
             # What is set in events is set one by one: only what has changed.
             alone = number if ticks or (waits and model.ticks) else 0
             parts.setdefault((kind, waits, moves, alone, ticks), []).append(variable)
@@ -135,7 +135,7 @@ def moves_within_steps(variable: Variable, model: FmuModel) -> bool:
     return variable.is_intermediate or not is_co_simulation
 
 
-def _knows_events(model: FmuModel) -> bool:
+def _handles_events(model: FmuModel) -> bool:
     able = model.capabilities
     return (
         model.interface is FmiInterface.MODEL_EXCHANGE

@@ -106,7 +106,7 @@ class Supervisor:
         self._most = workers
         logged = logged_names(self._setup.log_folder)
         self._queue.fill(self._less_logged(batch) if batch.name in logged else batch for batch in batches)
-        self._tell_of_interrupted()
+        self._report_interrupted()
         while len(self._queue) or any(worker.assignments for worker in self._workers):
             self._start_workers()
             self._assign()
@@ -121,7 +121,7 @@ class Supervisor:
         logged = read_log(setup.log_folder, setup.measures, setup.study, batch.name) if batch.keep else []
         return batch.after({number for each in logged for number in each.kept}.intersection(batch.numbers))
 
-    def _tell_of_interrupted(self) -> None:
+    def _report_interrupted(self) -> None:
         """Tell of runs that were begun when a supervisor before this one was killed with its workers."""
         asked = self._queue.numbers()
         for folder in self._setup.log_folder.glob(f"{_FOLDER}*"):

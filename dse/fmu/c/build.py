@@ -127,7 +127,7 @@ def _problems(
         return [unmet[""]]
     if unmet:
         return list(dict.fromkeys(unmet.values()))
-    return [Problem(f"component '{component.name}': {_said(d)}", component.where) for d in error.diagnostics]
+    return [Problem(f"component '{component.name}': {_diagnostic_text(d)}", component.where) for d in error.diagnostics]
 
 
 def _in_own_file(diagnostic: Diagnostic, staged: StagedSources) -> Problem | None:
@@ -139,5 +139,5 @@ def _in_own_file(diagnostic: Diagnostic, staged: StagedSources) -> Problem | Non
     return Problem(diagnostic.message, Location(shown(origin), diagnostic.line, diagnostic.column), hint)
 
 
-def _said(diagnostic: Diagnostic) -> str:
+def _diagnostic_text(diagnostic: Diagnostic) -> str:
     return f"{diagnostic.file}:{diagnostic.line}: {diagnostic.message}" if diagnostic.file else diagnostic.message

@@ -87,7 +87,7 @@ def _part(library: Path, sources: OwnSources, compiler: Compiler, cache: Path | 
     try:
         return build_part(sources, compiler, cache)
     except CompilationError as error:
-        raise fail(f"{library.stem}: cannot be fused: {_said(error)}", hint=_REPORT) from error
+        raise fail(f"{library.stem}: cannot be fused: {_diagnostics_text(error)}", hint=_REPORT) from error
     except LookupError as error:
         raise fail(f"{library.stem}: cannot be fused: {error}", hint=_REPORT) from error
 
@@ -120,12 +120,12 @@ def _library(
     try:
         keep_file(target, linked)
     except CompilationError as error:
-        raise fail(f"{system.name}: cannot be fused: {_said(error)}", hint=_REPORT) from error
+        raise fail(f"{system.name}: cannot be fused: {_diagnostics_text(error)}", hint=_REPORT) from error
     prefixes = {element.name: parts[element.model.library].prefix for element in system.elements}
     return FusedLibrary(target, system, wanted.record, prefixes, algorithm)
 
 
-def _said(error: CompilationError) -> str:
+def _diagnostics_text(error: CompilationError) -> str:
     return "; ".join(f"{d.file}:{d.line}: {d.message}" if d.file else d.message for d in error.diagnostics[:3])
 
 

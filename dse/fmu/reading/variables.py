@@ -82,7 +82,7 @@ def _reference(element: XmlElement, problems: list[Problem]) -> int | None:
     return element.whole("valueReference", problems, least=0, most=2**32 - 1)
 
 
-def _values_told(
+def _declared(
     typed: XmlElement, version: int, types: Mapping[str, DeclaredType], problems: list[Problem]
 ) -> DeclaredType:
     """What a variable says of its values, with what its declared type adds."""
@@ -105,7 +105,7 @@ def _listed(
     if typed is None or reference is None or not name:
         return None
     subject = f"variable '{shortened(name)}'"
-    told = _values_told(typed, version, types, problems)
+    told = _declared(typed, version, types, problems)
     fmi_type, kind = typed.tag, VALUE_KINDS[typed.tag]
     if fmi_type == "Enumeration":  # read and written by the functions of a whole number
         fmi_type = "Int64" if version == 3 else "Integer"

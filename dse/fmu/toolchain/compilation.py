@@ -142,7 +142,7 @@ def compile_foreign(
             answer = _run(compiler, arguments, folder, is_foreign=True)
             if answer.returncode == 0 and target.is_file():
                 return ()
-            return tuple(replace(each, file=each.file or unit) for each in _told(answer))
+            return tuple(replace(each, file=each.file or unit) for each in _reported(answer))
 
         told = in_parallel(objects, compile_unit)
         problems = dict.fromkeys(one for each in told.values() for one in each)
@@ -187,7 +187,7 @@ def _made(
 def _product(made: Path, answer: subprocess.CompletedProcess[str]) -> bytes:
     if answer.returncode == 0 and made.is_file():
         return made.read_bytes()
-    raise CompilationError(_told(answer))
+    raise CompilationError(_reported(answer))
 
 
 @contextmanager
@@ -235,7 +235,7 @@ def _run(
         return subprocess.CompletedProcess(command, 1, "", f"it took longer than {_LONGEST} s")
 
 
-def _told(answer: subprocess.CompletedProcess[str]) -> tuple[Diagnostic, ...]:
+def _reported(answer: subprocess.CompletedProcess[str]) -> tuple[Diagnostic, ...]:
     return tuple(_diagnostics(answer.stderr or answer.stdout))
 
 

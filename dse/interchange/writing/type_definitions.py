@@ -30,11 +30,11 @@ def needs_version_2(element: Element) -> bool:
         or variable.is_structural
         or (variable.kind is not Kind.ENUMERATION and variable.fmi_type not in _IN_VERSION_1)
         or (connected and variable.causality not in _KINDS_1)
-        for variable, connected in _said(element)
+        for variable, connected in _shown_variables(element)
     )
 
 
-def _said(element: Element) -> Iterator[tuple[Variable, bool]]:
+def _shown_variables(element: Element) -> Iterator[tuple[Variable, bool]]:
     yield from ((variable, True) for variable in (*element.inputs, *element.outputs))
     yield from ((element.model.variable_of(label), False) for label in (*element.start, *element.texts))
 

@@ -13,7 +13,7 @@ _LANE = {"position", "gap"}
 
 def scenes_of(definition: StudyDefinition) -> Scenes | None:
     """What can be seen of the runs; None if nothing that is stored says where a car is."""
-    if not any(map(_tells_a_car, definition.configurations)):
+    if not any(map(_has_a_car, definition.configurations)):
         return None
     return Scenes(definition.study)
 
@@ -26,7 +26,7 @@ def with_replays(content: ReportContent, made: Collection[int]) -> ReportContent
     return replace(content, scenes=replace(known, made=tuple(sorted(made))))
 
 
-def _tells_a_car(configuration: DefinedConfiguration) -> bool:
+def _has_a_car(configuration: DefinedConfiguration) -> bool:
     """Whether a part has a heading, or tells its way along a lane and how far another one is ahead.
 
     Stored are the outputs that are connected or recorded: enough to know all that drive by themselves.

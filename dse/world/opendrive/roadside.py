@@ -55,7 +55,7 @@ def read_signs(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[Si
     examples use. Raises DseError located where one cannot be understood."""
     for stands, signal in _standing(road, named):
         if _is_sign(signal, {_LIMIT, _LIMIT_ENDS}):
-            speed = 0.0 if signal.get("type") == _LIMIT_ENDS else _told_speed(signal)
+            speed = 0.0 if signal.get("type") == _LIMIT_ENDS else _sign_speed(signal)
             if speed is not None:
                 yield Sign(*_place(stands), speed)
 
@@ -93,7 +93,7 @@ def _standing(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[tup
         yield element, signal
 
 
-def _told_speed(signal: XmlElement) -> float | None:
+def _sign_speed(signal: XmlElement) -> float | None:
     """In m/s: the sign's value, else its subtype in km/h as the catalogue has it (274-50); None if it has neither."""
     told, unit = real_of(signal.get("value")), signal.get("unit", "km/h").strip() or "km/h"
     if told is None or told <= 0.0:

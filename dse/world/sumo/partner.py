@@ -99,7 +99,7 @@ class _Partner:
         try:
             simulation = Simulation(self._folder, dict(zip(self._parameters, values, strict=True)))
         except Exception as error:  # noqa: BLE001  # whatever it is, it is told
-            self._line.refuse(_told(error, said))
+            self._line.refuse(_error_text(error, said))
             return self._line.question()
         while question and question[0] == _START and question[1][1 : 1 + len(values)] == values:
             child = os.fork()
@@ -117,7 +117,7 @@ class _Partner:
             try:
                 self._line.answer(simulation.step(inputs, numbers[0]) if kind == _STEP else simulation.look(inputs))
             except Exception as error:  # noqa: BLE001  # whatever it is, it is told
-                self._line.refuse(_told(error, said))
+                self._line.refuse(_error_text(error, said))
                 os._exit(0)
             question = self._line.question()
         os._exit(0)
@@ -140,7 +140,7 @@ def _listen() -> int:
     return file
 
 
-def _told(error: Exception, said: int) -> str:
+def _error_text(error: Exception, said: int) -> str:
     """What went wrong, in SUMO's words if it has said something."""
     if isinstance(error, SumoError):
         return str(error)

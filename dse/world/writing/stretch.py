@@ -36,7 +36,7 @@ def stretch(
         length = sum(piece.bend.length for piece in made)
         risen = list(_rise(segment, length, place))
         for cubic in risen:
-            if not _goes_on(cubic, heights):
+            if not _is_straight(cubic, heights):
                 heights.append(replace(cubic, start=station + cubic.start))
         place = Place(pose, *_end(risen[-1], length))
         banks += [replace(cubic, start=station + cubic.start) for cubic in _banks(segment)]
@@ -69,7 +69,7 @@ def stretch(
     return road, place
 
 
-def _goes_on(cubic: CubicRecord, before: Sequence[CubicRecord]) -> bool:
+def _is_straight(cubic: CubicRecord, before: Sequence[CubicRecord]) -> bool:
     """Whether the height rises as straight as it did *before*."""
     return bool(before) and (before[-1].b, before[-1].c, before[-1].d) == (cubic.b, cubic.c, cubic.d) == (cubic.b, 0, 0)
 

@@ -59,7 +59,9 @@ def _show(offer: Offer) -> None:
     table = plain_table("place", "", "choice", "")
     for point in offer.points:
         for number, choice in enumerate(point.choices):
-            table.add_row(point.path if not number else "", _mark(point, choice), choice.name, _told(point, choice))
+            table.add_row(
+                point.path if not number else "", _mark(point, choice), choice.name, _choice_text(point, choice)
+            )
     if offer.points:
         print_table(table)
     if offer.configuration:
@@ -74,7 +76,7 @@ def _mark(point: ChoicePoint, choice: OfferedChoice) -> str:
     return "" if choice.is_possible else "✗"
 
 
-def _told(point: ChoicePoint, choice: OfferedChoice) -> str:
+def _choice_text(point: ChoicePoint, choice: OfferedChoice) -> str:
     if not choice.is_possible:
         return "; ".join(choice.texts())
     if point.implied == choice.name:
