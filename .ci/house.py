@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
 import sys
 import tomllib
 from importlib.metadata import PackageNotFoundError, distribution
@@ -18,6 +19,8 @@ from packaging.requirements import Requirement
 HOUSE = Path(__file__).parents[1]
 LINES = HOUSE / "house.toml"
 DISTRIBUTION = "dse-workbench"
+KINDS = ("added", "changed", "fixed", "removed", "security")
+SUBJECT = 72
 
 
 def size_of(folder: Path) -> dict[str, int]:
@@ -92,6 +95,26 @@ def worded() -> dict[str, int]:
     }
 
 
+def changes() -> list[str]:
+    """What is wrong with the names of changes/*.md, and with the subjects of commits since the one in .ci/base."""
+    wrong = [
+        f"changes/{path.name}: no <topic>.<kind>.md with a kind of {', '.join(sorted(KINDS))}"
+        for path in sorted((HOUSE / "changes").iterdir())
+        if path.name != "README.md" and not re.fullmatch(rf"[\w-]+\.({'|'.join(KINDS)})\.md", path.name)
+    ]
+    base = (HOUSE / ".ci/base").read_text(encoding="utf-8").strip()
+    log = ["git", "log", "--no-merges", "--format=%h %s", f"{base}..HEAD"]
+    found = subprocess.run(log, cwd=HOUSE, capture_output=True, text=True, check=False)
+    if found.returncode:
+        print("house: without the history since .ci/base, subjects of commits are not checked")
+    subjects = (line.partition(" ") for line in found.stdout.splitlines())
+    return wrong + [
+        f"commit {commit}: a subject of {len(subject)} characters; {SUBJECT} fit into a line of git log"
+        for commit, _, subject in subjects
+        if len(subject) > SUBJECT
+    ]
+
+
 def measured() -> dict[str, dict[str, int]]:
     """Every number of house.toml that can be counted; processor time is measured by the tests themselves."""
     rooms = sorted(path for path in (HOUSE / "dse").iterdir() if path.is_dir() and any(path.rglob("*.py")))
@@ -125,10 +148,11 @@ def main() -> int:
     """Check, or lower."""
     wrong, text = compared(LINES.read_text(encoding="utf-8"), measured(), lowers="--lower" in sys.argv)
     LINES.write_text(text, encoding="utf-8")
+    wrong += changes()
     for each in wrong:
         print(f"house: {each}")
     if not wrong:
-        print("house: no number is above its line")
+        print("house: no number is above its line; changes and subjects are as they should be")
     return bool(wrong)
 
 
