@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 import sys
 import unicodedata
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
+
+import typer
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -105,3 +109,54 @@ def _plain(data: object) -> object:
     if isinstance(data, list | tuple):
         return [_plain(value) for value in data]
     return data
+
+
+# A line that says what is being waited for.
+
+
+_PATIENCE = 1.0
+"""Seconds before a line says what is being waited for."""
+
+
+@contextmanager
+def status_line() -> Iterator[Callable[[str], None]]:
+    """Shows the text it was last given on a terminal's standard error, once the context has lasted a second."""
+    screen = console(stderr=True)
+    if not screen.is_terminal:
+        yield lambda _: None
+        return
+    from threading import Timer
+
+    from rich.text import Text
+
+    status = screen.status("")
+    late = Timer(_PATIENCE, status.start)
+    late.start()
+    try:
+        yield lambda text: status.update(Text(plain(text)))
+    finally:
+        late.cancel()
+        late.join()
+        status.stop()
+
+
+# Amounts of memory, as people read and write them.
+
+
+_SIZES = {"TB": 1e12, "GB": 1e9, "MB": 1e6, "kB": 1e3, "B": 1.0}
+
+
+def size_text(number: float) -> str:
+    """So many bytes, to three digits."""
+    for unit, size in _SIZES.items():
+        if number >= size:
+            return f"{number / size:.3g} {unit}"
+    return f"{number:.0f} B"
+
+
+def read_size(text: str) -> float:
+    """The bytes that *text* means (``500 MB``). Raises BadParameter."""
+    found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?B)\s*", text)
+    if found is None:
+        raise typer.BadParameter(f"'{text}' is no amount of memory; write it as '500 MB'")
+    return float(found[1]) * _SIZES[found[2]]

@@ -10,9 +10,9 @@ import pytest
 
 SLOW = """
 import sys, time
-from dse.cli import status
-from dse.cli.status import status_line
-status._PATIENCE = float(sys.argv[2])
+from dse.cli import terminal
+from dse.cli.terminal import status_line
+terminal._PATIENCE = float(sys.argv[2])
 with status_line() as show:
     show("checking components: 7 of 29 (combustion[6at]\\x1b[31m)")
     time.sleep(float(sys.argv[1]))

@@ -11,8 +11,7 @@ import pytest
 from dse.domain.component import Component
 from dse.domain.diagram import Diagram, Link
 from dse.loading.workspace import Workspace
-from dse.pictures.component import draw_component, pictured
-from dse.pictures.component_layout import lay_out
+from dse.pictures.component import draw_component, lay_out, pictured
 
 COMPONENTS = Path(__file__).parents[2] / "components"
 

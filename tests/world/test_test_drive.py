@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 import dse
-from dse.api.driving.live import View
+from dse.api.drives.live import View
 from dse.domain.design import Configuration
 from dse.domain.drive import Drive, Pace
 from dse.domain.run import Run, RunRequest

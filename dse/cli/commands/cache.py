@@ -9,9 +9,7 @@ import typer
 
 from dse.cli.app import group
 from dse.cli.arguments import Format, Output
-from dse.cli.sizes import read_size, size_text
-from dse.cli.status import status_line
-from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table
+from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table, read_size, size_text, status_line
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,8 +10,7 @@ import typer
 from dse.cli.app import app
 from dse.cli.arguments import Strict
 from dse.cli.packages import check_package, is_package
-from dse.cli.status import status_line
-from dse.cli.terminal import print_line, print_some
+from dse.cli.terminal import print_line, print_some, status_line
 from dse.errors import Problem, raise_if_any
 
 

@@ -73,7 +73,7 @@ def drive(
 def _show(folder: Path, run: int, browser: bool) -> None:
     from dse.api import Results
     from dse.cli.arguments import named_folder
-    from dse.cli.status import status_line
+    from dse.cli.terminal import status_line
 
     with status_line() as announce:
         page = Results(named_folder(folder)).replay_page(run, tell=announce)

@@ -10,8 +10,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Configuration, FolderOrRoad, named_folder
-from dse.cli.status import status_line
-from dse.cli.terminal import print_line, show_problems
+from dse.cli.terminal import print_line, show_problems, status_line
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 from dse.scratch import make_folder
 

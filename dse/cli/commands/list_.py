@@ -10,8 +10,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Format, Output
-from dse.cli.status import status_line
-from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table
+from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table, status_line
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,8 +10,7 @@ import typer
 from dse.cli.app import app
 from dse.cli.arguments import named_folder
 from dse.cli.completion import folders
-from dse.cli.status import status_line
-from dse.cli.terminal import print_line
+from dse.cli.terminal import print_line, status_line
 
 Sources = Annotated[
     list[Path],

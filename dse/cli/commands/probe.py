@@ -9,8 +9,7 @@ import typer
 
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import FmiVersion, Format, Output, Sandbox
-from dse.cli.sizes import size_text
-from dse.cli.terminal import console, plain, plain_table, print_json, print_line, print_table
+from dse.cli.terminal import console, plain, plain_table, print_json, print_line, print_table, size_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

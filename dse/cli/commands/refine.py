@@ -9,8 +9,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Folder
-from dse.cli.status import status_line
-from dse.cli.terminal import print_line
+from dse.cli.terminal import print_line, status_line
 from dse.scratch import make_folder, write_whole
 
 

@@ -9,8 +9,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Folder
-from dse.cli.status import status_line
-from dse.cli.terminal import print_line, show_page, show_problems
+from dse.cli.terminal import print_line, show_page, show_problems, status_line
 
 if TYPE_CHECKING:
     from dse.api import Results

@@ -11,7 +11,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import SI, Folder, units_word
-from dse.cli.status import status_line
+from dse.cli.terminal import status_line
 
 
 class Table(StrEnum):

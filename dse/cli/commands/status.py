@@ -14,8 +14,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Folder
-from dse.cli.sizes import size_text
-from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table
+from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table, size_text
 
 if TYPE_CHECKING:
     from dse.api import Status

@@ -16,8 +16,7 @@ from dse.expression import parse_expression
 from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates, bench_candidates, outputs, settable, split_name, types_of
 from dse.loading.bench.inputs import INPUTS, InputSection, read_inputs
-from dse.loading.bench.method import SimulationSection
-from dse.loading.bench.simulation import read_simulation
+from dse.loading.bench.method import SimulationSection, read_simulation
 from dse.loading.design.connections import read_connections
 from dse.loading.design.tree import FindComponent
 from dse.loading.include import read_document

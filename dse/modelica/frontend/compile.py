@@ -11,7 +11,7 @@ from typing import Any
 from dse.errors import DseError, Problem, fail
 from dse.modelica.frontend.literal import WRAPPER, is_class_name, wrapper
 from dse.modelica.frontend.messages import found_problems, refusal
-from dse.modelica.frontend.misreadings.misread import misread
+from dse.modelica.frontend.misreadings import misread
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import SCHEMA, FrontEndResult
 from dse.modelica.frontend.source_text import declarations

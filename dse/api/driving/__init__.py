@@ -1,1 +1,0 @@
-"""Somebody at the wheel of a bench, live."""

@@ -1,0 +1,293 @@
+"""What the front-end is known to flatten wrongly without a word: found in the sources the model uses, and refused."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+
+from dse.errors import Location, Problem
+from dse.modelica.frontend.result import FrontEndResult
+from dse.modelica.frontend.source_text import CLASS_KINDS, PREFIXES, arguments, inside, occurring, place
+from dse.modelica.frontend.sources import SourceText
+from dse.modelica.frontend.used_classes import Used, used
+
+
+def misread(result: FrontEndResult) -> Iterator[Problem]:
+    """Each construct of the classes the model uses that rumoca 0.10.2 takes for something else."""
+    read = used(result.sources.values(), result.model)
+    names = [str(function["name"]) for function in result.dae["storage"]["functions"]]
+    yield from misread_modifications(read)
+    yield from _functions_of_one_name(read, names)
+    yield from mixed_up_constants(read, result.model, [name.rpartition(".")[2] for name in names])
+    yield from _outer_classes(read)
+
+
+def _functions_of_one_name(read: Used, names: list[str]) -> Iterator[Problem]:
+    """Functions are kept under the name they are called by, so that two of one name become one."""
+    tops = {name for source in read.texts for name in _top(source)}
+    for name in names:
+        if "." in name and name.split(".", maxsplit=1)[0] in tops:
+            continue
+        last = name.rsplit(".", maxsplit=1)[-1]
+        declared = re.compile(
+            rf"\b(?:function|record)\s+(?:extends\s+)?({re.escape(last)})\b(?<!end {re.escape(last)})"
+        )
+        aliased = re.compile(rf"\bimport\s+({re.escape(last)})\s*=")
+        places = [where for pattern in (declared, aliased) for _, _, where in occurring(read.texts, pattern)]
+        if len(places) > 1:
+            what = f"the function '{name}' may be one of {len(places)}, which the front-end cannot distinguish"
+            yield Problem(what, places[0], f"call it by its full name; another is declared at {places[1]}")
+
+
+def _top(source: SourceText) -> Iterator[str]:
+    within = re.search(r"\bwithin\b\s*([\w.]*)\s*;", source.text)
+    if within is not None and within[1]:
+        yield within[1].split(".", maxsplit=1)[0]
+        return
+    first = re.search(rf"\b(?:{CLASS_KINDS})\s+(\w+)", source.text)
+    if first is not None:
+        yield first[1]
+
+
+_OUTER = re.compile(rf"\bouter\s+{PREFIXES}({CLASS_KINDS})\b")
+
+
+def _outer_classes(read: Used) -> Iterator[Problem]:
+    """The class that is inner is not looked for."""
+    for _, match, where in occurring(read.texts, _OUTER):
+        what = f"an outer {match[1]}, for which the front-end does not take the inner one, is not supported"
+        yield Problem(what, where, "make the class replaceable, and redeclare it")
+
+
+# Constants of packages that the front-end mixes up: found in the text of what a model uses, and refused.
+
+
+_LIST = re.compile(r"\bconstant\s+([\w.]+)\s*(?:\[[^\]]*\])?\s*([^;]*);")
+_DECLARED = re.compile(r"\s*(\w+)")
+
+
+def mixed_up_constants(used: Used, model: str, called: Iterable[str]) -> Iterator[Problem]:
+    """Each change of a constant that rumoca 0.10.2 takes for a change of another, or for none.
+
+    *called*: the last words of the names of all functions the model calls.
+    """
+    seen: set[Location] = set()
+    rules = (_read_by_functions(used, set(called)), _of_the_base(used, model), _redeclared(used), _records(used))
+    for problem in (problem for rule in rules for problem in rule):
+        if problem.where is not None and problem.where not in seen:
+            seen.add(problem.where)
+            yield problem
+
+
+def constants(texts: Iterable[SourceText]) -> set[str]:
+    """The names of all constants declared in *texts*."""
+    return {name for _, match, _ in occurring(texts, _LIST) for name, _ in _listed(match)}
+
+
+def _listed(match: re.Match[str]) -> Iterator[tuple[str, int]]:
+    """Name and place of each constant of one declaration."""
+    for start, end in arguments(match[2]):
+        declared = _DECLARED.match(match[2], start, end)
+        if declared is not None:
+            yield declared[1], match.start(2) + declared.start(1)
+
+
+def _read_by_functions(used: Used, called: set[str]) -> Iterator[Problem]:
+    """A constant that one class changes has the same value in all functions that read it."""
+    words = {word for text in used.texts for body in _bodies(text, called) for word in re.findall(r"\w+", body)}
+    for name in sorted(constants(used.texts) & words):
+        changed = re.compile(rf"[(,]\s*(?:(?:each|final)\s+)*({re.escape(name)})\s*=(?!=)")
+        for _, _, where in occurring(used.texts, changed):
+            what = f"constant '{name}' is changed here and read by a function, where the front-end mixes up its values"
+            yield Problem(what, where, "make it an input of the function")
+
+
+def _bodies(source: SourceText, names: set[str]) -> Iterator[str]:
+    for match in re.finditer(r"\bfunction\s+(?:extends\s+)?(\w+)", source.text):
+        if match[1] in names:
+            end = re.compile(rf"\bend\s+{re.escape(match[1])}\s*;").search(source.text, match.end())
+            yield source.text[match.end() : end.start() if end else match.end()]
+
+
+_CHANGED = re.compile(r"(?:\bextends\s+|=\s*)(?:[\w]+\s*\.\s*)*(\w+)\s*\(")
+
+
+def _of_the_base(used: Used, model: str) -> Iterator[Problem]:
+    """A constant changed in a package made from another changes in that one too, once both are read."""
+    names = constants(used.texts)
+    packages = {match[1] for _, match, _ in occurring(used.texts, re.compile(r"\b(?:package|class)\s+(\w+)"))}
+    for source, match, _ in occurring(used.texts, _CHANGED):
+        base = match[1]
+        if base not in packages or (base not in model.split(".") and not _is_read(used.texts, base)):
+            continue
+        text = inside(source.text, match.end() - 1)
+        for start, end in arguments(text):
+            changed = re.compile(r"\s*(?:(?:each|final)\s+)*(\w+)").match(text, start, end)
+            if changed is not None and changed[1] in names:
+                what = f"constant '{changed[1]}' of package '{base}' is changed here, and '{base}' is used too, where"
+                what += " the front-end mixes up its values"
+                yield Problem(
+                    what, place(source, match.end() + changed.start(1)), "write two packages that share no base"
+                )
+
+
+def _is_read(texts: Sequence[SourceText], base: str) -> bool:
+    """Whether *base* is named but to be declared, extended, constrain, or become another package with changes."""
+    name = re.escape(base)
+    path = rf"(?:\w+\s*\.\s*)*{name}\b"
+    other = rf"\b(?:package|class|end|extends|constrainedby)\s+{path}(?!\s*\.)|=\s*{path}\s*\("
+    named = re.compile(rf"(?P<other>{other})|\b{name}\b")
+    return any(match["other"] is None for _, match, _ in occurring(texts, named))
+
+
+_REDECLARED = re.compile(r"\b(redeclare)\s+(?:(?:each|final|replaceable)\s+)*constant\b")
+
+
+def _redeclared(used: Used) -> Iterator[Problem]:
+    """The new declaration is dropped."""
+    for _, _, where in occurring(used.texts, _REDECLARED):
+        what = "the redeclaration of a constant, which the front-end does not see, is not supported"
+        yield Problem(what, where, "give the constant another value by a modification")
+
+
+def _records(used: Used) -> Iterator[Problem]:
+    """What is read of single fields is what the record's class says; the whole record is right."""
+    records = {match[1] for _, match, _ in occurring(used.texts, re.compile(r"\brecord\s+(\w+)"))}
+    for source, match, _ in occurring(used.packages, _LIST):
+        for name, start in _listed(match):
+            field = re.compile(rf"\b{re.escape(name)}\s*(?:\[[^\]]*\])?\s*\.\s*\w")
+            if match[1].rpartition(".")[2] in records and any(field.search(text.text) for text in used.texts):
+                what = f"reading fields of the package's constant '{name}', a record, is not supported"
+                yield Problem(
+                    what, place(source, start), "let a record in the model be it as a whole, and read that one"
+                )
+
+
+# Modifications and redeclarations that the front-end drops or keeps against the language: found, and refused.
+
+
+_SIZE = r"(?:\[[^\]]*\])?"
+_TYPED = rf"(?:(?!(?:{CLASS_KINDS})\b)\w+\s+)*?[\w.]+\s*{_SIZE}\s+"
+
+
+def misread_modifications(read: Used) -> Iterator[Problem]:
+    """Each modification in what is used that rumoca 0.10.2 takes for something else."""
+    yield from _redeclared_with_changes(read)
+    yield from _constrained_with_changes(read)
+    yield from _redeclared_component(read)
+    yield from _dotted(read)
+
+
+_REDECLARED_CLASS = re.compile(rf"\bredeclare\s+{PREFIXES}(?:{CLASS_KINDS})\s+(\w+)\s*=\s*[\w.]+\s*{_SIZE}\s*\(")
+
+
+def _redeclared_with_changes(read: Used) -> Iterator[Problem]:
+    """The modifications of a redeclared class are dropped."""
+    for _, match, where in occurring(read.texts, _REDECLARED_CLASS):
+        what = f"the redeclaration of class '{match[1]}' modifies what it takes, which the front-end does not see"
+        yield Problem(what, where, "declare a class that extends it with these modifications, and redeclare to that")
+
+
+_CONSTRAINED = re.compile(rf"\b(constrainedby)\s+[\w.]+\s*{_SIZE}\s*\(")
+_STATEMENT = re.compile(r"[;]|\b(?:public|protected|equation)\b")
+_CLASS = re.compile(rf"\breplaceable\s+{PREFIXES}(?:{CLASS_KINDS})\b")
+_COMPONENT = re.compile(rf"[\w.]+\s*{_SIZE}\s+(\w+)\s*{_SIZE}\s*\(")
+
+
+def _constrained_with_changes(read: Used) -> Iterator[Problem]:
+    """Modifications of the constraining class are dropped; no matter where a component says the same itself."""
+    for source, match, where in occurring(read.texts, _CONSTRAINED):
+        before = max((found.end() for found in _STATEMENT.finditer(source.text, 0, match.start())), default=0)
+        declaration = source.text[before : match.start()]
+        component = _COMPONENT.search(declaration)
+        own = inside(declaration, component.end() - 1) if component and not _CLASS.search(declaration) else ""
+        if _bare(own) != _bare(inside(source.text, match.end() - 1)):
+            what = "'constrainedby' with modifications, which the front-end does not see, is not supported"
+            yield Problem(what, where, "constrain by a class that extends it with these modifications")
+
+
+_REPLACEABLE = re.compile(rf"\breplaceable\s+{_TYPED}(\w+)\s*{_SIZE}\s*\(")
+
+
+def _redeclared_component(read: Used) -> Iterator[Problem]:
+    """A component redeclared in a modification keeps the modifications of the declaration before, even where a class
+    constrains it; one redeclared as an element loses them."""
+    for source, match, _ in occurring(read.texts, _REPLACEABLE):
+        own = inside(source.text, match.end() - 1)
+        is_constrained = re.match(r"\)\s*constrainedby\b", source.text[match.end() + len(own) :]) is not None
+        yield from _redeclarations(read, match[1], own, is_element=not is_constrained)
+    for name in {match[1] for _, match, _ in occurring(read.texts, re.compile(rf"\bredeclare\s+{_TYPED}(\w+)\b"))}:
+        changed = re.compile(rf"[(,]\s*(?:(?:each|final)\s+)*{re.escape(name)}\s*(\()")
+        for source, match, _ in occurring(read.texts, changed):
+            yield from _redeclarations(read, name, inside(source.text, match.end() - 1), is_element=True)
+
+
+def _redeclarations(read: Used, name: str, own: str, *, is_element: bool) -> Iterator[Problem]:
+    again = re.compile(rf"\bredeclare\s+{_TYPED}({re.escape(name)})\b\s*{_SIZE}\s*")
+    for text, found, where in occurring(read.texts, again):
+        if is_element == (re.search(r"[(,]\s*(?:(?:each|final)\s+)*$", text.text[: found.start()]) is not None):
+            continue
+        new = inside(text.text, found.end()) if text.text[found.end() : found.end() + 1] == "(" else ""
+        missing = sorted(_names(own) - _names(new))
+        if missing:
+            how = "drops" if is_element else "keeps"
+            what = f"the redeclaration of '{name}', for which the front-end {how} the modifications made before,"
+            yield Problem(f"{what} is not supported", where, f"modify the same again here: {', '.join(missing)}")
+
+
+def _names(modifications: str) -> set[str]:
+    """What a list of modifications gives values to; of nested ones the text."""
+    found = set()
+    for start, end in arguments(modifications):
+        part = _bare(re.sub(r"^\s*(?:(?:each|final)\s+)*", "", modifications[start:end]))
+        simple = re.match(r"(\w+)=", part)
+        found.add(simple[1] if simple else part)
+    return found - {""}
+
+
+def _bare(text: str) -> str:
+    return re.sub(r"\s", "", text)
+
+
+_NO_TYPES = "and|or|not|if|then|else|elseif|when|elsewhen|while|loop|in|equation|algorithm|return|for|end|extends"
+_MODIFIED = re.compile(
+    rf"(?:\bextends\s+|\b(?:{CLASS_KINDS})\s+\w+\s*=\s*|(?<![\w.])(?!(?:{_NO_TYPES})\b)[A-Za-z_][\w.]*\s*{_SIZE}\s+)"
+    rf"(?!annotation\b)(?P<first>[\w.]+\s*{_SIZE}\s*[(,=])"
+)
+_MODIFIES = re.compile(rf"\s*(?:(?:each|final)\s+)*(?P<name>\w+(?:\s*\.\s*\w+)*)\s*{_SIZE}\s*(?P<next>\(|=(?!=))?")
+
+
+def _dotted(read: Used) -> Iterator[Problem]:
+    """Modifications by dotted names are dropped."""
+    for source in read.texts:
+        seen: set[int] = set()
+        for match in _MODIFIED.finditer(source.text):
+            first = match.start("first")
+            ends = source.text.find(";", first)
+            whole = source.text[first : ends if ends >= 0 else len(source.text)]
+            for start, end in arguments(whole):
+                opened = re.compile(rf"\s*[\w.]+\s*{_SIZE}\s*\(").match(whole, start, end)
+                if opened is not None:
+                    seen.update(_dotted_in(source, first + opened.end()))
+        for start in sorted(seen):
+            name = re.compile(r"[\w.\s]*[\w]").match(source.text, start)
+            what = (
+                f"the modification of '{name[0] if name else ''}', which the front-end does not see, is not supported"
+            )
+            yield Problem(what, place(source, start), "nest it: a(b = 1) in place of a.b = 1")
+
+
+def _dotted_in(source: SourceText, start: int) -> Iterator[int]:
+    """Places of dotted names in the modifications whose bracket opens before *start*, and in those inside them."""
+    pending = [start]
+    while pending:
+        start = pending.pop()
+        text = inside(source.text, start - 1)
+        for begin, end in arguments(text):
+            modified = _MODIFIES.match(text, begin, end)
+            if modified is None or not modified["next"]:
+                continue
+            if "." in modified["name"]:
+                yield start + modified.start("name")
+            if modified["next"] == "(":
+                pending.append(start + modified.end())
