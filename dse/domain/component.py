@@ -118,9 +118,15 @@ class Interface:
     where: Location | None = None
     optional: tuple[str, ...] = ()
     _by_name: Mapping[str, Port] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _parts: Mapping[str, tuple[Port, ...]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_by_name", {port.name: port for port in reversed(self.ports)})
+        parts: dict[str, list[Port]] = {}
+        for port in self.ports:
+            for whole in wholes(port.name):
+                parts.setdefault(whole, []).append(port)
+        object.__setattr__(self, "_parts", {whole: tuple(ports) for whole, ports in parts.items()})
 
     def port(self, name: str) -> Port | None:
         """The port called *name*, or None."""
@@ -128,7 +134,8 @@ class Interface:
 
     def group(self, prefix: str) -> tuple[Port, ...]:
         """The port called *prefix* or, if it names a group or an array, all ports in it, in order."""
-        return tuple(port for port in self.ports if is_part(port.name, prefix))
+        port, parts = self._by_name.get(prefix), self._parts.get(prefix, ())
+        return (port, *parts) if port else parts
 
     def needs(self, port: str) -> bool:
         """Whether the input *port* must have a source."""
