@@ -2,8 +2,8 @@
 import { el } from "./dom";
 import { showDrive } from "./drive/cockpit";
 import { showDealership, type Bench, type Order } from "./drive/dealership";
-import { buildBoards, showEnding } from "./drive/ending";
-import { ask, connect, readChoices, type Ended } from "./drive/wire";
+import { buildBoards, showEnding } from "./drive/result";
+import { ask, connect, readChoices, type Ended } from "./drive/messages";
 import { startTheme } from "./theme";
 
 const page = document.getElementById("drive")!;

@@ -1,8 +1,8 @@
 // A report that a server has given: how the study is getting on, new runs, stopping it. A report that is a file has none.
 import { el } from "./dom";
 import { count, group } from "./format";
-import { answered, post } from "./live/asking";
-import { createTrying } from "./live/trying";
+import { answered, post } from "./live/requests";
+import { createTrying } from "./live/whatif";
 import type { Store } from "./store";
 
 interface Entry {

@@ -1,7 +1,7 @@
 // Puts the page together.
 import { followAddress, readFragment } from "./address";
 import { startingRun } from "./actions";
-import { createAnnouncement } from "./announce";
+import { createAnnouncement } from "./announcement";
 import { shownRuns } from "./counts";
 import { el } from "./dom";
 import { count } from "./format";

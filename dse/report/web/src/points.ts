@@ -1,6 +1,6 @@
 // What is judged: a run; where conditions are varied a design, at the worst of the conditions that are let through.
 import { pooledOver, type Grouping } from "./grouping";
-import { standingOf } from "./judging";
+import { standingOf } from "./judgement";
 import type { State, Store } from "./store";
 import { withUnit } from "./format";
 import type { Study } from "./study";

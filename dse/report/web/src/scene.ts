@@ -1,9 +1,9 @@
 // A run in three dimensions: played, paused, wound, seen from four sides.
 import { el } from "./dom";
 import { readRecording, type Recording } from "./scene/data";
-import { Fineness } from "./scene/fineness";
+import { Fineness } from "./scene/resolution";
 import { buildInstruments } from "./scene/instruments";
-import { sensorColour } from "./scene/sensing";
+import { sensorColour } from "./scene/sensors";
 import { buildStage, VIEWS, type View } from "./scene/stage";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4];

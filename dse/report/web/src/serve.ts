@@ -1,5 +1,5 @@
 // The list of studies and their comparison, as the server has written them: theme, and news while something runs.
-import { answered } from "./live/asking";
+import { answered } from "./live/requests";
 import { startTheme } from "./theme";
 
 const EVERY = 3000;

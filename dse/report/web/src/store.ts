@@ -1,5 +1,5 @@
 // What the reader has chosen. Parts of the page subscribe; changes of one animation frame arrive together.
-import { maskOf, type Brush } from "./brushing";
+import { maskOf, type Brush } from "./brush";
 import { createPlanes, type Plane } from "./plane/plane";
 import { everyCondition, pointsOf, poolOf, type Points } from "./points";
 import type { Study } from "./study";

@@ -1,13 +1,13 @@
 // The drive itself: the scene over the whole width, what a driver looks at, and who drives.
 import { el } from "../dom";
-import { Fineness } from "../scene/fineness";
+import { Fineness } from "../scene/resolution";
 import { buildInstruments } from "../scene/instruments";
-import { sensorColour } from "../scene/sensing";
+import { sensorColour } from "../scene/sensors";
 import { buildStage, type View } from "../scene/stage";
 import { Controls, GAPS, KEYS } from "./controls";
 import { buildGauges } from "./gauges";
 import { buildTouch } from "./touch";
-import type { Drive, Tunable } from "./wire";
+import type { Drive, Tunable } from "./messages";
 
 const EVERY = 1000 / 30; // ms between two messages
 const FEW = 8; // sliders that are shown at once

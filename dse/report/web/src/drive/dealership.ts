@@ -1,6 +1,6 @@
 // Which car, and where: only what can be built can be chosen.
 import { el } from "../dom";
-import { ask, offerAddress, written, type Alternative, type Offer, type Point } from "./wire";
+import { ask, offerAddress, written, type Alternative, type Offer, type Point } from "./messages";
 
 export interface Order {
   bench: string;

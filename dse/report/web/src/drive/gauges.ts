@@ -2,7 +2,7 @@
 import { el } from "../dom";
 import type { Controls } from "./controls";
 import { GAPS } from "./controls";
-import type { Drive } from "./wire";
+import type { Drive } from "./messages";
 
 const TOP = 180; // km/h
 const FAR = 120; // m

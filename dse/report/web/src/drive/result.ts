@@ -1,6 +1,6 @@
 // What came of the drive, and what others came to on the same road.
 import { el } from "../dom";
-import { ask, type Ended } from "./wire";
+import { ask, type Ended } from "./messages";
 
 interface Score {
   place: number | null;

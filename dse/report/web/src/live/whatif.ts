@@ -2,7 +2,7 @@
 import uPlot from "uplot";
 import { el, field } from "../dom";
 import { number, withUnit } from "../format";
-import { post } from "./asking";
+import { post } from "./requests";
 import type { Store } from "../store";
 import { axisLabel } from "../study";
 import { palette } from "../theme";

@@ -1,5 +1,5 @@
 // A range in the heading of a table's column: dragging across it, or its two handles, filters every view.
-import { rebrushed } from "../brushing";
+import { rebrushed } from "../brush";
 import { columnOf } from "../columns";
 import { el } from "../dom";
 import { withUnit } from "../format";

@@ -1,6 +1,6 @@
 // Every run as a line across axes the reader chooses and orders; dragging along an axis brushes it.
 import { selectRun, setSetting, togglePin } from "../actions";
-import { rebrushed } from "../brushing";
+import { rebrushed } from "../brush";
 import { el } from "../dom";
 import { group } from "../format";
 import { createMenu } from "../menu";

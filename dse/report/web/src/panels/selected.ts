@@ -1,7 +1,7 @@
 // The selected run: its parameters, its metrics against the thresholds, and its parameters as YAML.
 import { el } from "../dom";
 import { checked, count, number, withUnit } from "../format";
-import { replaying } from "./replaying";
+import { replaying } from "./replay";
 import type { Store } from "../store";
 import { copyText } from "../save";
 import type { Study } from "../study";

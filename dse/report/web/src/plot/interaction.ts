@@ -1,6 +1,6 @@
 // Pointing, clicking, dragging, the wheel and keys on the constraint plot.
 import { selectRun, togglePin } from "../actions";
-import { rebrushed } from "../brushing";
+import { rebrushed } from "../brush";
 import { shownRuns } from "../counts";
 import { el } from "../dom";
 import { isKept } from "../panels/waveforms";

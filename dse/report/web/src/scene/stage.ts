@@ -4,7 +4,7 @@ import type { Source } from "./data";
 import { HEADLAMPS, isDrawnByProgram } from "./light";
 import { buildLights } from "./lights";
 import { buildRoad } from "./road";
-import { buildSensing, type Sensing } from "./sensing";
+import { buildSensing, type Sensing } from "./sensors";
 import { buildSurroundings } from "./surroundings";
 import { buildHost, buildOther, Fleet, type Vehicle } from "./vehicles";
 

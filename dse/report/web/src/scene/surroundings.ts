@@ -1,7 +1,7 @@
 // Sky, light, fog, rain and snow as the weather of the run has them.
 import { type BufferGeometry, CircleGeometry, Color, FogExp2, Mesh, RingGeometry, type Scene, type Vector3 } from "three";
 import type { Source, Strip } from "./data";
-import { Falling } from "./falling";
+import { Falling } from "./precipitation";
 import { joined, LIT, painted } from "./light";
 
 const DAY = new Color(0xa9c8e8);

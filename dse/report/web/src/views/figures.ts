@@ -1,7 +1,7 @@
 // Figures that were drawn by Python, of this program and of others.
 import { card, el } from "../dom";
 import { createCharts } from "../panels/charts";
-import { withSaving } from "../panels/saving";
+import { withSaving } from "../panels/export";
 import type { View } from "./view";
 
 export const figuresView: View = {

@@ -2,7 +2,7 @@
 import { addTools, card, el } from "../dom";
 import { createConfigurations } from "../panels/configurations";
 import { createParallel } from "../panels/parallel";
-import { savingMenu } from "../panels/saving";
+import { savingMenu } from "../panels/export";
 import { createTable } from "../panels/table";
 import { plotted } from "../plane/plane";
 import type { View } from "./view";

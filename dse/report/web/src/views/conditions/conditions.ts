@@ -5,7 +5,7 @@ import { studyThresholds } from "../../store";
 import type { Study } from "../../study";
 import type { View } from "../view";
 import { isAsStudied } from "../shared/thresholds";
-import { chosenOf, setChosen, type Chosen } from "./chosen";
+import { chosenOf, setChosen, type Chosen } from "./selection";
 import { createMatrix } from "./matrix";
 
 export const conditionsView: View = {

@@ -7,9 +7,9 @@ import { CLASSES, FAIL, FAILED, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../../
 import { SHARE_OF } from "../shared/margins";
 import { openRun } from "../shared/runs";
 import { cellsOf, markOf, type Cell } from "./cells";
-import type { Chosen } from "./chosen";
+import type { Chosen } from "./selection";
 import { designsOf } from "./designs";
-import { createSmall } from "./small";
+import { createSmall } from "./multiples";
 import { levelsOf, oneLevel } from "./levels";
 
 const keys = new WeakMap<Study, string[]>();

@@ -10,7 +10,7 @@ import { seriesColour } from "./colouring";
 import { scaleOf } from "../shared/margins";
 import { choiceAt, configurationOf, hasVariable, MOST_COMPARED, nameOf, togglePick, type Model } from "./model";
 import { createOverlay } from "./overlay";
-import { short } from "./short";
+import { short } from "./ellipsis";
 import { designColumns } from "./values";
 
 export function createCompare(model: Model): HTMLElement {

@@ -9,7 +9,7 @@ import { createFunnel } from "./funnel";
 import { createLeaderboard } from "./leaderboard";
 import { differingPlaces, createModel } from "./model";
 import { createReasons } from "./reasons";
-import { boardButton, scatterMenu } from "./saving";
+import { boardButton, scatterMenu } from "./export";
 import { createScatter } from "./scatter";
 import { designColumns } from "./values";
 import { createWaterfall } from "./waterfall";

@@ -1,5 +1,5 @@
 // What is taken out of the view: pictures, the table of designs, and the commands that make the same.
-import { quoted, savingMenu } from "../../panels/saving";
+import { quoted, savingMenu } from "../../panels/export";
 import { el } from "../../dom";
 import { cell, download } from "../../save";
 import type { Part } from "../../plot/sheet";

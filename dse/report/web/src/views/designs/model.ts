@@ -7,7 +7,7 @@ import { PASS } from "../../verdicts";
 import { MOST_COMPARED, readChoices, withChoices, type Choices, type Criterion } from "./choices";
 import { frontOf } from "./front";
 import { groupingOf, variablesOf, type Grouping } from "../../grouping";
-import { standingOf, type Standing } from "../../judging";
+import { standingOf, type Standing } from "../../judgement";
 import { topsis } from "./topsis";
 import { aggregated, designColumns, place, senseOf, type DesignColumn, type Sense } from "./values";
 

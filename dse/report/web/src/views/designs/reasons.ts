@@ -7,8 +7,8 @@ import { CLASSES, FAIL, PASS, SIGNS, WORDS } from "../../verdicts";
 import { variablesOf } from "../../grouping";
 import { scaleOf } from "../shared/margins";
 import { configurationOf, MOST_COMPARED, nameOf, subscribeCalmly, type Model } from "./model";
-import { changesBetween, nearestDesign, type Change } from "./nearest";
-import { short } from "./short";
+import { changesBetween, nearestDesign, type Change } from "./neighbours";
+import { short } from "./ellipsis";
 
 export function createReasons(model: Model): HTMLElement {
   const box = el("div", { class: "reasons", id: "reasons" });

@@ -1,6 +1,6 @@
 // Any column over any other: point to see, click to select, drag a rectangle to set everything else back.
 import { selectRun } from "../../actions";
-import { rebrushed } from "../../brushing";
+import { rebrushed } from "../../brush";
 import { columnsOf } from "../../columns";
 import { choose, el, field } from "../../dom";
 import { count, group, number, withUnit } from "../../format";

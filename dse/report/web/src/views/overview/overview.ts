@@ -2,10 +2,10 @@
 import { card, el } from "../../dom";
 import { createFacts } from "../../panels/facts";
 import type { View } from "../view";
-import { createAsked } from "./asked";
+import { createAsked } from "./question";
 import { createConstants } from "./constants";
 import { createFormulas } from "./formulas";
-import { createFound } from "./found";
+import { createFound } from "./findings";
 import { createPicks } from "./picks";
 import { createRequirements } from "./requirements";
 import { createSources } from "./sources";

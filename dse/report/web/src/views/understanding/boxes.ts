@@ -2,7 +2,7 @@
 import { el } from "../../dom";
 import { group, number, percent, withUnit } from "../../format";
 import type { Box, Centre, Range } from "../../insight";
-import { rebrushed } from "../../brushing";
+import { rebrushed } from "../../brush";
 import type { Store } from "../../store";
 import { PASS } from "../../verdicts";
 import { planeName } from "../shared/planes";

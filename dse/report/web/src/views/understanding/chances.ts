@@ -9,7 +9,7 @@ import type { Sheet } from "../../plot/sheet";
 import type { Store } from "../../store";
 import { liesIn } from "../../plane/plane";
 import { palette, shade, type Palette } from "../../theme";
-import { createPainted } from "../shared/painting";
+import { createPainted } from "../shared/canvas";
 import { placeAt } from "../shared/places";
 import { planeName } from "../shared/planes";
 import { positionOf } from "../shared/runs";

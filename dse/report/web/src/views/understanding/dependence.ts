@@ -5,7 +5,7 @@ import type { Part, Response } from "../../insight";
 import { paintChart } from "../../plot/chart";
 import type { Store } from "../../store";
 import { palette } from "../../theme";
-import { createPainted } from "../shared/painting";
+import { createPainted } from "../shared/canvas";
 import { valueAt } from "../shared/places";
 import { createShares } from "./shares";
 

@@ -8,7 +8,7 @@ import type { State, Store } from "../../store";
 import type { Study } from "../../study";
 import { palette } from "../../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../../verdicts";
-import { chooseMatrixVariables, matrixVariables, MOST_VARIABLES } from "./chosen";
+import { chooseMatrixVariables, matrixVariables, MOST_VARIABLES } from "./selection";
 
 const MOST_POINTS = 4000;
 const RIM = 6;

@@ -7,11 +7,11 @@ import type { Part, Profile, Response } from "../../insight";
 import { paintChart } from "../../plot/chart";
 import type { Store } from "../../store";
 import { palette } from "../../theme";
-import { createPainted, type Painted } from "../shared/painting";
+import { createPainted, type Painted } from "../shared/canvas";
 import { levelAt, levelOf, placeText, valueAt } from "../shared/places";
 import { planeName } from "../shared/planes";
 import { withLevel } from "./choices";
-import { chooseProfilePlaces, profilePlaces } from "./chosen";
+import { chooseProfilePlaces, profilePlaces } from "./selection";
 import { whiskers } from "./dependence";
 import { predict } from "./formula";
 

@@ -7,7 +7,7 @@ import { paintChart } from "../../plot/chart";
 import type { Store } from "../../store";
 import { palette } from "../../theme";
 import { aimOf } from "../shared/aims";
-import { createPainted } from "../shared/painting";
+import { createPainted } from "../shared/canvas";
 
 export function createSearch(store: Store, search: Search): HTMLElement {
   const { objectives, units, stages, picks, designs, feasible, unfinished } = search;
