@@ -32,5 +32,10 @@ function rounded(value: number, outwards: (value: number) => number): number {
 /** *brushes* with the one on *column* replaced, or taken away where there is no *range*. */
 export function rebrushed(brushes: readonly Brush[], column: string, range: readonly [number, number] | null): Brush[] {
   const others = brushes.filter((brush) => brush.column !== column);
-  return range ? [...others, { column, low: rounded(Math.min(...range), Math.floor), high: rounded(Math.max(...range), Math.ceil) }] : others;
+  return range
+    ? [
+        ...others,
+        { column, low: rounded(Math.min(...range), Math.floor), high: rounded(Math.max(...range), Math.ceil) },
+      ]
+    : others;
 }

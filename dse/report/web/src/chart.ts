@@ -86,7 +86,12 @@ const MOST_NOTE = 1200;
 const MOST_UNIT = 20;
 
 function named(axis: ChartAxis): ChartAxis {
-  return { ...axis, title: shortened(axis.title, MOST_TITLE), unit: shortened(axis.unit, MOST_UNIT), names: axis.names.map((name) => shortened(name, MOST_TITLE)) };
+  return {
+    ...axis,
+    title: shortened(axis.title, MOST_TITLE),
+    unit: shortened(axis.unit, MOST_UNIT),
+    names: axis.names.map((name) => shortened(name, MOST_TITLE)),
+  };
 }
 
 /** The figures of the document, with the arrays that lie beside it. */

@@ -12,7 +12,14 @@ const { benches } = JSON.parse(document.getElementById("document")!.textContent!
 startTheme();
 const order = ordered();
 if (benches.length) choose();
-else page.replaceChildren(el("p", { class: "problem" }, "There is no road to drive on: no bench has a component that implements the interface 'driver'."));
+else
+  page.replaceChildren(
+    el(
+      "p",
+      { class: "problem" },
+      "There is no road to drive on: no bench has a component that implements the interface 'driver'.",
+    ),
+  );
 window.addEventListener("hashchange", () => {
   if (!page.querySelector(".dealership")) return;
   Object.assign(order, ordered(), { driver: order.driver });
@@ -44,7 +51,12 @@ async function drive(): Promise<void> {
   } catch (error) {
     driven.leave();
     const canWebGl = Boolean(document.createElement("canvas").getContext("webgl2"));
-    finished({ why: "lost", text: canWebGl ? `The scene cannot be shown: ${String(error)}` : "This browser or machine has no WebGL", drive: null, verdicts: [] });
+    finished({
+      why: "lost",
+      text: canWebGl ? `The scene cannot be shown: ${String(error)}` : "This browser or machine has no WebGL",
+      drive: null,
+      verdicts: [],
+    });
   }
 }
 

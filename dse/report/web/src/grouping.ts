@@ -22,13 +22,27 @@ const known = new WeakMap<Study, Grouping>();
 
 export function groupingOf(study: Study): Grouping {
   let grouping = known.get(study);
-  if (!grouping) known.set(study, (grouping = grouped(study, valuesOf(study, ({ role }) => role === "design"), valuesOf(study, ({ role }) => role === "condition"), Int32Array.from(study.number.keys()))));
+  if (!grouping)
+    known.set(
+      study,
+      (grouping = grouped(
+        study,
+        valuesOf(study, ({ role }) => role === "design"),
+        valuesOf(study, ({ role }) => role === "condition"),
+        Int32Array.from(study.number.keys()),
+      )),
+    );
   return grouping;
 }
 
 /** The runs *among*, grouped where they differ only in the variables *pooled*, which are conditions. */
 export function pooledOver(study: Study, pooled: ReadonlySet<Variable>, among: Int32Array): Grouping {
-  return grouped(study, valuesOf(study, (variable) => !pooled.has(variable)), valuesOf(study, (variable) => pooled.has(variable)), among);
+  return grouped(
+    study,
+    valuesOf(study, (variable) => !pooled.has(variable)),
+    valuesOf(study, (variable) => pooled.has(variable)),
+    among,
+  );
 }
 
 function valuesOf(study: Study, suits: (variable: Variable) => boolean): ArrayLike<number>[] {
@@ -51,7 +65,16 @@ function grouped(study: Study, own: ArrayLike<number>[], at: ArrayLike<number>[]
       if (i === start[design] || condition[rows[i]!] !== condition[rows[i - 1]!]) tried[design]!++;
     }
   }
-  return { size, of, first, start, rows, condition, conditions, whole: Uint8Array.from(tried, (count) => (count === conditions ? 1 : 0)) };
+  return {
+    size,
+    of,
+    first,
+    start,
+    rows,
+    condition,
+    conditions,
+    whole: Uint8Array.from(tried, (count) => (count === conditions ? 1 : 0)),
+  };
 }
 
 /** Numbers 0, 1, … for the rows *among* those of *columns*, the same for equal rows; -1 for others. */

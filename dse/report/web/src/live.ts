@@ -38,7 +38,19 @@ export function startLive(store: Store): void {
   const stop = el("button", { type: "button", id: "live-stop", hidden: true, click: () => void ask() }, "Stop");
   const said = el("span", { class: "muted", role: "status", id: "live-said" });
   const trying = createTrying(store, entry.query);
-  const bar = el("nav", { class: "live", "aria-label": "Study being served" }, el("a", { href: "/" }, "All studies"), state, meter, told, news, stop, said, el("span", { class: "spring" }), trying.button);
+  const bar = el(
+    "nav",
+    { class: "live", "aria-label": "Study being served" },
+    el("a", { href: "/" }, "All studies"),
+    state,
+    meter,
+    told,
+    news,
+    stop,
+    said,
+    el("span", { class: "spring" }),
+    trying.button,
+  );
   document.body.prepend(bar, ...entry.problems.map((text) => el("p", { class: "live problem" }, text)));
   document.body.append(trying.panel);
   new ResizeObserver(() => (trying.panel.style.top = `${bar.offsetHeight}px`)).observe(bar);
@@ -92,7 +104,10 @@ export function startLive(store: Store): void {
       } catch (error) {
         bar.dataset["state"] = "gone";
         state.textContent = "no answer";
-        told.textContent = error instanceof TypeError ? "the server does not answer; this page stays as it is" : String((error as Error).message);
+        told.textContent =
+          error instanceof TypeError
+            ? "the server does not answer; this page stays as it is"
+            : String((error as Error).message);
         stop.hidden = true;
       }
     }

@@ -32,7 +32,14 @@ export function csvOf(store: Store): string {
   const places = [...new Set(study.configurations.flatMap(({ choices }) => choices.map(([place]) => place)))];
   const chosen = study.configurations.map(({ choices }) => new Map(choices));
   const columns = columnsOf(study);
-  const head = ["run", "configuration", ...places, ...columns.map(axisLabel), ...study.requirements.map(({ title }) => title), "verdict"];
+  const head = [
+    "run",
+    "configuration",
+    ...places,
+    ...columns.map(axisLabel),
+    ...study.requirements.map(({ title }) => title),
+    "verdict",
+  ];
   const rows = [head.map(cell).join()];
   for (let run = 0; run < study.size; run++) {
     if (within && !within[run]) continue;

@@ -40,7 +40,11 @@ function play(page: HTMLElement, recording: Recording): void {
   let isPlaying = first.time === null;
   let shown = -1;
 
-  const canvas = el("canvas", { class: "stage", role: "img", "aria-label": `${recording.document.title}, ${recording.document.subtitle}, in three dimensions` });
+  const canvas = el("canvas", {
+    class: "stage",
+    role: "img",
+    "aria-label": `${recording.document.title}, ${recording.document.subtitle}, in three dimensions`,
+  });
   const stage = buildStage(canvas, recording);
   const jump = (to: number): void => {
     time = Math.min(Math.max(to, 0), recording.seconds);
@@ -48,7 +52,14 @@ function play(page: HTMLElement, recording: Recording): void {
   };
   const instruments = buildInstruments(recording, jump);
   const clock = el("output", { class: "clock" });
-  const slider = el("input", { type: "range", min: 0, max: recording.seconds, step: "any", "aria-label": "Time in s", input: () => jump(Number(slider.value)) });
+  const slider = el("input", {
+    type: "range",
+    min: 0,
+    max: recording.seconds,
+    step: "any",
+    "aria-label": "Time in s",
+    input: () => jump(Number(slider.value)),
+  });
   const button = el("button", { type: "button", class: "play", click: () => set(!isPlaying) });
   const set = (playing: boolean): void => {
     if (playing && time >= recording.seconds) time = 0;
@@ -60,20 +71,44 @@ function play(page: HTMLElement, recording: Recording): void {
   const rate = el("select", { "aria-label": "Speed of the replay", change: () => (speed = Number(rate.value)) });
   for (const each of SPEEDS) rate.append(el("option", { value: each }, `${each}\u00d7`));
   rate.value = "1";
-  const cameras = VIEWS.map(([name, title]) => el("button", { type: "button", "data-view": name, click: () => choose(name) }, title));
+  const cameras = VIEWS.map(([name, title]) =>
+    el("button", { type: "button", "data-view": name, click: () => choose(name) }, title),
+  );
   const choose = (name: View): void => {
     view = name;
     shown = -1;
     for (const each of cameras) each.setAttribute("aria-pressed", String(each.dataset["view"] === name));
   };
   choose(view);
-  const sensors = el("input", { type: "checkbox", checked: true, change: () => { stage.sensing.set(sensors.checked); shown = -1; } });
+  const sensors = el("input", {
+    type: "checkbox",
+    checked: true,
+    change: () => {
+      stage.sensing.set(sensors.checked);
+      shown = -1;
+    },
+  });
   const legend = recording.document.sensors.map((sensor, number) =>
     el("li", {}, mark(sensorColour(number)), sensor.title),
   );
-  const heading = el("header", {}, el("h1", {}, recording.document.title), el("span", { class: "muted" }, recording.document.subtitle));
-  const key = legend.length ? el("div", { class: "legend" }, el("label", {}, sensors, "Sensors"), el("ul", {}, ...legend)) : null;
-  const bar = el("div", { class: "controls" }, button, slider, clock, rate, el("div", { class: "cameras", role: "group", "aria-label": "Camera" }, ...cameras));
+  const heading = el(
+    "header",
+    {},
+    el("h1", {}, recording.document.title),
+    el("span", { class: "muted" }, recording.document.subtitle),
+  );
+  const key = legend.length
+    ? el("div", { class: "legend" }, el("label", {}, sensors, "Sensors"), el("ul", {}, ...legend))
+    : null;
+  const bar = el(
+    "div",
+    { class: "controls" },
+    button,
+    slider,
+    clock,
+    rate,
+    el("div", { class: "cameras", role: "group", "aria-label": "Camera" }, ...cameras),
+  );
   page.replaceChildren(el("main", {}, canvas, el("div", { class: "over" }, heading, key), bar), instruments.element);
 
   document.addEventListener("keydown", (event) => {

@@ -58,7 +58,10 @@ async function awaitReplay(wanted: HTMLElement): Promise<void> {
   const looking = setInterval(() => {
     void fetch(address)
       .then(answered)
-      .then((now) => (told.textContent = `${(now as { told: string }).told || "waiting for the simulation to begin"} \u00b7 ${seconds()}`))
+      .then(
+        (now) =>
+          (told.textContent = `${(now as { told: string }).told || "waiting for the simulation to begin"} \u00b7 ${seconds()}`),
+      )
       .catch(() => undefined);
   }, AGAIN);
   try {

@@ -114,12 +114,14 @@ export function createStore(study: Study, initial: State): Store {
     points() {
       if (poolOf(study, state) === poolOf(study, everyCondition(study))) return store.designs();
       const { x, y, fixed, thresholds, brushes } = state;
-      if (![x, y, fixed, thresholds, brushes].every((one, index) => one === shown?.of[index])) shown = { of: [x, y, fixed, thresholds, brushes], points: pointsOf(store, state) };
+      if (![x, y, fixed, thresholds, brushes].every((one, index) => one === shown?.of[index]))
+        shown = { of: [x, y, fixed, thresholds, brushes], points: pointsOf(store, state) };
       return shown!.points;
     },
     designs() {
       const { thresholds, brushes } = state;
-      if (![thresholds, brushes].every((one, index) => one === whole?.of[index])) whole = { of: [thresholds, brushes], points: pointsOf(store, everyCondition(study)) };
+      if (![thresholds, brushes].every((one, index) => one === whole?.of[index]))
+        whole = { of: [thresholds, brushes], points: pointsOf(store, everyCondition(study)) };
       return whole!.points;
     },
     within() {

@@ -21,7 +21,13 @@ export function createTabs(store: Store): Tabs {
   const suited = VIEWS.filter((view) => view.suits(store.study));
   const made = new Map<string, Made>();
   const panel = el("div", { id: "view", role: "tabpanel", tabindex: -1 });
-  const tabs = suited.map((view) => el("button", { id: `tab-${view.name}`, type: "button", role: "tab", "aria-controls": "view", click: () => open(view) }, view.title));
+  const tabs = suited.map((view) =>
+    el(
+      "button",
+      { id: `tab-${view.name}`, type: "button", role: "tab", "aria-controls": "view", click: () => open(view) },
+      view.title,
+    ),
+  );
   const list = el("div", { class: "views", role: "tablist", "aria-label": "Views" }, ...tabs);
   const opened = (): View => suited.find(({ name }) => name === store.state.view) ?? suited[0]!;
   const open = (view: View): void => {
@@ -78,6 +84,12 @@ export function createTabs(store: Store): Tabs {
   });
   show();
   const { chips, form } = createBrushes(store);
-  const navigation = el("nav", { class: "navigation" }, suited.length > 1 && list, el("span", { class: "spring" }), form);
+  const navigation = el(
+    "nav",
+    { class: "navigation" },
+    suited.length > 1 && list,
+    el("span", { class: "spring" }),
+    form,
+  );
   return { elements: [navigation, chips, el("main", {}, panel)], stack };
 }

@@ -11,7 +11,11 @@ import type { Drive, Tunable } from "./messages";
 
 const EVERY = 1000 / 30; // ms between two messages
 const FEW = 8; // sliders that are shown at once
-const CAMERAS: [View, string][] = [["chase", "Chase"], ["driver", "Driver"], ["top", "Top"]];
+const CAMERAS: [View, string][] = [
+  ["chase", "Chase"],
+  ["driver", "Driver"],
+  ["top", "Top"],
+];
 
 /** Shows the drive in *page*; what it gives back ends the showing. */
 export function showDrive(page: HTMLElement, drive: Drive): () => void {
@@ -23,7 +27,9 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
   const gauges = buildGauges(drive);
   const signals = buildInstruments(stream);
   let view: View = "chase";
-  const cameras = CAMERAS.map(([name, text]) => el("button", { type: "button", "data-view": name, click: () => look(name) }, text));
+  const cameras = CAMERAS.map(([name, text]) =>
+    el("button", { type: "button", "data-view": name, click: () => look(name) }, text),
+  );
   const look = (name: View): void => {
     view = name;
     for (const each of cameras) each.setAttribute("aria-pressed", String(each.dataset["view"] === name));
@@ -32,21 +38,52 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
   const rays = el("input", { type: "checkbox", checked: true, change: () => stage.sensing.set(rays.checked) });
   const help = buildHelp();
   const finish = el("button", { type: "button", class: "finish", click: () => drive.finish() }, "Finish");
-  const legend = sensors.length && el("div", { class: "legend" }, el("label", {}, rays, "Sensors"), el("ul", {}, ...sensors.map((each, number) => el("li", {}, mark(sensorColour(number)), each.title))));
-  const tools = el("div", { class: "tools" },
+  const legend =
+    sensors.length &&
+    el(
+      "div",
+      { class: "legend" },
+      el("label", {}, rays, "Sensors"),
+      el("ul", {}, ...sensors.map((each, number) => el("li", {}, mark(sensorColour(number)), each.title))),
+    );
+  const tools = el(
+    "div",
+    { class: "tools" },
     el("div", { class: "cameras", role: "group", "aria-label": "Camera" }, ...cameras),
-    el("button", { type: "button", "aria-label": "Keys", click: () => help.showModal() }, "?"), finish);
+    el("button", { type: "button", "aria-label": "Keys", click: () => help.showModal() }, "?"),
+    finish,
+  );
   const shown = el("details", { class: "panel signals" }, el("summary", {}, "Signals"), signals.element);
-  const aside = el("div", { class: "panels" }, drive.tunables.length ? buildTuning(drive) : null, instruments.length ? shown : null);
-  page.replaceChildren(el("main", { class: "drive" }, canvas,
-    el("div", { class: "over" }, el("header", {}, el("h1", {}, title), el("span", {}, subtitle)), legend || null), tools, aside, gauges.element, buildTouch(controls), help));
+  const aside = el(
+    "div",
+    { class: "panels" },
+    drive.tunables.length ? buildTuning(drive) : null,
+    instruments.length ? shown : null,
+  );
+  page.replaceChildren(
+    el(
+      "main",
+      { class: "drive" },
+      canvas,
+      el("div", { class: "over" }, el("header", {}, el("h1", {}, title), el("span", {}, subtitle)), legend || null),
+      tools,
+      aside,
+      gauges.element,
+      buildTouch(controls),
+      help,
+    ),
+  );
 
   // A key that means something where the focus is does not drive.
   const isTaken = ({ target, code }: KeyboardEvent): boolean =>
-    target instanceof HTMLElement && (target.matches("input[type=range]") ? code.startsWith("Arrow") : target.matches(":focus-visible:is(button, summary, input)") && code === "Space");
+    target instanceof HTMLElement &&
+    (target.matches("input[type=range]")
+      ? code.startsWith("Arrow")
+      : target.matches(":focus-visible:is(button, summary, input)") && code === "Space");
   // Whoever clicks with a mouse goes on driving with the keys.
   const leave = ({ detail, target }: MouseEvent): void => {
-    const button = detail && target instanceof Element && target.closest<HTMLElement>("button, summary, input[type=checkbox]");
+    const button =
+      detail && target instanceof Element && target.closest<HTMLElement>("button, summary, input[type=checkbox]");
     if (button && !help.contains(button)) button.blur();
   };
   const key = (event: KeyboardEvent): void => {
@@ -74,7 +111,9 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
   let said: Record<string, number> = {};
   const say = (passed: number): void => {
     const values = controls.values(passed);
-    const changed = Object.entries(values).filter(([name, value]) => drive.controls.includes(name) && said[name] !== value);
+    const changed = Object.entries(values).filter(
+      ([name, value]) => drive.controls.includes(name) && said[name] !== value,
+    );
     if (!changed.length) return;
     drive.send("control", Object.fromEntries(changed));
     said = { ...said, ...Object.fromEntries(changed) };
@@ -121,11 +160,21 @@ function buildTuning(drive: Drive): HTMLElement {
   const row = ({ name, title, unit, min, max, value }: Tunable): HTMLElement => {
     const output = el("output", {});
     const text = name.slice(name.indexOf(".") + 1).replaceAll("_", " ");
-    const slider = el("input", { type: "range", min, max, step: "any", value, "aria-label": title ? `${text}: ${title}` : text, input: () => {
-      tell();
-      waiting = true;
-    } });
-    const tell = (): void => { output.textContent = `${Number(Number(slider.value).toPrecision(3))} ${unit === "1" ? "" : unit}`.trim(); };
+    const slider = el("input", {
+      type: "range",
+      min,
+      max,
+      step: "any",
+      value,
+      "aria-label": title ? `${text}: ${title}` : text,
+      input: () => {
+        tell();
+        waiting = true;
+      },
+    });
+    const tell = (): void => {
+      output.textContent = `${Number(Number(slider.value).toPrecision(3))} ${unit === "1" ? "" : unit}`.trim();
+    };
     let waiting = false;
     tell();
     sliders.push(() => {
@@ -142,7 +191,9 @@ function buildTuning(drive: Drive): HTMLElement {
     parts.set(part, [...(parts.get(part) ?? []), each]);
   }
   const isOpen = drive.tunables.length <= FEW;
-  const groups = [...parts].map(([part, each]) => el("details", { open: isOpen }, el("summary", {}, part.replaceAll("_", " ")), ...each.map(row)));
+  const groups = [...parts].map(([part, each]) =>
+    el("details", { open: isOpen }, el("summary", {}, part.replaceAll("_", " ")), ...each.map(row)),
+  );
   const panel = el("details", { class: "panel tuning" }, el("summary", {}, "Tuning"), ...groups);
   let timer = 0;
   panel.addEventListener("input", () => {
@@ -157,9 +208,18 @@ function buildTuning(drive: Drive): HTMLElement {
 
 function buildHelp(): HTMLDialogElement {
   const rows = KEYS.map(([key, what]) => el("div", {}, el("dt", {}, key), el("dd", {}, what)));
-  const dialog = el("dialog", { class: "help", "aria-label": "Keys" }, el("h2", {}, "Keys"), el("dl", {}, ...rows),
-    el("p", { class: "muted" }, `Gamepad: triggers for the pedals, left stick to steer, A cruise control, B gap (${GAPS.join(", ")}), bumpers for the set speed. Hands off the wheel leave it to lane keeping, if the car has it.`),
-    el("button", { type: "button", click: () => dialog.close() }, "Resume"));
+  const dialog = el(
+    "dialog",
+    { class: "help", "aria-label": "Keys" },
+    el("h2", {}, "Keys"),
+    el("dl", {}, ...rows),
+    el(
+      "p",
+      { class: "muted" },
+      `Gamepad: triggers for the pedals, left stick to steer, A cruise control, B gap (${GAPS.join(", ")}), bumpers for the set speed. Hands off the wheel leave it to lane keeping, if the car has it.`,
+    ),
+    el("button", { type: "button", click: () => dialog.close() }, "Resume"),
+  );
   return dialog;
 }
 

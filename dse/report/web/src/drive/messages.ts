@@ -89,7 +89,9 @@ export function offerAddress(bench: string, chosen: Record<string, string>): str
 }
 
 export function written(chosen: Record<string, string>): string {
-  return Object.entries(chosen).map(([path, name]) => `${path}:${name}`).join(",");
+  return Object.entries(chosen)
+    .map(([path, name]) => `${path}:${name}`)
+    .join(",");
 }
 
 export function readChoices(text: string): Record<string, string> {
@@ -112,7 +114,8 @@ export function connect(token: string, over: (ended: Ended) => void): Promise<Dr
       else reject(new Error(ended.text));
       socket.close();
     };
-    socket.onclose = () => end({ why: "lost", text: "The connection to the drive was lost", drive: null, verdicts: [] });
+    socket.onclose = () =>
+      end({ why: "lost", text: "The connection to the drive was lost", drive: null, verdicts: [] });
     socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => {
       if (typeof data !== "string") {
         if (drive) take(drive, data);

@@ -36,5 +36,7 @@ export function drawColourBar(
   pen.font = `600 12px ${colours.font}`;
   pen.textAlign = "center";
   pen.textBaseline = "alphabetic";
-  sideways(pen, width - 5, (frame.top + frame.bottom) / 2, () => pen.fillText(axisLabel(metric), 0, 0, frame.bottom - frame.top));
+  sideways(pen, width - 5, (frame.top + frame.bottom) / 2, () =>
+    pen.fillText(axisLabel(metric), 0, 0, frame.bottom - frame.top),
+  );
 }

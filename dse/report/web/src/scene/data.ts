@@ -79,7 +79,8 @@ export async function readRecording(): Promise<Recording> {
   };
   const speed = columns.get("host.speed");
   const sums = new Float64Array(read.steps);
-  for (let i = 1; i < read.steps; i++) sums[i] = sums[i - 1]! + (step * ((speed?.[i - 1] ?? 0) + (speed?.[i] ?? 0))) / 2;
+  for (let i = 1; i < read.steps; i++)
+    sums[i] = sums[i - 1]! + (step * ((speed?.[i - 1] ?? 0) + (speed?.[i] ?? 0))) / 2;
   return {
     document: read,
     version: 0,

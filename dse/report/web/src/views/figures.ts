@@ -8,5 +8,6 @@ export const figuresView: View = {
   name: "figures",
   title: "Figures",
   suits: (study) => study.charted.length > 0,
-  create: (store) => el("div", { class: "wide" }, withSaving(store, card("charts", "Figures", createCharts(store)), "figures", "")),
+  create: (store) =>
+    el("div", { class: "wide" }, withSaving(store, card("charts", "Figures", createCharts(store)), "figures", "")),
 };

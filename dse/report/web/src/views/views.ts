@@ -14,4 +14,14 @@ import type { View } from "./view";
 const withoutPlane: View = { ...overviewView, suits: (study) => overviewView.suits(study) && !plotted(study) };
 const withPlane: View = { ...overviewView, suits: (study) => overviewView.suits(study) && plotted(study) };
 
-export const VIEWS: readonly View[] = [withoutPlane, plotView, withPlane, designsView, understandingView, conditionsView, runsView, figuresView, studyView];
+export const VIEWS: readonly View[] = [
+  withoutPlane,
+  plotView,
+  withPlane,
+  designsView,
+  understandingView,
+  conditionsView,
+  runsView,
+  figuresView,
+  studyView,
+];

@@ -23,14 +23,38 @@ export const designsView: View = {
     const model = createModel(store);
     const scatter = createScatter(model);
     const several = groupingOf(store.study).size > 1;
-    const boxes = differingPlaces(store).length ? [card("buys", "What an alternative buys", createAlternatives(model))] : [];
-    const falls = several && store.study.requirements.length ? [card("falls", "What requirements leave", createWaterfall(model))] : [];
+    const boxes = differingPlaces(store).length
+      ? [card("buys", "What an alternative buys", createAlternatives(model))]
+      : [];
+    const falls =
+      several && store.study.requirements.length
+        ? [card("falls", "What requirements leave", createWaterfall(model))]
+        : [];
     const { notes } = store.study;
-    const left = notes?.funnel?.steps.length ? [card("static", "What the design space leaves", createFunnel(store.study, notes.funnel))] : [];
+    const left = notes?.funnel?.steps.length
+      ? [card("static", "What the design space leaves", createFunnel(store.study, notes.funnel))]
+      : [];
     root.append(
-      el("div", { class: "left" }, addTools(card("scatter", "Any over any", scatter.box), scatterMenu(model, scatter.picture))),
-      el("div", { class: "right" }, card("asked", "What is asked of a design", createCriteria(model)), card("why", "The selected design", createReasons(model))),
-      el("div", { class: "wide" }, addTools(card("board", "Leader board", createLeaderboard(model)), boardButton(model)), ...(several ? [card("side", "Side by side", createCompare(model))] : []), ...falls, ...left, ...boxes),
+      el(
+        "div",
+        { class: "left" },
+        addTools(card("scatter", "Any over any", scatter.box), scatterMenu(model, scatter.picture)),
+      ),
+      el(
+        "div",
+        { class: "right" },
+        card("asked", "What is asked of a design", createCriteria(model)),
+        card("why", "The selected design", createReasons(model)),
+      ),
+      el(
+        "div",
+        { class: "wide" },
+        addTools(card("board", "Leader board", createLeaderboard(model)), boardButton(model)),
+        ...(several ? [card("side", "Side by side", createCompare(model))] : []),
+        ...falls,
+        ...left,
+        ...boxes,
+      ),
     );
     return root;
   },

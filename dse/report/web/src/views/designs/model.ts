@@ -79,12 +79,19 @@ export function createModel(store: Store): Model {
     return found;
   };
   const standing = (): Standing =>
-    once("standing", [store.state.thresholds, current().demand], () => standingOf(study, store.state.thresholds, current().demand, store.judgement()));
+    once("standing", [store.state.thresholds, current().demand], () =>
+      standingOf(study, store.state.thresholds, current().demand, store.judgement()),
+    );
   const within = (): Uint8Array | null =>
-    once("within", [store.state.brushes, current().criteria], () => (store.state.brushes.length ? brushed(store, grouping, column) : null));
+    once("within", [store.state.brushes, current().criteria], () =>
+      store.state.brushes.length ? brushed(store, grouping, column) : null,
+    );
   const feasible = (): Uint8Array =>
-    once("feasible", [standing(), within()], () => standing().mark.map((mark, design) => (mark === PASS && (within()?.[design] ?? 1) ? 1 : 0)));
-  const aims = () => current().criteria.map(({ column: key, maximize, weight }) => ({ values: column(key).values, maximize, weight }));
+    once("feasible", [standing(), within()], () =>
+      standing().mark.map((mark, design) => (mark === PASS && (within()?.[design] ?? 1) ? 1 : 0)),
+    );
+  const aims = () =>
+    current().criteria.map(({ column: key, maximize, weight }) => ({ values: column(key).values, maximize, weight }));
   return {
     store,
     grouping,
@@ -115,11 +122,13 @@ function brushed(store: Store, { size, of }: Grouping, column: (key: string) => 
     if (!keyed) continue;
     if (own.has(key)) {
       const { values } = column(key);
-      for (let design = 0; design < size; design++) if (!(values[design]! >= low && values[design]! <= high)) mask[design] = 0;
+      for (let design = 0; design < size; design++)
+        if (!(values[design]! >= low && values[design]! <= high)) mask[design] = 0;
       continue;
     }
     const any = new Uint8Array(size);
-    for (let run = 0; run < of.length; run++) if (keyed.values[run]! >= low && keyed.values[run]! <= high) any[of[run]!] = 1;
+    for (let run = 0; run < of.length; run++)
+      if (keyed.values[run]! >= low && keyed.values[run]! <= high) any[of[run]!] = 1;
     for (let design = 0; design < size; design++) mask[design]! &= any[design]!;
   }
   return mask;
@@ -190,8 +199,15 @@ export function nameOf(model: Model, design: number): string {
   const configuration = configurationOf(model, design);
   const chosen = differingPlaces(store).map((name) => choiceAt(store, configuration, name));
   const has = variablesOf(store.study, "design").filter(({ lack }) => !lack.includes(configuration));
-  const values = has.map(({ title, unit, values, text }) => `${title} ${withUnit(text(values[grouping.first[design]!]!), unit)}`);
-  return [...chosen, ...values].filter(Boolean).map((part) => shortened(part, MOST_PART)).join(", ") || store.study.configurations[configuration]!.id;
+  const values = has.map(
+    ({ title, unit, values, text }) => `${title} ${withUnit(text(values[grouping.first[design]!]!), unit)}`,
+  );
+  return (
+    [...chosen, ...values]
+      .filter(Boolean)
+      .map((part) => shortened(part, MOST_PART))
+      .join(", ") || store.study.configurations[configuration]!.id
+  );
 }
 
 /** The choice that *configuration* makes at the place *name*, "" where it has none. */
@@ -220,11 +236,18 @@ function placesThatDiffer(study: Study): string[] {
 
 /** Whether the design has the variable of a column; others have a value to stand somewhere. */
 export function hasVariable(model: Model, key: string, design: number): boolean {
-  return !key.startsWith("variable.") || !model.store.study.variables[place(key)]!.lack.includes(configurationOf(model, design));
+  return (
+    !key.startsWith("variable.") ||
+    !model.store.study.variables[place(key)]!.lack.includes(configurationOf(model, design))
+  );
 }
 
 /** Adds a design to those compared, or takes it away; beyond the most, the oldest goes. */
 export function togglePick(model: Model, design: number): void {
   const { picked } = model.choices;
-  model.set({ picked: picked.includes(design) ? picked.filter((one) => one !== design) : [...picked, design].slice(-MOST_COMPARED) });
+  model.set({
+    picked: picked.includes(design)
+      ? picked.filter((one) => one !== design)
+      : [...picked, design].slice(-MOST_COMPARED),
+  });
 }

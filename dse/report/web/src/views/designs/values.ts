@@ -15,7 +15,9 @@ export interface DesignColumn extends Omit<Keyed, "values"> {
 
 /** Columns that a design has a value of: not the conditions it is tried at, nor what is uncertain. */
 export function designColumns(study: Study): Keyed[] {
-  return columnsOf(study).filter(({ key }) => !key.startsWith("variable.") || study.variables[place(key)]!.role === "design");
+  return columnsOf(study).filter(
+    ({ key }) => !key.startsWith("variable.") || study.variables[place(key)]!.role === "design",
+  );
 }
 
 export function place(key: string): number {

@@ -28,8 +28,22 @@ export const overviewView: View = {
       el(
         "div",
         { class: "overview-columns" },
-        el("div", {}, ...requirements, card("picks", "Runs to look at", createPicks(store)), card("found", "What was found", createFound(store))),
-        el("div", {}, card("asked", "What was asked", createAsked(study, asked)), card("measured", "How it was measured", createFormulas(study, asked)), createConstants(asked), card("files", "Files as they were run", createSources(study)), facts),
+        el(
+          "div",
+          {},
+          ...requirements,
+          card("picks", "Runs to look at", createPicks(store)),
+          card("found", "What was found", createFound(store)),
+        ),
+        el(
+          "div",
+          {},
+          card("asked", "What was asked", createAsked(study, asked)),
+          card("measured", "How it was measured", createFormulas(study, asked)),
+          createConstants(asked),
+          card("files", "Files as they were run", createSources(study)),
+          facts,
+        ),
       ),
     );
   },
