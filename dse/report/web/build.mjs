@@ -1,6 +1,7 @@
 // Bundles src/ into dist/report.js and dist/report.css, which dse puts into every report.
+
+import { existsSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { build } from "esbuild";
-import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 
 const common = { bundle: true, minify: true, charset: "ascii", legalComments: "none", logLevel: "warning" };
 

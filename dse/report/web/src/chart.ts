@@ -1,7 +1,7 @@
 // Charts as dse/report/charts/chart.py describes them: two axes and what is drawn between them.
 import { shortened } from "./format";
-import type { Numbers } from "./packing";
 import type { Mark } from "./marks";
+import type { Numbers } from "./packing";
 
 export interface ChartAxis {
   title: string;

@@ -1,9 +1,9 @@
 // A test drive: choose a car and a road, drive it, see what came of it.
 import { el } from "./dom";
 import { showDrive } from "./drive/cockpit";
-import { showDealership, type Bench, type Order } from "./drive/dealership";
+import { type Bench, type Order, showDealership } from "./drive/dealership";
+import { ask, connect, type Ended, readChoices } from "./drive/messages";
 import { buildBoards, showEnding } from "./drive/result";
-import { ask, connect, readChoices, type Ended } from "./drive/messages";
 import { startTheme } from "./theme";
 
 const page = document.getElementById("drive")!;
@@ -69,6 +69,6 @@ function finished(ended: Ended): void {
 }
 
 function show(what: string): void {
-  document.documentElement.dataset["shows"] = what;
+  document.documentElement.dataset.shows = what;
   window.scrollTo(0, 0);
 }

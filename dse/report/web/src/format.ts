@@ -60,10 +60,10 @@ export function straight(text: string): string {
 export function shortened(text: string, most: number): string {
   const letters = Array.from(straight(text.slice(0, 4 * most)));
   return letters.length > most
-    ? letters
+    ? `${letters
         .slice(0, most - 1)
         .join("")
-        .trimEnd() + "\u2026"
+        .trimEnd()}\u2026`
     : letters.join("");
 }
 

@@ -22,16 +22,12 @@ const known = new WeakMap<Study, Grouping>();
 
 export function groupingOf(study: Study): Grouping {
   let grouping = known.get(study);
-  if (!grouping)
-    known.set(
-      study,
-      (grouping = grouped(
-        study,
-        valuesOf(study, ({ role }) => role === "design"),
-        valuesOf(study, ({ role }) => role === "condition"),
-        Int32Array.from(study.number.keys()),
-      )),
-    );
+  if (!grouping) {
+    const own = valuesOf(study, ({ role }) => role === "design");
+    const at = valuesOf(study, ({ role }) => role === "condition");
+    grouping = grouped(study, own, at, Int32Array.from(study.number.keys()));
+    known.set(study, grouping);
+  }
   return grouping;
 }
 
@@ -89,11 +85,17 @@ function coded(columns: ArrayLike<number>[], size: number, among: Int32Array): {
     for (const row of among) {
       const value = column[row]!;
       let code = values.get(value);
-      if (code === undefined) values.set(value, (code = values.size));
+      if (code === undefined) {
+        code = values.size;
+        values.set(value, code);
+      }
       // There are no more codes than runs: the product stays far below 2^53.
       const pair = codes[row]! * (size + 1) + code;
       let joined = pairs.get(pair);
-      if (joined === undefined) pairs.set(pair, (joined = pairs.size));
+      if (joined === undefined) {
+        joined = pairs.size;
+        pairs.set(pair, joined);
+      }
       next[row] = joined;
     }
     codes = next;

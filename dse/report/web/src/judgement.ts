@@ -1,9 +1,10 @@
 // Which designs meet the requirements, and by how much: the rule of dse/exploration/designs.py at the reader's
 // thresholds (both are held to tests/design_cases.py).
+
+import { type Grouping, groupingOf } from "./grouping";
 import type { Study } from "./study";
-import { FAIL, FAILED, judge, margin, NOT_EXERCISED, PASS, type Judgement, type Threshold } from "./verdicts";
+import { FAIL, FAILED, type Judgement, judge, margin, NOT_EXERCISED, PASS, type Threshold } from "./verdicts";
 import { scaleOf } from "./views/shared/margins";
-import { groupingOf, type Grouping } from "./grouping";
 
 export interface Standing {
   /** Overall mark of each design; `PASS` is feasible. */

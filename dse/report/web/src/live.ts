@@ -70,7 +70,7 @@ export function startLive(store: Store): void {
   };
 
   const show = (now: Progress): void => {
-    bar.dataset["state"] = now.state;
+    bar.dataset.state = now.state;
     const isRunning = now.state === "running";
     state.textContent = now.state;
     meter.value = now.runs ? now.finished / now.runs : 1;
@@ -102,7 +102,7 @@ export function startLive(store: Store): void {
         show(now);
         if (now.state === "running") wait = EVERY.running;
       } catch (error) {
-        bar.dataset["state"] = "gone";
+        bar.dataset.state = "gone";
         state.textContent = "no answer";
         told.textContent =
           error instanceof TypeError

@@ -1,6 +1,7 @@
 // Puts the page together.
-import { followAddress, readFragment } from "./address";
+
 import { startingRun } from "./actions";
+import { followAddress, readFragment } from "./address";
 import { createAnnouncement } from "./announcement";
 import { shownRuns } from "./counts";
 import { el } from "./dom";
@@ -8,7 +9,7 @@ import { count } from "./format";
 import { groupingOf } from "./grouping";
 import { startLive } from "./live";
 import { startingPoint } from "./plane/plane";
-import { createStore, studyThresholds, type State, type Store } from "./store";
+import { createStore, type State, type Store, studyThresholds } from "./store";
 import { readStudy, type Study, type Variable } from "./study";
 import { createTabs } from "./tabs";
 import { followTheme, startTheme } from "./theme";
@@ -36,7 +37,7 @@ async function start(): Promise<void> {
     if (new URLSearchParams(location.hash.slice(1)).has("print")) tabs.stack();
     followAddress(store, start);
     startLive(store);
-    document.documentElement.dataset["ready"] = "yes";
+    document.documentElement.dataset.ready = "yes";
   } catch (error) {
     const hint =
       "DecompressionStream" in window

@@ -1,8 +1,9 @@
 // What is judged: a run; where conditions are varied a design, at the worst of the conditions that are let through.
-import { pooledOver, type Grouping } from "./grouping";
+
+import { withUnit } from "./format";
+import { type Grouping, pooledOver } from "./grouping";
 import { standingOf } from "./judgement";
 import type { State, Store } from "./store";
-import { withUnit } from "./format";
 import type { Study } from "./study";
 import type { Judgement } from "./verdicts";
 
@@ -44,7 +45,8 @@ export function poolOf(study: Study, { x, y, fixed }: Let): Grouping | null {
     const among = Int32Array.from(study.number.keys()).filter((run) =>
       set.every((index) => study.variables[index]!.values[run] === fixed[index]),
     );
-    groupings.set(key, (grouping = pooledOver(study, new Set(pooled.map((index) => study.variables[index]!)), among)));
+    grouping = pooledOver(study, new Set(pooled.map((index) => study.variables[index]!)), among);
+    groupings.set(key, grouping);
   }
   return grouping;
 }

@@ -55,7 +55,7 @@ export function csvOf(store: Store): string {
       ].join(),
     );
   }
-  return rows.join("\r\n") + "\r\n";
+  return `${rows.join("\r\n")}\r\n`;
 }
 
 /** *text* as a field of a CSV file; one that begins like a formula would be run by a spreadsheet. */

@@ -1,8 +1,8 @@
 // A run in three dimensions: played, paused, wound, seen from four sides.
 import { el } from "./dom";
-import { readRecording, type Recording } from "./scene/data";
-import { Fineness } from "./scene/resolution";
+import { type Recording, readRecording } from "./scene/data";
 import { buildInstruments } from "./scene/instruments";
+import { Fineness } from "./scene/resolution";
 import { sensorColour } from "./scene/sensors";
 import { buildStage, VIEWS, type View } from "./scene/stage";
 
@@ -11,11 +11,11 @@ const WIND = 1; // s
 
 async function start(): Promise<void> {
   const page = document.getElementById("scene")!;
-  document.documentElement.dataset["theme"] = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
+  document.documentElement.dataset.theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
   try {
     const recording = await readRecording();
     play(page, recording);
-    document.documentElement.dataset["ready"] = "yes";
+    document.documentElement.dataset.ready = "yes";
   } catch (error) {
     const canWebGl = Boolean(document.createElement("canvas").getContext("webgl2"));
     const hint = canWebGl ? "" : " This browser or machine has no WebGL.";
@@ -77,7 +77,7 @@ function play(page: HTMLElement, recording: Recording): void {
   const choose = (name: View): void => {
     view = name;
     shown = -1;
-    for (const each of cameras) each.setAttribute("aria-pressed", String(each.dataset["view"] === name));
+    for (const each of cameras) each.setAttribute("aria-pressed", String(each.dataset.view === name));
   };
   choose(view);
   const sensors = el("input", {
@@ -151,9 +151,9 @@ function play(page: HTMLElement, recording: Recording): void {
       instruments.show(time);
       slider.value = String(time);
       clock.textContent = `${time.toFixed(1)} / ${recording.seconds.toFixed(0)} s`;
-      document.documentElement.dataset["frames"] = String(Number(document.documentElement.dataset["frames"] ?? 0) + 1);
-      document.documentElement.dataset["at"] = String(time);
-      document.documentElement.dataset["view"] = view;
+      document.documentElement.dataset.frames = String(Number(document.documentElement.dataset.frames ?? 0) + 1);
+      document.documentElement.dataset.at = String(time);
+      document.documentElement.dataset.view = view;
       shown = time;
     }
     requestAnimationFrame(tick);

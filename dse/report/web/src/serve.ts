@@ -21,7 +21,7 @@ function follow(button: HTMLButtonElement): void {
   button.hidden = false;
   button.addEventListener("click", () => {
     theme = theme === "dark" ? "light" : "dark";
-    document.documentElement.dataset["theme"] = theme;
+    document.documentElement.dataset.theme = theme;
     name();
   });
   name();
@@ -51,7 +51,7 @@ async function refresh(): Promise<void> {
 
 /** Has the server make a replay, says how far it is, and shows it. */
 async function awaitReplay(wanted: HTMLElement): Promise<void> {
-  const address = `/replay?${new URLSearchParams({ study: wanted.dataset["study"]!, run: wanted.dataset["replay"]! })}`;
+  const address = `/replay?${new URLSearchParams({ study: wanted.dataset.study!, run: wanted.dataset.replay! })}`;
   const told = document.getElementById("replay-told")!;
   const began = performance.now();
   const seconds = (): string => `${Math.round((performance.now() - began) / 1000)} s`;

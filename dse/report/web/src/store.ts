@@ -1,9 +1,9 @@
 // What the reader has chosen. Parts of the page subscribe; changes of one animation frame arrive together.
-import { maskOf, type Brush } from "./brush";
+import { type Brush, maskOf } from "./brush";
 import { createPlanes, type Plane } from "./plane/plane";
-import { everyCondition, pointsOf, poolOf, type Points } from "./points";
+import { everyCondition, type Points, pointsOf, poolOf } from "./points";
 import type { Study } from "./study";
-import { judge, type Judgement, type Threshold } from "./verdicts";
+import { type Judgement, judge, type Threshold } from "./verdicts";
 
 export interface Zoom {
   readonly x: readonly [number, number];

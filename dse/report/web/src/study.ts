@@ -1,9 +1,9 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
-import { readCharted, type Charted } from "./chart";
+import { type Charted, readCharted } from "./chart";
 import { columnText, number, shortened, straight, withUnit } from "./format";
-import { readInsight, type Insight } from "./insight";
-import { readNotes, readRetried, type Notes, type Retried } from "./notes";
-import { unpack, type Entry, type Numbers } from "./packing";
+import { type Insight, readInsight } from "./insight";
+import { type Notes, type Retried, readNotes, readRetried } from "./notes";
+import { type Entry, type Numbers, unpack } from "./packing";
 
 export interface Column {
   name: string;

@@ -1,9 +1,9 @@
 // Tabs, and below them the open view; a view is made when it is first opened. For paper all stand one after the other.
 import { el } from "./dom";
 import { createBrushes } from "./panels/brushes";
-import { whileShown, type Store } from "./store";
-import { VIEWS } from "./views/views";
+import { type Store, whileShown } from "./store";
 import type { View } from "./views/view";
+import { VIEWS } from "./views/views";
 
 interface Made {
   body: HTMLElement;
@@ -66,7 +66,7 @@ export function createTabs(store: Store): Tabs {
     put(view, panel);
   };
   const stack = (): void => {
-    document.documentElement.dataset["printing"] = "yes";
+    document.documentElement.dataset.printing = "yes";
     panel.replaceChildren();
     for (const view of suited) {
       const section = el("section", { class: `printed ${view.name}-printed` }, el("h2", {}, view.title));
@@ -75,8 +75,8 @@ export function createTabs(store: Store): Tabs {
     }
   };
   window.addEventListener("afterprint", () => {
-    if (!document.documentElement.dataset["printing"]) return;
-    delete document.documentElement.dataset["printing"];
+    if (!document.documentElement.dataset.printing) return;
+    delete document.documentElement.dataset.printing;
     show();
   });
   store.subscribe((_, changed) => {

@@ -1,6 +1,7 @@
 // Verdicts at the thresholds the reader has set; the same rule as dse/metrics/verdicts.py (both are held to tests/verdict_cases.py).
-import type { Study } from "./study";
+
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "./marks";
+import type { Study } from "./study";
 
 export * from "./marks";
 

@@ -11,7 +11,7 @@ export function yamlOf(study: Study, run: number): string {
   if (study.variables.length) lines.push("parameters:");
   for (const { name, unit, values } of variablesOf(study, run))
     lines.push(`  ${scalar(name)}: ${quantity(values[run]!, unit)}`);
-  return lines.join("\n") + "\n";
+  return `${lines.join("\n")}\n`;
 }
 
 /** The variables that the run's configuration has. */
@@ -48,7 +48,7 @@ export function nextStudy(store: Store): string {
       `    title: ${scalar(variable.title)}`,
     );
   });
-  return lines.join("\n") + "\n";
+  return `${lines.join("\n")}\n`;
 }
 
 function reachOf(values: Float64Array, within: Uint8Array): [number, number] {

@@ -1,13 +1,13 @@
 // The drive itself: the scene over the whole width, what a driver looks at, and who drives.
 import { el } from "../dom";
-import { Fineness } from "../scene/resolution";
 import { buildInstruments } from "../scene/instruments";
+import { Fineness } from "../scene/resolution";
 import { sensorColour } from "../scene/sensors";
 import { buildStage, type View } from "../scene/stage";
 import { Controls, GAPS, KEYS } from "./controls";
 import { buildGauges } from "./gauges";
-import { buildTouch } from "./touch";
 import type { Drive, Tunable } from "./messages";
+import { buildTouch } from "./touch";
 
 const EVERY = 1000 / 30; // ms between two messages
 const FEW = 8; // sliders that are shown at once
@@ -21,7 +21,7 @@ const CAMERAS: [View, string][] = [
 export function showDrive(page: HTMLElement, drive: Drive): () => void {
   const { stream, first } = drive;
   const { title, subtitle, sensors, instruments } = stream.document;
-  const controls = new Controls(Boolean(first["cruise"]), first["set_speed"] ?? 80 / 3.6, first["gap_setting"] ?? 2);
+  const controls = new Controls(Boolean(first.cruise), first.set_speed ?? 80 / 3.6, first.gap_setting ?? 2);
   const canvas = el("canvas", { class: "stage", role: "img", "aria-label": `${title}, in three dimensions` });
   const stage = buildStage(canvas, stream);
   const gauges = buildGauges(drive);
@@ -32,7 +32,7 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
   );
   const look = (name: View): void => {
     view = name;
-    for (const each of cameras) each.setAttribute("aria-pressed", String(each.dataset["view"] === name));
+    for (const each of cameras) each.setAttribute("aria-pressed", String(each.dataset.view === name));
   };
   look(view);
   const rays = el("input", { type: "checkbox", checked: true, change: () => stage.sensing.set(rays.checked) });
@@ -141,7 +141,7 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
       stage.show(time, view);
       gauges.show(time, controls);
       if (shown.open) signals.show(time);
-      document.documentElement.dataset["frames"] = String(++pictures);
+      document.documentElement.dataset.frames = String(++pictures);
     }
     frame = requestAnimationFrame(tick);
   };
@@ -197,7 +197,8 @@ function buildTuning(drive: Drive): HTMLElement {
   const panel = el("details", { class: "panel tuning" }, el("summary", {}, "Tuning"), ...groups);
   let timer = 0;
   panel.addEventListener("input", () => {
-    timer ||= window.setTimeout(() => {
+    if (timer) return;
+    timer = window.setTimeout(() => {
       timer = 0;
       const values: Record<string, number> = Object.assign({}, ...sliders.map((each) => each()));
       if (Object.keys(values).length) drive.send("tune", values);

@@ -1,6 +1,6 @@
 // Which car, and where: only what can be built can be chosen.
 import { el } from "../dom";
-import { ask, offerAddress, written, type Alternative, type Offer, type Point } from "./messages";
+import { type Alternative, ask, type Offer, offerAddress, type Point, written } from "./messages";
 
 export interface Order {
   bench: string;
@@ -97,7 +97,7 @@ export function showDealership(
     start.disabled = !offer?.configuration;
     rest.hidden = !offer || Boolean(offer.configuration) || offer.left === "0";
     if (!offer) return;
-    const focused = (document.activeElement as HTMLElement | null)?.dataset["choice"];
+    const focused = (document.activeElement as HTMLElement | null)?.dataset.choice;
     about.textContent = offer.title;
     left.replaceChildren(
       el("b", {}, grouped(offer.left)),

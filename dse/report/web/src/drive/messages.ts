@@ -122,8 +122,10 @@ export function connect(token: string, over: (ended: Ended) => void): Promise<Dr
         return;
       }
       const told = JSON.parse(data) as { type: string };
-      if (told.type === "scene") resolve((drive = begun(socket, told as unknown as Scene)));
-      else if (told.type === "ended") end(told as unknown as Ended);
+      if (told.type === "scene") {
+        drive = begun(socket, told as unknown as Scene);
+        resolve(drive);
+      } else if (told.type === "ended") end(told as unknown as Ended);
     };
   });
 }

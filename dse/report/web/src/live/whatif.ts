@@ -2,10 +2,10 @@
 import uPlot from "uplot";
 import { el, field } from "../dom";
 import { number, withUnit } from "../format";
-import { post } from "./requests";
 import type { Store } from "../store";
 import { axisLabel } from "../study";
 import { palette } from "../theme";
+import { post } from "./requests";
 
 interface Waveform {
   title: string;

@@ -1,6 +1,7 @@
 // What is brushed, on every view: a chip for each range, how many runs lie within, and what to do with them.
+
+import { type Brush, rebrushed } from "../brush";
 import { columnOf, columnsOf } from "../columns";
-import { rebrushed, type Brush } from "../brush";
 import { countMarks } from "../counts";
 import { choose, el } from "../dom";
 import { group, number, withUnit } from "../format";

@@ -1,6 +1,6 @@
 // The study's figures: every chart with a read-out; a click or the arrow keys select the run of a point.
 import { selectRun } from "../actions";
-import type { Chart, Charted, ChartAxis } from "../chart";
+import type { Chart, ChartAxis, Charted } from "../chart";
 import { append, el } from "../dom";
 import { number, withUnit } from "../format";
 import { insideAxes, paintChart, paintKey } from "../plot/chart";

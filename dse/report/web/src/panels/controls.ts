@@ -2,8 +2,8 @@
 import { planeToSelected, selectConfiguration } from "../actions";
 import { choose, el, field } from "../dom";
 import { number, shortened, withUnit } from "../format";
-import { levels, movable } from "../plane/plane";
 import { groupingOf } from "../grouping";
+import { levels, movable } from "../plane/plane";
 import { conditionsOf } from "../points";
 import type { State, Store } from "../store";
 import { axisLabel, type Configuration } from "../study";

@@ -1,8 +1,8 @@
 // A small menu in a panel's heading: what can be taken out of it, and the command that makes the same.
 import { addTools, el } from "../dom";
 import { createMenu } from "../menu";
+import { type Part, partsIn, pngOf, svgOf } from "../plot/sheet";
 import { copyText, csvOf, download } from "../save";
-import { partsIn, pngOf, svgOf, type Part } from "../plot/sheet";
 import type { Store } from "../store";
 
 export interface Saved {
@@ -23,7 +23,10 @@ export function savingMenu(store: Store, { name, picture, purpose, command }: Sa
     el("button", { type: "button", title, click }, text);
   const savePicture = (ending: string, made: (parts: Part[], room: number) => Blob | Promise<Blob>): void => {
     const parts = picture().filter(({ width, height }) => width && height);
-    if (!parts.length) return void (said.textContent = "There is nothing to draw.");
+    if (!parts.length) {
+      said.textContent = "There is nothing to draw.";
+      return;
+    }
     void Promise.resolve(made(parts, menu.closest(".card")?.clientWidth ?? 0)).then((blob) =>
       download(`${name}.${ending}`, blob),
     );

@@ -3,7 +3,7 @@ import { rebrushed } from "../brush";
 import { columnOf } from "../columns";
 import { el } from "../dom";
 import { withUnit } from "../format";
-import { axisOf, type Axis } from "../plot/parallel";
+import { type Axis, axisOf } from "../plot/parallel";
 import type { Store } from "../store";
 
 const STEP = 0.02;

@@ -4,9 +4,9 @@ import { rebrushed } from "../brush";
 import { el } from "../dom";
 import { group } from "../format";
 import { createMenu } from "../menu";
-import { axesOf, FOOT, heightsOf, nearestLine, paintLines, placeOf, SIDE, TOP, type Axis } from "../plot/parallel";
 import { fitted } from "../plot/frame";
-import { paintedBy, type Part, type Sheet } from "../plot/sheet";
+import { type Axis, axesOf, FOOT, heightsOf, nearestLine, paintLines, placeOf, SIDE, TOP } from "../plot/parallel";
+import { type Part, paintedBy, type Sheet } from "../plot/sheet";
 import type { State, Store } from "../store";
 import { palette } from "../theme";
 

@@ -1,12 +1,12 @@
 // The selected run: its parameters, its metrics against the thresholds, and its parameters as YAML.
 import { el } from "../dom";
 import { checked, count, number, withUnit } from "../format";
-import { replaying } from "./replay";
-import type { Store } from "../store";
 import { copyText } from "../save";
+import type { Store } from "../store";
 import type { Study } from "../study";
+import { CLASSES, errorOf, isDoubtful, margin, SIGNS, type Threshold, WORDS, wordFor } from "../verdicts";
 import { variablesOf, yamlOf } from "../yaml";
-import { CLASSES, errorOf, isDoubtful, margin, SIGNS, type Threshold, wordFor, WORDS } from "../verdicts";
+import { replaying } from "./replay";
 
 const ROOMY = "(min-width: 1800px)";
 

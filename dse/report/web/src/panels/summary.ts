@@ -1,14 +1,15 @@
 // How many runs meet the requirements; the counts double as the legend of the plot.
-import { conditionsInWords, everyCondition } from "../points";
+
 import { countMarks, requirementsInWords, shownRuns, switchedOn } from "../counts";
 import { el } from "../dom";
 import { group, percent } from "../format";
 import { plotted } from "../plane/plane";
 import { drawShape, paintShape } from "../plot/points";
 import { fit } from "../plot/sheet";
+import { conditionsInWords, everyCondition } from "../points";
 import type { State, Store } from "../store";
 import { palette } from "../theme";
-import { CLASSES, FAIL, NOT_EXERCISED, PASS, wordFor, type Mark } from "../verdicts";
+import { CLASSES, FAIL, type Mark, NOT_EXERCISED, PASS, wordFor } from "../verdicts";
 
 const ORDER: Mark[] = [0, 1, 2, 3];
 const COUNTED: (keyof State)[] = ["thresholds", "configuration", "x", "y", "fixed", "brushes", "theme"];

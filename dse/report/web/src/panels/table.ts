@@ -151,7 +151,7 @@ function arrange(store: Store, columns: Column[]): Int32Array<ArrayBuffer> {
   found.sort((a, b) => {
     const [x, y] = [keys[a]!, keys[b]!];
     // What is undefined goes last, whichever way the column is sorted.
-    if (x !== x || y !== y) return (x !== x ? 1 : 0) - (y !== y ? 1 : 0);
+    if (Number.isNaN(x) || Number.isNaN(y)) return Number(Number.isNaN(x)) - Number(Number.isNaN(y));
     return x < y ? -direction : x > y ? direction : a - b;
   });
   return Int32Array.from(found);

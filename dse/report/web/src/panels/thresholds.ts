@@ -5,7 +5,7 @@ import { el } from "../dom";
 import { group, number, withUnit } from "../format";
 import { paintSwatch } from "../plot/hatch";
 import { colourOf } from "../plot/regions";
-import { studyThresholds, type State, type Store } from "../store";
+import { type State, type Store, studyThresholds } from "../store";
 import { axisLabel, type Column } from "../study";
 import { palette } from "../theme";
 import { CLASSES, FAIL, margin, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../verdicts";

@@ -47,7 +47,7 @@ export function createWaveforms(store: Store): { box: HTMLElement; pin: HTMLElem
     if (!charts.length && drawn)
       charts = store.study.figures.map((figure, index) => createChart(figure, index, figures));
     for (const chart of charts) update(store, chart, run, blocks);
-    figures.dataset["run"] = String(run < 0 ? -1 : store.study.number[run]!);
+    figures.dataset.run = String(run < 0 ? -1 : store.study.number[run]!);
   };
   store.subscribe((_, changed) => {
     if (SHOWN.some((key) => changed.has(key))) show();
@@ -166,8 +166,8 @@ function drawLegend(store: Store, box: HTMLElement): void {
   now.replaceChildren(...parts);
   // A button that is made anew while it is pressed, as the pointer leaves the plot, is not clicked.
   const drawn = [...state.pins, ...colours.pins].join();
-  if (pinned.dataset["drawn"] === drawn) return;
-  pinned.dataset["drawn"] = drawn;
+  if (pinned.dataset.drawn === drawn) return;
+  pinned.dataset.drawn = drawn;
   const pins = state.pins.map((pin, index) => {
     const name = `Run ${study.number[pin]}`;
     const unpin = el(
@@ -293,7 +293,7 @@ function update(
   };
   const pins = Array.from({ length: MOST_PINS }, (_, pin) => linesOf(state.pins[pin] ?? -1)).flat();
   const shown = linesOf(run);
-  const { min, max } = plot.scales["x"]!;
+  const { min, max } = plot.scales.x!;
   const fresh = min === undefined || min === null || min === max;
   plot.setData([figure.time, ...pins, ...shown] as uPlot.AlignedData, fresh);
   // What was zoomed to stays; setting it anew fits the other axis.
@@ -305,7 +305,10 @@ function update(
 function read({ data, cursor }: uPlot, figure: Figure, reading: HTMLElement): void {
   const at = cursor.idx ?? figure.time.length - 1;
   const [current, target] = [data.at(-2)?.[at], data.at(-1)?.[at]] as (number | null | undefined)[];
-  if (current === null || current === undefined || data.length < 3) return void (reading.textContent = "");
+  if (current === null || current === undefined || data.length < 3) {
+    reading.textContent = "";
+    return;
+  }
   const parts = [`t = ${withUnit(number(figure.time[at]!, 4), "s")}`, withUnit(number(current), figure.unit)];
   if (target !== null && target !== undefined) parts.push(`target ${withUnit(number(target), figure.unit)}`);
   reading.textContent = parts.join("   ");

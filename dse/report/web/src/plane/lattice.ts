@@ -1,6 +1,6 @@
 // Runs on a grid of levels: linear interpolation along the edges of the grid, exact at every run.
 import type { Study } from "../study";
-import { remember, type Fields } from "./fields";
+import { type Fields, remember } from "./fields";
 
 const MOST_LEVELS = 240;
 

@@ -1,10 +1,11 @@
 // The plane of two design variables that is shown: which runs lie in it, and the fields between them.
+
+import { group } from "../format";
+import { conditionsOf, poolOf } from "../points";
 import type { State } from "../store";
 import type { Study, Variable } from "../study";
-import { group } from "../format";
 import type { Fields } from "./fields";
 import { latticeFields, latticeOf } from "./lattice";
-import { conditionsOf, poolOf } from "../points";
 import { radialFields } from "./radial";
 import { worstOf } from "./worst";
 

@@ -1,6 +1,6 @@
 // Scattered runs: radial interpolation with the weights computed by dse/report/interpolation/radial.py.
 import type { Radial, Study } from "../study";
-import { even, remember, type Fields } from "./fields";
+import { even, type Fields, remember } from "./fields";
 
 const SIZE = 81;
 const LEAST = 31;

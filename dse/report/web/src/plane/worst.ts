@@ -1,5 +1,5 @@
 // Fields at several conditions as those of their worst.
-import { remember, type Fields, type Way } from "./fields";
+import { type Fields, remember, type Way } from "./fields";
 
 /** Fields of designs at the worst of the conditions that *each* is of; all on one grid. */
 export function worstOf(each: Fields[]): Fields {

@@ -4,9 +4,9 @@ import type { Chart, ChartAxis, Drawn } from "../chart";
 import type { Palette } from "../theme";
 import { PASS } from "../verdicts";
 import { clipTo, drawAxes, drawGrid, type Frame, type Scale } from "./frame";
+import type { Pen } from "./pen";
 import { drawShape, paintShape } from "./points";
 import { colourOf } from "./regions";
-import type { Pen } from "./pen";
 import type { Sheet } from "./sheet";
 
 // Beyond some thousand points a path of circles is slow, and no shape can be told any more.

@@ -2,9 +2,9 @@
 import { number } from "../format";
 import { axisLabel, type Column } from "../study";
 import type { Palette } from "../theme";
-import { sideways, type Frame } from "./frame";
-import { bandColour, type Scale } from "./regions";
+import { type Frame, sideways } from "./frame";
 import type { Pen } from "./pen";
+import { bandColour, type Scale } from "./regions";
 
 const WIDTH = 14;
 

@@ -2,7 +2,7 @@
 import { contours } from "d3-contour";
 import type { Grid } from "../plane/fields";
 import type { Frame } from "./frame";
-import { Shape, type Ring } from "./pen";
+import { type Ring, Shape } from "./pen";
 
 export type { Ring };
 

@@ -1,8 +1,8 @@
 // Where the plot lies on the canvas and how data become pixels.
-import { scaleLinear, type ScaleContinuousNumeric } from "d3-scale";
+import { type ScaleContinuousNumeric, scaleLinear } from "d3-scale";
+import { number } from "../format";
 import type { Zoom } from "../store";
 import { axisLabel } from "../study";
-import { number } from "../format";
 import type { Palette } from "../theme";
 import type { Pen } from "./pen";
 

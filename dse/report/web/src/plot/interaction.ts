@@ -5,10 +5,10 @@ import { shownRuns } from "../counts";
 import { el } from "../dom";
 import { isKept } from "../panels/waveforms";
 import type { Store } from "../store";
-import { moveTip } from "./tip";
 import type { Frame } from "./frame";
 import type { Plot } from "./plot";
 import { placeOf } from "./points";
+import { moveTip } from "./tip";
 import { movedBy, wholeOf, zoomedBy } from "./zoom";
 
 const REACH = 18;

@@ -3,10 +3,10 @@ import { countMarks, shownRuns } from "../counts";
 import { number, withUnit } from "../format";
 import type { Store } from "../store";
 import { palette } from "../theme";
-import { wordFor, type Mark } from "../verdicts";
+import { type Mark, wordFor } from "../verdicts";
 import type { Frame } from "./frame";
 import { drawSwatch } from "./hatch";
-import { markEntry, SIGN, type Entry } from "./legend";
+import { type Entry, markEntry, SIGN } from "./legend";
 import { colourOf, regionsOf } from "./regions";
 
 export function plotLegend(store: Store, frame: Frame): Entry[] {

@@ -1,13 +1,13 @@
 // Axes beside each other, and runs as lines across them.
-import { scaleLinear, type ScaleLinear } from "d3-scale";
+import { type ScaleLinear, scaleLinear } from "d3-scale";
 import { columnOf, columnsOf, type Keyed } from "../columns";
 import { number } from "../format";
 import type { Store } from "../store";
 import { axisLabel, type Study } from "../study";
-import { palette, type Palette } from "../theme";
+import { type Palette, palette } from "../theme";
 import { PASS } from "../verdicts";
-import { colourOf } from "./regions";
 import type { Pen } from "./pen";
+import { colourOf } from "./regions";
 import type { Sheet } from "./sheet";
 
 export const TOP = 22;

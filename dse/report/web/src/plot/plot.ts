@@ -5,19 +5,19 @@ import type { Way } from "../plane/fields";
 import type { Plane } from "../plane/plane";
 import type { Changed, State, Store } from "../store";
 import type { Study } from "../study";
-import { palette, type Palette } from "../theme";
+import { type Palette, palette } from "../theme";
 import type { Threshold } from "../verdicts";
 import { senseOf } from "../views/designs/values";
 import { drawColourBar } from "./colourbar";
 import { path, type Ring } from "./contour";
-import { drawAxes, frameOf, type Frame } from "./frame";
+import { drawAxes, type Frame, frameOf } from "./frame";
 import { plotLegend } from "./key";
 import { labelBoundary, labelRegion, type Spot } from "./labels";
-import { paintPoints, placeOf } from "./points";
-import { wholeOf } from "./zoom";
-import { colourOf, paintRegions, regionsOf, sameOpen, scaleOf, type Regions } from "./regions";
 import type { Pen, Shape } from "./pen";
+import { paintPoints, placeOf } from "./points";
+import { colourOf, paintRegions, type Regions, regionsOf, sameOpen, scaleOf } from "./regions";
 import { paintedBy, type Sheet } from "./sheet";
+import { wholeOf } from "./zoom";
 
 export interface Plot {
   element: HTMLElement;

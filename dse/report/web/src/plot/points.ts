@@ -2,10 +2,10 @@
 import type { Plane } from "../plane/plane";
 import type { Study } from "../study";
 import type { Palette } from "../theme";
-import { FAIL, FAILED, NOT_EXERCISED, PASS, type Judgement } from "../verdicts";
+import { FAIL, FAILED, type Judgement, NOT_EXERCISED, PASS } from "../verdicts";
 import { clipTo, type Frame } from "./frame";
-import { createStamps, packed, sorted } from "./stamps";
 import type { Pen } from "./pen";
+import { createStamps, packed, sorted } from "./stamps";
 
 const MOST_DRAWN = 6000;
 const ORDER = [FAIL, NOT_EXERCISED, PASS, FAILED];

@@ -2,8 +2,8 @@
 import { scaleLinear } from "d3-scale";
 import type { Fields } from "../plane/fields";
 import type { Study } from "../study";
+import { type Palette, shade } from "../theme";
 import type { Threshold } from "../verdicts";
-import { shade, type Palette } from "../theme";
 import { above, below, outside, path, type Ring } from "./contour";
 import { clipTo, type Frame } from "./frame";
 import { hatch } from "./hatch";

@@ -2,7 +2,7 @@
 import { el } from "../dom";
 import { palette } from "../theme";
 import { fitted } from "./frame";
-import { paintLegend, type Entry } from "./legend";
+import { type Entry, paintLegend } from "./legend";
 import type { Pen } from "./pen";
 import { createSvg } from "./svg";
 

@@ -1,5 +1,5 @@
 // What a scene is drawn from: a recorded run, or one that is being driven (stream.ts).
-import { unpack, type Entry } from "../packing";
+import { type Entry, unpack } from "../packing";
 
 export interface Strip {
   left: number[];

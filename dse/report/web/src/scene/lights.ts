@@ -4,9 +4,9 @@ import {
   CircleGeometry,
   CylinderGeometry,
   Group,
+  type Material,
   Mesh,
   MeshBasicMaterial,
-  type Material,
 } from "three";
 import type { Light, Source } from "./data";
 import { box, joined, LIT, painted } from "./light";

@@ -27,7 +27,10 @@ export class Falling {
     private readonly speed: number,
   ) {
     let seed = 1;
-    const next = (): number => (seed = (seed * 16807) % 2147483647) / 2147483647;
+    const next = (): number => {
+      seed = (seed * 16807) % 2147483647;
+      return seed / 2147483647;
+    };
     for (let i = 0; i < this.drops.length; i++) this.drops[i] = next() * SPREAD;
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new Float32BufferAttribute(new Float32Array((isLong ? 6 : 3) * MANY), 3));

@@ -5,9 +5,9 @@ import {
   Group,
   Mesh,
   MeshBasicMaterial,
+  type Object3D,
   Shape,
   ShapeGeometry,
-  type Object3D,
 } from "three";
 import type { Document, Strip } from "./data";
 import { LIT, painted } from "./light";

@@ -10,8 +10,8 @@ import {
   type Vector3,
 } from "three";
 import type { Source, Strip } from "./data";
-import { Falling } from "./precipitation";
 import { joined, LIT, painted } from "./light";
+import { Falling } from "./precipitation";
 
 const DAY = new Color(0xa9c8e8);
 const OVERCAST = new Color(0xa3adb6);

@@ -2,11 +2,11 @@
 // A body is one mesh; the wheels, lamps and shades of all of them are drawn at once.
 import {
   BoxGeometry,
+  type BufferGeometry,
   CapsuleGeometry,
   Color,
   CylinderGeometry,
   Euler,
-  type BufferGeometry,
   InstancedMesh,
   Matrix4,
   Mesh,

@@ -2,11 +2,11 @@
 import { addTools, card, el } from "../dom";
 import { createConfigurations } from "../panels/configurations";
 import { createControls } from "../panels/controls";
+import { IN_PRINT, quoted, savingMenu } from "../panels/export";
 import { createSelected } from "../panels/selected";
 import { createSummary } from "../panels/summary";
 import { createTable } from "../panels/table";
 import { createThresholds } from "../panels/thresholds";
-import { IN_PRINT, quoted, savingMenu } from "../panels/export";
 import { createWaveforms, isKept } from "../panels/waveforms";
 import { plotted } from "../plane/plane";
 import { attachInteraction } from "../plot/interaction";

@@ -1,8 +1,8 @@
 // Every run and every configuration: parallel coordinates and tables.
 import { addTools, card, el } from "../dom";
 import { createConfigurations } from "../panels/configurations";
-import { createParallel } from "../panels/parallel";
 import { savingMenu } from "../panels/export";
+import { createParallel } from "../panels/parallel";
 import { createTable } from "../panels/table";
 import { plotted } from "../plane/plane";
 import type { View } from "./view";

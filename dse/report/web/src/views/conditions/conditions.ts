@@ -3,10 +3,10 @@ import { card, choose, el, field } from "../../dom";
 import type { Store } from "../../store";
 import { studyThresholds } from "../../store";
 import type { Study } from "../../study";
-import type { View } from "../view";
 import { isAsStudied } from "../shared/thresholds";
-import { chosenOf, setChosen, type Chosen } from "./selection";
+import type { View } from "../view";
 import { createMatrix } from "./matrix";
+import { type Chosen, chosenOf, setChosen } from "./selection";
 
 export const conditionsView: View = {
   name: "conditions",

@@ -1,6 +1,7 @@
 // The values of a condition, or parts of its range where it may have any value.
-import type { Variable } from "../../study";
+
 import { number } from "../../format";
+import type { Variable } from "../../study";
 
 const MOST_VALUES = 12;
 const PARTS = 6;

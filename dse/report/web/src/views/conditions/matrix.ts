@@ -6,11 +6,11 @@ import type { Study } from "../../study";
 import { CLASSES, FAIL, FAILED, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../../verdicts";
 import { SHARE_OF } from "../shared/margins";
 import { openRun } from "../shared/runs";
-import { cellsOf, markOf, type Cell } from "./cells";
-import type { Chosen } from "./selection";
+import { type Cell, cellsOf, markOf } from "./cells";
 import { designsOf } from "./designs";
-import { createSmall } from "./multiples";
 import { levelsOf, oneLevel } from "./levels";
+import { createSmall } from "./multiples";
+import type { Chosen } from "./selection";
 
 const keys = new WeakMap<Study, string[]>();
 

@@ -4,7 +4,7 @@ import { number, percent, withUnit } from "../../format";
 import type { Store } from "../../store";
 import { CLASSES, SIGNS, WORDS } from "../../verdicts";
 import { openRun } from "../shared/runs";
-import { cellsOf, markOf, type Cell } from "./cells";
+import { type Cell, cellsOf, markOf } from "./cells";
 import type { Levels } from "./levels";
 
 export function createSmall(

@@ -3,7 +3,7 @@ import { choose, el, field } from "../../dom";
 import { count, group, percent } from "../../format";
 import { axisLabel } from "../../study";
 import { PASS } from "../../verdicts";
-import { choiceAt, configurationOf, differingPlaces, subscribeCalmly, type Model } from "./model";
+import { choiceAt, configurationOf, differingPlaces, type Model, subscribeCalmly } from "./model";
 import { designColumns } from "./values";
 
 const WIDE = 1000;

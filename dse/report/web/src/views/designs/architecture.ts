@@ -2,7 +2,7 @@
 import { el } from "../../dom";
 import type { Configuration, Picture } from "../../study";
 import { seriesColour } from "./colouring";
-import { configurationOf, nameOf, type Model } from "./model";
+import { configurationOf, type Model, nameOf } from "./model";
 
 const BOX = 34;
 const STRETCH = 1.2;

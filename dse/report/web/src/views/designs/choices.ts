@@ -1,8 +1,8 @@
 // What the reader has chosen among designs, and as settings of the page, which stand in its address.
 // What stands there may be wrong or made up: what does not fit the study is as it was at the start.
 import { columnOf } from "../../columns";
-import type { Study } from "../../study";
 import { groupingOf } from "../../grouping";
+import type { Study } from "../../study";
 import { designColumns } from "./values";
 
 export interface Criterion {
@@ -60,7 +60,7 @@ export function readChoices(study: Study, settings: Settings, start: Choices, la
   const read = Object.fromEntries(
     KEYS.map((key) => {
       const given = settings[`designs.${key}`];
-      const value = given === undefined ? start[key] : (valueOf(study, key, given) ?? start[key]);
+      const value = given === undefined ? start[key] : (valueIn(study, key, given) ?? start[key]);
       return [key, JSON.stringify(value) === JSON.stringify(last[key]) ? last[key] : value];
     }),
   );
@@ -84,7 +84,7 @@ function textOf(study: Study, choices: Choices, key: keyof Choices): string {
   }
 }
 
-function valueOf(study: Study, key: keyof Choices, text: string): Choices[keyof Choices] | null {
+function valueIn(study: Study, key: keyof Choices, text: string): Choices[keyof Choices] | null {
   const runOf = (given: string): number => (/^\d{1,9}$/.test(given) ? study.number.indexOf(Number(given)) : -1);
   const own = designColumns(study).map((column) => column.key);
   switch (key) {

@@ -1,16 +1,16 @@
 // The points of the scatter on the canvas: designs or runs, over any two columns.
 import { scaleLinear } from "d3-scale";
 import { columnOf, type Keyed } from "../../columns";
+import type { Grouping } from "../../grouping";
 import { clipTo, type Frame } from "../../plot/frame";
+import type { Pen } from "../../plot/pen";
 import { drawShape, paintShape } from "../../plot/points";
-import { createStamps, packed, sorted, type Places } from "../../plot/stamps";
+import { createStamps, type Places, packed, sorted } from "../../plot/stamps";
+import type { Study } from "../../study";
 import type { Palette } from "../../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../../verdicts";
 import type { Colouring } from "./colouring";
-import type { Grouping } from "../../grouping";
-import type { Study } from "../../study";
 import type { Model } from "./model";
-import type { Pen } from "../../plot/pen";
 
 /** What is drawn: values on both axes, verdicts, and which lie within the brushes (null: all). */
 export interface Cloud {

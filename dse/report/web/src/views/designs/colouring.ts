@@ -1,7 +1,7 @@
 // What the colour of a point says: its verdict, a number along the ramp, or which alternative was chosen.
 import { columnOf, type Keyed } from "../../columns";
-import { palette, shade, type Palette } from "../../theme";
 import { axisLabel } from "../../study";
+import { type Palette, palette, shade } from "../../theme";
 import { choiceAt, differingPlaces, type Model } from "./model";
 import { aggregated, designColumns } from "./values";
 

@@ -5,12 +5,12 @@ import { number, withUnit } from "../../format";
 import { badge } from "../../panels/selected";
 import { axisLabel } from "../../study";
 import { CLASSES, FAIL, PASS, SIGNS } from "../../verdicts";
+import { scaleOf } from "../shared/margins";
 import { createArchitectures } from "./architecture";
 import { seriesColour } from "./colouring";
-import { scaleOf } from "../shared/margins";
-import { choiceAt, configurationOf, hasVariable, MOST_COMPARED, nameOf, togglePick, type Model } from "./model";
-import { createOverlay } from "./overlay";
 import { short } from "./ellipsis";
+import { choiceAt, configurationOf, hasVariable, MOST_COMPARED, type Model, nameOf, togglePick } from "./model";
+import { createOverlay } from "./overlay";
 import { designColumns } from "./values";
 
 export function createCompare(model: Model): HTMLElement {

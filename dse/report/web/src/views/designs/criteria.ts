@@ -5,8 +5,8 @@ import { count, group, percent, withUnit } from "../../format";
 import { axisLabel } from "../../study";
 import { PASS } from "../../verdicts";
 import { SHARE_OF } from "../shared/margins";
+import { type Criterion, type Model, nameOf, subscribeCalmly, togglePick } from "./model";
 import { designColumns, senseOf } from "./values";
-import { nameOf, subscribeCalmly, togglePick, type Criterion, type Model } from "./model";
 
 export function createCriteria(model: Model): HTMLElement {
   const demand = createDemand(model);

@@ -1,15 +1,15 @@
 // Designs: which one to take, why another is out, and what would have to change.
 import { addTools, card, el } from "../../dom";
+import { groupingOf } from "../../grouping";
 import type { View } from "../view";
 import { createAlternatives } from "./alternatives";
 import { createCompare } from "./compare";
 import { createCriteria } from "./criteria";
-import { groupingOf } from "../../grouping";
+import { boardButton, scatterMenu } from "./export";
 import { createFunnel } from "./funnel";
 import { createLeaderboard } from "./leaderboard";
-import { differingPlaces, createModel } from "./model";
+import { createModel, differingPlaces } from "./model";
 import { createReasons } from "./reasons";
-import { boardButton, scatterMenu } from "./export";
 import { createScatter } from "./scatter";
 import { designColumns } from "./values";
 import { createWaterfall } from "./waterfall";

@@ -1,11 +1,12 @@
 // What is taken out of the view: pictures, the table of designs, and the commands that make the same.
-import { quoted, savingMenu } from "../../panels/export";
+
 import { el } from "../../dom";
-import { cell, download } from "../../save";
+import { quoted, savingMenu } from "../../panels/export";
 import type { Part } from "../../plot/sheet";
+import { cell, download } from "../../save";
 import { axisLabel } from "../../study";
-import { wordFor, WORDS } from "../../verdicts";
-import { choiceAt, configurationOf, hasVariable, nameOf, type Model } from "./model";
+import { WORDS, wordFor } from "../../verdicts";
+import { choiceAt, configurationOf, hasVariable, type Model, nameOf } from "./model";
 import { designColumns, place } from "./values";
 
 export function scatterMenu(model: Model, picture: () => Part[]): HTMLElement {
@@ -90,5 +91,5 @@ function designsCsv(model: Model): string {
       ].join(),
     );
   }
-  return rows.join("\r\n") + "\r\n";
+  return `${rows.join("\r\n")}\r\n`;
 }

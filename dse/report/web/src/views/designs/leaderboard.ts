@@ -5,17 +5,17 @@ import { number } from "../../format";
 import { createHeading } from "../../panels/heading";
 import { axisLabel } from "../../study";
 import { CLASSES, PASS, SIGNS, wordFor } from "../../verdicts";
+import { SHARE_OF } from "../shared/margins";
 import {
   choiceAt,
   configurationOf,
   differingPlaces,
   hasVariable,
+  type Model,
   nameOf,
   subscribeCalmly,
   togglePick,
-  type Model,
 } from "./model";
-import { SHARE_OF } from "../shared/margins";
 import { designColumns, place } from "./values";
 
 const ROW = 28;
@@ -234,7 +234,7 @@ function drawHead(model: Model, columns: Column[], head: HTMLElement, last: Head
     last.show();
     return last;
   }
-  const focused = (document.activeElement as HTMLElement | null)?.dataset["leader"];
+  const focused = (document.activeElement as HTMLElement | null)?.dataset.leader;
   const cells = columns.map(({ key, title, hint, numeric }) => {
     const arrow = el("span", { class: "arrow", "aria-hidden": "true" });
     const sort = (): void => {

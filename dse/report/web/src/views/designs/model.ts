@@ -1,17 +1,17 @@
 // What the reader has chosen among designs, and what follows from it; the parts of the view draw from here.
 import { columnOf } from "../../columns";
 import { shortened, withUnit } from "../../format";
+import { type Grouping, groupingOf, variablesOf } from "../../grouping";
+import { type Standing, standingOf } from "../../judgement";
 import type { Changed, State, Store } from "../../store";
 import type { Study } from "../../study";
 import { PASS } from "../../verdicts";
-import { MOST_COMPARED, readChoices, withChoices, type Choices, type Criterion } from "./choices";
+import { type Choices, type Criterion, MOST_COMPARED, readChoices, withChoices } from "./choices";
 import { frontOf } from "./front";
-import { groupingOf, variablesOf, type Grouping } from "../../grouping";
-import { standingOf, type Standing } from "../../judgement";
 import { topsis } from "./topsis";
-import { aggregated, designColumns, place, senseOf, type DesignColumn, type Sense } from "./values";
+import { aggregated, type DesignColumn, designColumns, place, type Sense, senseOf } from "./values";
 
-export { MOST_COMPARED, type Criterion };
+export { type Criterion, MOST_COMPARED };
 
 type Key = keyof Choices | keyof State;
 export type ChangedKeys = ReadonlySet<Key>;
@@ -59,7 +59,7 @@ export function createModel(store: Store): Model {
   const remembered = new Map<string, { of: readonly unknown[]; value: unknown }>();
   const once = <T>(name: string, of: readonly unknown[], make: () => T): T => {
     const last = remembered.get(name);
-    if (last && last.of.every((one, index) => one === of[index])) return last.value as T;
+    if (last?.of.every((one, index) => one === of[index])) return last.value as T;
     const value = make();
     remembered.set(name, { of, value });
     return value;
@@ -74,7 +74,8 @@ export function createModel(store: Store): Model {
     let found = columns.get(name);
     if (!found) {
       const keyed = columnOf(study, key)!;
-      columns.set(name, (found = { ...keyed, values: aggregated(study, keyed.values, way), sense: way }));
+      found = { ...keyed, values: aggregated(study, keyed.values, way), sense: way };
+      columns.set(name, found);
     }
     return found;
   };
@@ -224,7 +225,10 @@ const differing = new WeakMap<Study, string[]>();
 /** The places at which configurations choose differently, in the order of the design space. */
 export function differingPlaces({ study }: Store): string[] {
   let found = differing.get(study);
-  if (!found) differing.set(study, (found = placesThatDiffer(study)));
+  if (!found) {
+    found = placesThatDiffer(study);
+    differing.set(study, found);
+  }
   return found;
 }
 

@@ -1,6 +1,7 @@
 // The design nearest to one that is out, among those that are not.
+
+import { type Grouping, variablesOf } from "../../grouping";
 import type { Study } from "../../study";
-import { variablesOf, type Grouping } from "../../grouping";
 
 export interface Change {
   title: string;

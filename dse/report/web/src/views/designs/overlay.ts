@@ -2,13 +2,13 @@
 import uPlot from "uplot";
 import { choose, el, field } from "../../dom";
 import { number, withUnit } from "../../format";
+import { variablesOf } from "../../grouping";
 import type { Numbers } from "../../packing";
 import { axisLabel, type Figure } from "../../study";
 import { palette } from "../../theme";
 import { decode } from "../../waveform";
 import { seriesColour } from "./colouring";
-import { variablesOf } from "../../grouping";
-import { nameOf, type Model } from "./model";
+import { type Model, nameOf } from "./model";
 
 const HEIGHT = 220;
 const MOST_CASES = 60;
@@ -26,7 +26,7 @@ export function createOverlay(model: Model): HTMLElement {
     for (const { plot } of plots) plot.destroy();
     plots = [];
     const runs = model.choices.picked.map((design) => runOf(model, design));
-    box.dataset["runs"] = runs.map((run) => (run < 0 ? "" : store.study.number[run])).join(" ");
+    box.dataset.runs = runs.map((run) => (run < 0 ? "" : store.study.number[run])).join(" ");
     picker.replaceChildren(...casePicker(model));
     box.replaceChildren(
       ...(runs.length

@@ -2,13 +2,13 @@
 import { selectRun } from "../../actions";
 import { el } from "../../dom";
 import { number, percent, withUnit } from "../../format";
+import { variablesOf } from "../../grouping";
 import { badge } from "../../panels/selected";
 import { CLASSES, FAIL, PASS, SIGNS, WORDS } from "../../verdicts";
-import { variablesOf } from "../../grouping";
 import { scaleOf } from "../shared/margins";
-import { configurationOf, MOST_COMPARED, nameOf, subscribeCalmly, type Model } from "./model";
-import { changesBetween, nearestDesign, type Change } from "./neighbours";
 import { short } from "./ellipsis";
+import { configurationOf, MOST_COMPARED, type Model, nameOf, subscribeCalmly } from "./model";
+import { type Change, changesBetween, nearestDesign } from "./neighbours";
 
 export function createReasons(model: Model): HTMLElement {
   const box = el("div", { class: "reasons", id: "reasons" });

@@ -2,7 +2,7 @@
 import { el } from "../../dom";
 import { group, percent } from "../../format";
 import { PASS } from "../../verdicts";
-import { subscribeCalmly, type Model } from "./model";
+import { type Model, subscribeCalmly } from "./model";
 
 export function createWaterfall(model: Model): HTMLElement {
   const box = el("div", { class: "scroll" });
@@ -30,7 +30,7 @@ function tableOf(model: Model): HTMLElement {
   const whole = left.map((one, design) => (one && grouping.whole[design] && runsEnded(model, design) ? 1 : 0));
   const on = study.requirements.map((_, index) => index).filter((index) => !state.thresholds[index]!.off);
   const misses = whole.map((_, design) => on.filter((index) => each[index]![design] !== PASS).length);
-  const rows = [row("all designs" + (within ? " within the brushes" : ""), all, all, null, null)];
+  const rows = [row(`all designs${within ? " within the brushes" : ""}`, all, all, null, null)];
   if (sum(whole) < all) rows.push(row("came to their end at all conditions", sum(whole), all, all - sum(whole), null));
   left.set(whole);
   for (const index of on) {

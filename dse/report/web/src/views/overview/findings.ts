@@ -2,9 +2,9 @@
 import { el } from "../../dom";
 import { group } from "../../format";
 import type { Told } from "../../insight";
-import { studyThresholds, type Store } from "../../store";
-import { isAsStudied } from "../shared/thresholds";
+import { type Store, studyThresholds } from "../../store";
 import { planeName } from "../shared/planes";
+import { isAsStudied } from "../shared/thresholds";
 
 const WITHHELD = "withheld";
 

@@ -2,11 +2,11 @@
 import { card, el } from "../../dom";
 import { createFacts } from "../../panels/facts";
 import type { View } from "../view";
-import { createAsked } from "./question";
 import { createConstants } from "./constants";
-import { createFormulas } from "./formulas";
 import { createFound } from "./findings";
+import { createFormulas } from "./formulas";
 import { createPicks } from "./picks";
+import { createAsked } from "./question";
 import { createRequirements } from "./requirements";
 import { createSources } from "./sources";
 import { createWarnings } from "./warnings";

@@ -1,11 +1,11 @@
 // Runs that are worth a look: the best, the most robust, the nearest to the boundary.
 import { el } from "../../dom";
 import { number, percent, withUnit } from "../../format";
-import { studyThresholds, type Store } from "../../store";
+import { type Store, studyThresholds } from "../../store";
 import type { Study } from "../../study";
-import { PASS, SIGNS, CLASSES, WORDS } from "../../verdicts";
-import { SHARE_OF, worstMargin } from "../shared/margins";
+import { CLASSES, PASS, SIGNS, WORDS } from "../../verdicts";
 import { aimOf } from "../shared/aims";
+import { SHARE_OF, worstMargin } from "../shared/margins";
 import { planeName } from "../shared/planes";
 import { openRun, placeOf, positionOf } from "../shared/runs";
 import { isAsStudied } from "../shared/thresholds";

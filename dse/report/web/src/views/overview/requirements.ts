@@ -2,7 +2,7 @@
 import { el } from "../../dom";
 import { group, number, withUnit } from "../../format";
 import type { Store } from "../../store";
-import { FAIL, FAILED, NOT_EXERCISED, PASS, margin, tally, type Threshold } from "../../verdicts";
+import { FAIL, FAILED, margin, NOT_EXERCISED, PASS, type Threshold, tally } from "../../verdicts";
 import { runButton } from "../shared/runs";
 
 type Light = "pass" | "some" | "fail" | "open";

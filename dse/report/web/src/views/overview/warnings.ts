@@ -1,8 +1,8 @@
 // What to know before relying on the numbers: said first, most serious first, and with a way to look.
 import { el } from "../../dom";
 import { count, group, percent } from "../../format";
-import { studyThresholds, type Store } from "../../store";
 import { conditionsInWords, everyCondition } from "../../points";
+import { type Store, studyThresholds } from "../../store";
 import type { Study } from "../../study";
 import { FAILED, NOT_EXERCISED, PASS, tally } from "../../verdicts";
 import { planeName } from "../shared/planes";

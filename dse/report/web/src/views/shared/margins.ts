@@ -40,7 +40,8 @@ function medianSize(study: Study, metric: number): number {
     const found = study.metrics[metric]!.values.map(Math.abs)
       .filter((value) => Number.isFinite(value) && value > 0)
       .sort();
-    sizes.set(metric, (size = found[found.length >> 1] ?? 1));
+    size = found[found.length >> 1] ?? 1;
+    sizes.set(metric, size);
   }
   return size;
 }

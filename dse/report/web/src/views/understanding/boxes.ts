@@ -1,8 +1,9 @@
 // Boxes in which all requirements are met, as sentences, and how much may change around the robust centre.
+
+import { rebrushed } from "../../brush";
 import { el } from "../../dom";
 import { group, number, percent, withUnit } from "../../format";
 import type { Box, Centre, Range } from "../../insight";
-import { rebrushed } from "../../brush";
 import type { Store } from "../../store";
 import { PASS } from "../../verdicts";
 import { planeName } from "../shared/planes";

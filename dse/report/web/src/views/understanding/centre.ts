@@ -3,8 +3,8 @@ import { el } from "../../dom";
 import { number, withUnit } from "../../format";
 import type { Around } from "../../insight";
 import type { Store } from "../../store";
-import { positionOf, runButton } from "../shared/runs";
 import { placeText } from "../shared/places";
+import { positionOf, runButton } from "../shared/runs";
 import { chanceFigure } from "./chances";
 
 /** Nothing where no robust centre can be told. */

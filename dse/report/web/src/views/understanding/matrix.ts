@@ -3,12 +3,12 @@ import { el } from "../../dom";
 import { count, group } from "../../format";
 import { fixedThrough, liesIn, startingPoint } from "../../plane/plane";
 import { paintedBy, type Sheet } from "../../plot/sheet";
-import { everyCondition, pointsOf, type Points } from "../../points";
+import { everyCondition, type Points, pointsOf } from "../../points";
 import type { State, Store } from "../../store";
 import type { Study } from "../../study";
 import { palette } from "../../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../../verdicts";
-import { chooseMatrixVariables, matrixVariables, MOST_VARIABLES } from "./selection";
+import { chooseMatrixVariables, MOST_VARIABLES, matrixVariables } from "./selection";
 
 const MOST_POINTS = 4000;
 const RIM = 6;
@@ -167,7 +167,8 @@ function tell(store: Store, cell: Cell): void {
     judgement: { overall },
     noun,
   } = judgedOn(store, x, y);
-  const runs = (cell.runs = runsOf(store, x, y));
+  const runs = runsOf(store, x, y);
+  cell.runs = runs;
   const passing = runs.filter((run) => overall[run] === PASS).length;
   const together = study.sampler !== "sliced" || study.slices.some((names) => names.includes(x) && names.includes(y));
   told.textContent = together ? `${group(passing)} of ${count(runs.length, noun)} pass` : "not varied together";

@@ -11,9 +11,9 @@ import { createPainted, type Painted } from "../shared/canvas";
 import { levelAt, levelOf, placeText, valueAt } from "../shared/places";
 import { planeName } from "../shared/planes";
 import { withLevel } from "./choices";
-import { chooseProfilePlaces, profilePlaces } from "./selection";
 import { whiskers } from "./dependence";
 import { predict } from "./formula";
+import { chooseProfilePlaces, profilePlaces } from "./selection";
 
 const STEPS = 41;
 const MOST_FACTORS = 12;

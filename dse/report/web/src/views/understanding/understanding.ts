@@ -2,24 +2,24 @@
 import { card, choose, el, field } from "../../dom";
 import { group } from "../../format";
 import type { Part, Response } from "../../insight";
-import { untilDropped, type Store } from "../../store";
-import { plotted } from "../../plane/plane";
 import { withSaving } from "../../panels/export";
+import { plotted } from "../../plane/plane";
+import { type Store, untilDropped } from "../../store";
 import { planeName } from "../shared/planes";
 import type { View } from "../view";
-import { createAround } from "./centre";
 import { createBoxes } from "./boxes";
+import { createAround } from "./centre";
 import { createChances } from "./chances";
-import { chooseMetric, choosePart, subjectOf } from "./selection";
 import { createDependence } from "./dependence";
 import { createMatrix } from "./matrix";
 import { createProfiler } from "./profiler";
 import { createSearch } from "./search";
+import { chooseMetric, choosePart, subjectOf } from "./selection";
 
 export const understandingView: View = {
   name: "understanding",
   title: "Understanding",
-  suits: ({ insight }) => insight !== null && insight.parts.some(({ factors }) => factors.length > 0),
+  suits: ({ insight }) => insight?.parts.some(({ factors }) => factors.length > 0) ?? false,
   create(store) {
     const { study } = store;
     const { parts, chances, boxes, centres, search } = study.insight!;
