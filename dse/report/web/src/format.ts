@@ -7,7 +7,7 @@ export function number(value: number, digits = 4): string {
   const rounded = Number(value.toPrecision(digits));
   const text =
     size !== 0 && (size >= 1e7 || size < 1e-4)
-      ? value.toExponential(digits - 1).replace(/\.?0+e\+?/, "e")
+      ? value.toExponential(digits - 1).replace(/\.?0*e\+?/, "e")
       : Math.abs(rounded) >= 10 ** digits
         ? value.toFixed(0)
         : String(rounded);

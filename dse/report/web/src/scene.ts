@@ -2,7 +2,7 @@
 import { el } from "./dom";
 import { type Recording, readRecording } from "./scene/data";
 import { buildInstruments } from "./scene/instruments";
-import { Fineness } from "./scene/resolution";
+import { Resolution } from "./scene/resolution";
 import { sensorColour } from "./scene/sensors";
 import { buildStage, VIEWS, type View } from "./scene/stage";
 
@@ -128,10 +128,10 @@ function play(page: HTMLElement, recording: Recording): void {
     jump(to);
   });
   // Without a graphics card a moving picture is drawn coarser, until it moves; one that stands is drawn finely.
-  const fineness = new Fineness();
+  const resolution = new Resolution();
   let drawn = 0;
   const resize = (): void => {
-    drawn = isPlaying ? fineness.value : 1;
+    drawn = isPlaying ? resolution.value : 1;
     stage.resize(canvas.clientWidth, canvas.clientHeight, drawn);
     shown = -1;
   };
@@ -143,9 +143,9 @@ function play(page: HTMLElement, recording: Recording): void {
       time = Math.min(time + ((now - last) / 1000) * speed, recording.seconds);
       if (time >= recording.seconds) set(false);
     }
-    if (isPlaying) fineness.tell(now, now - last);
+    if (isPlaying) resolution.tell(now, now - last);
     last = now;
-    if (drawn !== (isPlaying ? fineness.value : 1)) resize();
+    if (drawn !== (isPlaying ? resolution.value : 1)) resize();
     if (time !== shown) {
       stage.show(time, view);
       instruments.show(time);

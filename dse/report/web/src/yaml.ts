@@ -70,12 +70,10 @@ function quantity(value: number, unit: string): string {
   return unit ? scalar(`${value} ${unit}`) : String(value);
 }
 
-// Anything beyond plain words is quoted; a JSON string is a YAML string.
+// Anything beyond plain words and quantities is quoted: to YAML, the identifier 12e345 is a number, `no` may be false.
+// A JSON string is a YAML string.
 function scalar(text: string): string {
-  return /^[A-Za-z0-9_.+-][A-Za-z0-9_.+\-/%\u00b0 ]*$/.test(text) &&
-    !/^[-?]|\s$|^[\d.]+$|^(true|false|null|~)$/i.test(text)
-    ? text
-    : /^-?[\d.]+(e[-+]?\d+)? [A-Za-z%/.0-9\u00b0]+$/.test(text)
-      ? text
-      : JSON.stringify(text);
+  const isWord =
+    /^[A-Za-z_][A-Za-z0-9_.+\-/%\u00b0 ]*$/.test(text) && !/ $|^(true|false|null|yes|no|on|off)$/i.test(text);
+  return isWord || /^-?[\d.]+(e[-+]?\d+)? [A-Za-z%/.0-9\u00b0]+$/.test(text) ? text : JSON.stringify(text);
 }

@@ -1,7 +1,7 @@
 // The drive itself: the scene over the whole width, what a driver looks at, and who drives.
 import { el } from "../dom";
 import { buildInstruments } from "../scene/instruments";
-import { Fineness } from "../scene/resolution";
+import { Resolution } from "../scene/resolution";
 import { sensorColour } from "../scene/sensors";
 import { buildStage, type View } from "../scene/stage";
 import { Controls, GAPS, KEYS } from "./controls";
@@ -126,15 +126,15 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
     spoken = now;
   }, EVERY);
 
-  const fineness = new Fineness();
-  const resize = (): void => stage.resize(canvas.clientWidth, canvas.clientHeight, fineness.value);
+  const resolution = new Resolution();
+  const resize = (): void => stage.resize(canvas.clientWidth, canvas.clientHeight, resolution.value);
   const watching = new ResizeObserver(resize);
   watching.observe(canvas);
   let last = performance.now();
   let frame = 0;
   let pictures = 0;
   const tick = (now: number): void => {
-    if (fineness.tell(now, now - last)) resize();
+    if (resolution.tell(now, now - last)) resize();
     last = now;
     if (stream.version) {
       const time = stream.moment(now);
