@@ -1,5 +1,5 @@
 // Which designs meet the requirements, and by how much: the rule of dse/exploration/designs.py at the reader's
-// thresholds (both are held to tests/design_cases.py).
+// thresholds (both are tested with tests/design_cases.json).
 
 import { type Grouping, groupingOf } from "./grouping";
 import type { Study } from "./study";

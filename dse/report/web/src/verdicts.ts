@@ -1,4 +1,4 @@
-// Verdicts at the thresholds the reader has set; the same rule as dse/metrics/verdicts.py (both are held to tests/verdict_cases.py).
+// Verdicts at the thresholds the reader has set; the same rule as dse/metrics/verdicts.py (both are tested with tests/verdict_cases.json).
 
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "./marks";
 import type { Study } from "./study";

@@ -72,6 +72,7 @@ test("what fits in part is kept in part", () => {
   deepEqual(readFragment(STUDY, "fixed=2:0.4", START).fixed, [0, 0, 0.5, NaN]);
   deepEqual(readFragment({ ...STUDY, sampler: "scattered" }, "fixed=2:0.4,3:0.4", START).fixed, [0, 0, 0.4, 0]);
   deepEqual(readFragment(STUDY, "pins=10,11,10,12,99", START).pins, [0, 1, 2]);
+  deepEqual(readFragment(studyOf(9, {}), "pins=8,7,6,5,4,3,2", START).pins, [8, 7, 6, 5, 4]);
   const keys = readFragment(STUDY, "__proto__.x=1&constructor.y=2&plain=3", START).settings!;
   deepEqual(Object.keys(keys), ["__proto__.x", "constructor.y"]);
 });

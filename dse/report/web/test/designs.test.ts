@@ -12,9 +12,14 @@ for (const aims of [1, 2, 3]) {
   test(`the front of ${aims} aims is what no other point dominates`, () => {
     const next = random(aims);
     const size = 150;
-    // Few values, so that many points are equal in one aim or in all.
+    // Few values, so that many points are equal, and sums that hardly differ, so that few are dominated by most.
+    const rows = Array.from({ length: size }, () => {
+      const first = Array.from({ length: aims - 1 }, () => Math.floor(6 * next()));
+      const last = 12 - first.reduce((sum, each) => sum + each, 0) + Math.floor(3 * next());
+      return [...first, last].map((each, aim) => (next() < 0.05 ? NaN : aim === 1 ? -each : each));
+    });
     const columns: Aim[] = Array.from({ length: aims }, (_, aim) => ({
-      values: Float64Array.from({ length: size }, () => (next() < 0.05 ? NaN : Math.floor(12 * next()))),
+      values: Float64Array.from(rows, (row) => row[aim]!),
       maximize: aim === 1,
     }));
     const among = Uint8Array.from({ length: size }, () => Number(next() < 0.9));

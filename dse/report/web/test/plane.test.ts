@@ -212,13 +212,14 @@ test("fields at several conditions are those of the worst that is exercised", ()
     exercised: () => exercised && Float64Array.from(exercised),
     known: () => known && Float64Array.from(known),
   });
-  const both = worstOf([one([1, 5], [1, 0], null), one([3, 2], [1, 1], [1, 0])]);
+  const both = worstOf([one([1, 5], [1, 0], [0, 1]), one([3, 2], [1, 1], [0, 0])]);
   deepEqual([...both.metric(0, "max", 0)], [3, 2]);
   deepEqual([...both.metric(0, "max", -1)], [3, 5]);
   deepEqual([...both.metric(0, "min", 0)], [1, 2]);
   deepEqual([...both.metric(0)], [2, 3.5]);
   deepEqual([...both.exercised(0)!], [1, 1]);
-  deepEqual([...both.known([0])!], [1, 0]);
+  deepEqual([...both.known([0])!], [0, 0]);
+  equal(worstOf([one([1], null, null), one([2], null, null)]).known([0]), null);
   equal(both.how, "Made up. Each design is at the worst of 2 conditions.");
 });
 

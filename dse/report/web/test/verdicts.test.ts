@@ -225,5 +225,22 @@ test("a design that lacks a condition is undecided, and one that misses a bound 
   });
   const at = [{ atMost: 2, atLeast: null }];
   deepEqual([...standingOf(study, at, 0, judge(study, at)).mark], [0, 2, 1]);
+  const failed = { ...study, done: Uint8Array.from([1, 0, 0, 1]) };
+  const { mark, each, missed, deciding } = standingOf(failed, at, 0, judge(failed, at));
+  // Of the first design one run of two failed, of the second its only one.
+  deepEqual(
+    [[...mark], [...each[0]!]],
+    [
+      [3, 3, 1],
+      [0, 3, 1],
+    ],
+  );
+  deepEqual(
+    [[...missed], [...deciding]],
+    [
+      [Infinity, Infinity, 1],
+      [1, 2, 3],
+    ],
+  );
   deepEqual([...groupingOf(study).whole], [1, 0, 0]);
 });
