@@ -120,13 +120,14 @@ def _is_stale(target: Path, sources: list[Path]) -> bool:
 
 
 def _check_web(root: Path) -> None:
-    """Type-check the report's TypeScript; the bundle's tools are installed first."""
+    """Type-check, lint and test the report's TypeScript; what these tools need is installed first."""
     web = root / "dse" / "report" / "web"
     node, npm, environment = _node()
-    compiler = web / "node_modules" / "typescript" / "bin" / "tsc"
-    if _is_not_installed(web) or not compiler.exists():
+    compiler, linter = (web / "node_modules" / name for name in ("typescript/bin/tsc", "@biomejs/biome/bin/biome"))
+    if _is_not_installed(web) or not compiler.exists() or not linter.exists():
         _install(web, npm, environment)
-    subprocess.run([node, str(compiler), "--noEmit"], cwd=web, env=environment, check=True)
+    for step in ([str(compiler), "--noEmit"], [str(linter), "ci"], ["test.mjs"]):
+        subprocess.run([node, *step], cwd=web, env=environment, check=True)
 
 
 if __name__ == "__main__":

@@ -1,14 +1,14 @@
-"""Cases of the rule by which runs make a design feasible or not: for the exploration and for the report's page."""
+"""Cases of the rule by which runs make a design feasible or not; the report's page is tested with the same file."""
 
 from __future__ import annotations
 
-import math
+import json
+from pathlib import Path
 from typing import NamedTuple
 
-AT_MOST = 2.0
+_RULE = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
+AT_MOST = float(_RULE["at_most"])
 """The bound of the one requirement, on the metric that is also the objective, to be small."""
-
-NAN = math.nan
 
 
 class Run(NamedTuple):
@@ -17,8 +17,8 @@ class Run(NamedTuple):
     condition: float
     draw: float
     value: float
-    exercised: bool = True
-    done: bool = True
+    exercised: bool
+    done: bool
 
 
 class DesignCase(NamedTuple):
@@ -30,21 +30,12 @@ class DesignCase(NamedTuple):
     objective: float
 
 
-def _two(first: float, second: float, *, exercised: tuple[bool, bool] = (True, True), done: bool = True):
-    """A run at each of two conditions; of the second one says whether it was *done*."""
-    return Run(0, 5, first, exercised[0]), Run(1, 5, second, exercised[1], done)
-
-
-DESIGN_CASES = (
-    DesignCase(_two(1.0, 1.5), "pass", 0.5, 1.5),
-    DesignCase(_two(2.0, 0.0), "pass", 0.0, 2.0),
-    DesignCase(_two(1.0, 5.0, exercised=(True, False)), "pass", 1.0, 5.0),
-    DesignCase(_two(1.0, 1.0, exercised=(False, False)), "not exercised", NAN, 1.0),
-    DesignCase(_two(1.0, 3.0), "fail", -1.0, 3.0),
-    DesignCase(_two(4.0, 3.0, exercised=(False, True)), "fail", -1.0, 4.0),
-    DesignCase(_two(1.0, NAN), "fail", NAN, NAN),
-    DesignCase(_two(1.0, NAN, done=False), "failed to run", 1.0, NAN),
-    DesignCase(_two(3.0, NAN, done=False), "failed to run", -1.0, NAN),
-    DesignCase((Run(0, 4, 1.0), Run(0, 6, 1.75), Run(1, 4, 0.5), Run(1, 6, 1.5)), "pass", 0.25, 1.375),
-    DesignCase((Run(0, 4, 0.5), Run(1, 4, 1.0), Run(0, 6, 0.5), Run(1, 6, 2.5)), "fail", -0.5, 1.75),
+DESIGN_CASES = tuple(
+    DesignCase(
+        tuple(Run(condition, draw, float(value), *flags) for condition, draw, value, *flags in case["runs"]),
+        case["verdict"],
+        float(case["margin"]),
+        float(case["objective"]),
+    )
+    for case in _RULE["designs"]
 )

@@ -1,33 +1,18 @@
-"""Every case of the rule by which runs pass or fail, written out: for metrics, for the report and for its page."""
+"""Every case of the rule by which runs pass or fail; the report's page is tested with the same file."""
 
 from __future__ import annotations
 
-import math
+import json
 from itertools import product
+from pathlib import Path
 from typing import NamedTuple
 
-BOUNDS = ((4.0, None), (None, 2.0), (4.0, 2.0))
+_RULE = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
+BOUNDS = tuple((at_most, at_least) for at_most, at_least in _RULE["bounds"])
 """At most and at least, of three requirements."""
-
-_VERDICTS = {
-    -math.inf: "pass fail fail",
-    1.0: "pass fail fail",
-    2.0: "pass pass pass",
-    3.0: "pass pass pass",
-    4.0: "pass pass pass",
-    5.0: "fail pass fail",
-    math.inf: "fail pass fail",
-    math.nan: "fail fail fail",
-}
-_MARGINS = {
-    -math.inf: (math.inf, -math.inf, -math.inf),
-    1.0: (3.0, -1.0, -1.0),
-    2.0: (2.0, 0.0, 0.0),
-    3.0: (1.0, 1.0, 1.0),
-    4.0: (0.0, 2.0, 0.0),
-    5.0: (-1.0, 3.0, -1.0),
-    math.inf: (-math.inf, math.inf, -math.inf),
-    math.nan: (math.nan, math.nan, math.nan),
+_ROWS = {
+    float(row["value"]): (tuple(row["verdicts"]), tuple(float(each) for each in row["margins"]))
+    for row in _RULE["values"]
 }
 
 
@@ -44,13 +29,13 @@ class Case(NamedTuple):
 
 def cases() -> list[Case]:
     """All of them."""
-    return [_case(*facts) for facts in product(_VERDICTS, product((True, False), repeat=len(BOUNDS)), (True, False))]
+    return [_case(*facts) for facts in product(_ROWS, product((True, False), repeat=len(BOUNDS)), (True, False))]
 
 
 def _case(value: float, exercised: tuple[bool, ...], done: bool) -> Case:
+    told, margins = _ROWS[value]
     if not done:
-        return Case(value, exercised, done, _MARGINS[value], ("failed to run",) * len(BOUNDS), "failed to run")
-    told = zip(_VERDICTS[value].split(), exercised, strict=True)
-    verdicts = tuple(verdict if flag else "not exercised" for verdict, flag in told)
+        return Case(value, exercised, done, margins, ("failed to run",) * len(BOUNDS), "failed to run")
+    verdicts = tuple(verdict if flag else "not exercised" for verdict, flag in zip(told, exercised, strict=True))
     overall = next(word for word in ("fail", "not exercised", "pass") if word in verdicts)
-    return Case(value, exercised, done, _MARGINS[value], verdicts, overall)
+    return Case(value, exercised, done, margins, verdicts, overall)

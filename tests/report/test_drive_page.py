@@ -216,18 +216,6 @@ def test_a_server_that_refuses_a_drive_is_heard(opened):
     it.page.wait_for_selector("button.go:not([disabled])")
 
 
-def test_a_gamepad_drives(opened):
-    it = opened(CAR)
-    pad = """{ const button = (value) => ({ pressed: value > 0, value });
-      const buttons = Array.from({ length: 17 }, (_, i) => button(i === 7 ? 0.6 : i === 0 ? 1 : 0));
-      navigator.getGamepads = () => [null, { mapping: "standard", axes: [-0.54, 0, 0, 0], buttons }]; }"""
-    it.page.evaluate(pad)
-    begin(it)
-    wait_for(it, lambda: heard(it, "accelerator")[-1:] == [pytest.approx(0.6)])
-    assert heard(it, "steering")[-1] == pytest.approx(0.25)
-    assert heard(it, "cruise")[-1] == 1  # pressed once, however long
-
-
 def test_fingers_drive_where_there_is_no_keyboard(opened):
     it = opened(CAR, has_touch=True, is_mobile=True, viewport={"width": 400, "height": 800})
     begin(it)

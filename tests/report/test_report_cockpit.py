@@ -148,13 +148,12 @@ GARBAGE = (
 def test_an_address_of_garbage_opens_the_page_as_it_is(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     before, run = counts(page), selected(page)
-    for garbage in (GARBAGE, "%", "=&=&", "x" * 20_000, "__proto__.x=1&constructor.y=2"):
-        page.evaluate("text => { location.hash = text }", garbage)
-        settle(page)
-        assert (counts(page), selected(page)) == (before, run), garbage
-        page.reload()
-        page.wait_for_selector("html[data-ready]")
-        assert (counts(page), selected(page)) == (before, run), garbage
+    page.evaluate("text => { location.hash = text }", GARBAGE)
+    settle(page)
+    assert (counts(page), selected(page)) == (before, run)
+    page.reload()
+    page.wait_for_selector("html[data-ready]")
+    assert (counts(page), selected(page)) == (before, run)
 
 
 @pytest.mark.thorough

@@ -1,6 +1,7 @@
 // Bundles src/ into dist/report.js and dist/report.css, which dse puts into every report.
+
+import { existsSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { build } from "esbuild";
-import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 
 const common = { bundle: true, minify: true, charset: "ascii", legalComments: "none", logLevel: "warning" };
 
@@ -18,7 +19,11 @@ await build({ ...common, entryPoints: ["src/style/scene.css"], outfile: "dist/sc
 const drive = await build({ ...code, entryPoints: ["src/drive.ts"], outfile: "dist/drive.js" });
 await build({ ...common, entryPoints: ["src/style/drive.css"], outfile: "dist/drive.css" });
 
-for (const [file, { metafile }] of [["dist/report.js", script], ["dist/scene.js", scene], ["dist/drive.js", drive]]) {
+for (const [file, { metafile }] of [
+  ["dist/report.js", script],
+  ["dist/scene.js", scene],
+  ["dist/drive.js", drive],
+]) {
   const text = readFileSync(file, "utf8") + licences(Object.keys(metafile.inputs));
   if (/<\/script|<!--/i.test(text)) throw new Error(`${file} could not stand inside a script element`);
   writeFileSync(file, text);

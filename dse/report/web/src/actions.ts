@@ -70,11 +70,18 @@ function planeThrough(store: Store, run: number, configuration: number): Partial
  * all conditions if there are any, with waveforms if it can. */
 export function startingRun(store: Store, among: Iterable<number>): number {
   const { study, state } = store;
-  const { deciding, judgement: { overall } } = store.points();
+  const {
+    deciding,
+    judgement: { overall },
+  } = store.points();
   const everywhere = store.designs().judgement.overall;
-  const narrowed = (runs: number[], suits: (run: number) => boolean): number[] => (runs.some(suits) ? runs.filter(suits) : runs);
+  const narrowed = (runs: number[], suits: (run: number) => boolean): number[] =>
+    runs.some(suits) ? runs.filter(suits) : runs;
   const passing = Array.from(among, deciding).filter((run) => overall[run] === PASS);
-  const candidates = narrowed(narrowed(passing, (run) => everywhere[run] === PASS), (run) => study.figures.some((figure) => figure.row.has(study.number[run]!)));
+  const candidates = narrowed(
+    narrowed(passing, (run) => everywhere[run] === PASS),
+    (run) => study.figures.some((figure) => figure.row.has(study.number[run]!)),
+  );
   const scales = study.requirements.map(({ metric }) => {
     const known = study.metrics[metric]!.values.filter(Number.isFinite).sort();
     return Math.max(1e-12, (known[Math.floor(0.9 * known.length)] ?? 1) - (known[Math.floor(0.1 * known.length)] ?? 0));
@@ -89,7 +96,9 @@ export function startingRun(store: Store, among: Iterable<number>): number {
         const { atMost, atLeast, off } = state.thresholds[index]!;
         if (off) return 0;
         const value = study.metrics[metric]!.values[run]!;
-        return Math.min(Math.abs((atMost ?? Infinity) - value), Math.abs(value - (atLeast ?? -Infinity))) / scales[index]!;
+        return (
+          Math.min(Math.abs((atMost ?? Infinity) - value), Math.abs(value - (atLeast ?? -Infinity))) / scales[index]!
+        );
       }),
     );
     if (worst < least) {

@@ -17,14 +17,17 @@ export function followAddress(store: Store, start: State): void {
   let timer = 0;
   const write = (): void => {
     const fragment = fragmentOf(store.study, store.state, start);
-    if (fragment !== location.hash.slice(1)) history.replaceState(history.state, "", fragment ? `#${fragment}` : location.pathname + location.search);
+    if (fragment !== location.hash.slice(1))
+      history.replaceState(history.state, "", fragment ? `#${fragment}` : location.pathname + location.search);
   };
   store.subscribe((_, changed) => {
     if (changed.size === 1 && changed.has("hovered")) return;
     clearTimeout(timer);
     timer = window.setTimeout(write, PAUSE);
   });
-  window.addEventListener("hashchange", () => store.set({ ...start, theme: store.state.theme, ...readFragment(store.study, location.hash.slice(1), start) }));
+  window.addEventListener("hashchange", () =>
+    store.set({ ...start, theme: store.state.theme, ...readFragment(store.study, location.hash.slice(1), start) }),
+  );
 }
 
 /** The differences of *state* from *start*. */
@@ -35,9 +38,17 @@ export function fragmentOf(study: Study, state: State, start: State): string {
   };
   const pairs = (numbers: readonly number[]): string => numbers.join(":");
   add("view", state.view, start.view);
-  add("configuration", study.configurations[state.configuration]?.id ?? "", study.configurations[start.configuration]?.id ?? "");
+  add(
+    "configuration",
+    study.configurations[state.configuration]?.id ?? "",
+    study.configurations[start.configuration]?.id ?? "",
+  );
   add("plane", `${state.x},${state.y}`, `${start.x},${start.y}`);
-  add("fixed", state.fixed.flatMap((value, index) => (Object.is(value, start.fixed[index]) ? [] : [`${index}:${value}`])).join(), "");
+  add(
+    "fixed",
+    state.fixed.flatMap((value, index) => (Object.is(value, start.fixed[index]) ? [] : [`${index}:${value}`])).join(),
+    "",
+  );
   add("zoom", state.zoom ? pairs([...state.zoom.x, ...state.zoom.y]) : "", "");
   add("fill", String(state.fill), String(start.fill));
   add("bounds", changedBounds(state, start), "");
@@ -45,9 +56,18 @@ export function fragmentOf(study: Study, state: State, start: State): string {
   add("pins", state.pins.map((pin) => study.number[pin]).join(), "");
   add("run", String(study.number[state.selected] ?? ""), String(study.number[start.selected] ?? ""));
   add("filter", String(state.filter), String(start.filter));
-  add("sort", `${state.sort.column}:${state.sort.descending ? "down" : "up"}`, `${start.sort.column}:${start.sort.descending ? "down" : "up"}`);
+  add(
+    "sort",
+    `${state.sort.column}:${state.sort.descending ? "down" : "up"}`,
+    `${start.sort.column}:${start.sort.descending ? "down" : "up"}`,
+  );
   for (const [key, value] of Object.entries(state.settings)) add(key, value, "");
-  return parts.map(([key, value]) => `${encodeURIComponent(key)}=${encodeURIComponent(value).replace(/%3A/g, ":").replace(/%2C/g, ",")}`).join("&");
+  return parts
+    .map(
+      ([key, value]) =>
+        `${encodeURIComponent(key)}=${encodeURIComponent(value).replace(/%3A/g, ":").replace(/%2C/g, ",")}`,
+    )
+    .join("&");
 }
 
 /** What *fragment* says that fits the study. */
@@ -74,7 +94,8 @@ export function readFragment(study: Study, fragment: string, start: State): Part
   const filter = (["all", 0, 1, 2, 3] as const).find((each) => String(each) === given.get("filter"));
   if (filter !== undefined) patch.filter = filter;
   const [column, direction] = (given.get("sort") ?? "").split(":");
-  if (column && direction && (column === "run" || column === "verdict" || columnOf(study, column))) patch.sort = { column, descending: direction === "down" };
+  if (column && direction && (column === "run" || column === "verdict" || columnOf(study, column)))
+    patch.sort = { column, descending: direction === "down" };
   const settings = [...given].filter(([key, value]) => key.includes(".") && value);
   if (settings.length) patch.settings = Object.fromEntries(settings);
   return patch;
@@ -98,8 +119,13 @@ function readBounds(study: Study, entries: string[], then: State["thresholds"]):
     if (index < 0) continue;
     const old = thresholds[index]!;
     // A bound that the study does not have has no row to be moved in.
-    const bound = (had: number | null, now: string | undefined): number | null => (had === null ? null : (finite(now) ?? had));
-    thresholds[index] = { atMost: bound(old.atMost, high), atLeast: bound(old.atLeast, low), ...(off === "off" ? { off: true } : {}) };
+    const bound = (had: number | null, now: string | undefined): number | null =>
+      had === null ? null : (finite(now) ?? had);
+    thresholds[index] = {
+      atMost: bound(old.atMost, high),
+      atLeast: bound(old.atLeast, low),
+      ...(off === "off" ? { off: true } : {}),
+    };
   }
   return thresholds;
 }
@@ -109,7 +135,8 @@ function readBrushes(study: Study, entries: string[]): State["brushes"] {
   for (const entry of entries) {
     const [column, first, last] = entry.split(":");
     const [low, high] = [finite(first), finite(last)];
-    if (column && columnOf(study, column) && low !== null && high !== null && low <= high) brushes.set(column, { column, low, high });
+    if (column && columnOf(study, column) && low !== null && high !== null && low <= high)
+      brushes.set(column, { column, low, high });
   }
   return [...brushes.values()];
 }
@@ -122,7 +149,10 @@ function readFixed(study: Study, entries: string[], then: number[]): number[] {
     const value = finite(given);
     if (index < 0 || value === null) continue;
     const { low, high, role } = study.variables[index]!;
-    fixed[index] = study.sampler === "scattered" && role !== "condition" ? Math.min(high, Math.max(low, value)) : closest(levels(study, index), value);
+    fixed[index] =
+      study.sampler === "scattered" && role !== "condition"
+        ? Math.min(high, Math.max(low, value))
+        : closest(levels(study, index), value);
   }
   return fixed;
 }
@@ -131,13 +161,19 @@ function readZoom(study: Study, text: string, x: number, y: number): Zoom | null
   const [x0, x1, y0, y1] = text.split(":").map(finite);
   if (!study.variables[x] || !study.variables[y]) return null;
   const whole = wholeOf(study, { x, y });
-  const fits = (low: number | null | undefined, high: number | null | undefined, [least, most]: readonly [number, number]): boolean =>
-    typeof low === "number" && typeof high === "number" && low < high && low >= least && high <= most;
+  const fits = (
+    low: number | null | undefined,
+    high: number | null | undefined,
+    [least, most]: readonly [number, number],
+  ): boolean => typeof low === "number" && typeof high === "number" && low < high && low >= least && high <= most;
   return fits(x0, x1, whole.x) && fits(y0, y1, whole.y) ? { x: [x0!, x1!], y: [y0!, y1!] } : null;
 }
 
 function closest(values: number[], wanted: number): number {
-  return values.reduce((best, value) => (Math.abs(value - wanted) < Math.abs(best - wanted) ? value : best), values[0] ?? wanted);
+  return values.reduce(
+    (best, value) => (Math.abs(value - wanted) < Math.abs(best - wanted) ? value : best),
+    values[0] ?? wanted,
+  );
 }
 
 function list(given: URLSearchParams, key: string): string[] {

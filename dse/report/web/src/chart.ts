@@ -1,7 +1,7 @@
 // Charts as dse/report/charts/chart.py describes them: two axes and what is drawn between them.
 import { shortened } from "./format";
-import type { Numbers } from "./packing";
 import type { Mark } from "./marks";
+import type { Numbers } from "./packing";
 
 export interface ChartAxis {
   title: string;
@@ -86,7 +86,12 @@ const MOST_NOTE = 1200;
 const MOST_UNIT = 20;
 
 function named(axis: ChartAxis): ChartAxis {
-  return { ...axis, title: shortened(axis.title, MOST_TITLE), unit: shortened(axis.unit, MOST_UNIT), names: axis.names.map((name) => shortened(name, MOST_TITLE)) };
+  return {
+    ...axis,
+    title: shortened(axis.title, MOST_TITLE),
+    unit: shortened(axis.unit, MOST_UNIT),
+    names: axis.names.map((name) => shortened(name, MOST_TITLE)),
+  };
 }
 
 /** The figures of the document, with the arrays that lie beside it. */

@@ -15,7 +15,11 @@ export function columnsOf(study: Study): Keyed[] {
       ...study.variables.map((column, index) => ({ ...column, key: `variable.${index}` })),
       ...study.metrics.map((column, index) => ({ ...column, key: `metric.${index}` })),
       ...study.composites.map((column, index) => ({ ...column, key: `composite.${index}` })),
-      ...study.properties.map((column, index) => ({ ...column, values: perRun(study, column.values), key: `property.${index}` })),
+      ...study.properties.map((column, index) => ({
+        ...column,
+        values: perRun(study, column.values),
+        key: `property.${index}`,
+      })),
     ];
     known.set(study, columns);
   }

@@ -1,5 +1,5 @@
 // How many runs carry each mark, among those that are looked at.
-import { plotted, type Plane } from "./plane/plane";
+import { type Plane, plotted } from "./plane/plane";
 import type { Store } from "./store";
 import type { Study } from "./study";
 

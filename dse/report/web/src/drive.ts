@@ -1,9 +1,9 @@
 // A test drive: choose a car and a road, drive it, see what came of it.
 import { el } from "./dom";
 import { showDrive } from "./drive/cockpit";
-import { showDealership, type Bench, type Order } from "./drive/dealership";
-import { buildBoards, showEnding } from "./drive/ending";
-import { ask, connect, readChoices, type Ended } from "./drive/wire";
+import { type Bench, type Order, showDealership } from "./drive/dealership";
+import { ask, connect, type Ended, readChoices } from "./drive/messages";
+import { buildBoards, showEnding } from "./drive/result";
 import { startTheme } from "./theme";
 
 const page = document.getElementById("drive")!;
@@ -12,7 +12,14 @@ const { benches } = JSON.parse(document.getElementById("document")!.textContent!
 startTheme();
 const order = ordered();
 if (benches.length) choose();
-else page.replaceChildren(el("p", { class: "problem" }, "There is no road to drive on: no bench has a component that implements the interface 'driver'."));
+else
+  page.replaceChildren(
+    el(
+      "p",
+      { class: "problem" },
+      "There is no road to drive on: no bench has a component that implements the interface 'driver'.",
+    ),
+  );
 window.addEventListener("hashchange", () => {
   if (!page.querySelector(".dealership")) return;
   Object.assign(order, ordered(), { driver: order.driver });
@@ -44,7 +51,12 @@ async function drive(): Promise<void> {
   } catch (error) {
     driven.leave();
     const canWebGl = Boolean(document.createElement("canvas").getContext("webgl2"));
-    finished({ why: "lost", text: canWebGl ? `The scene cannot be shown: ${String(error)}` : "This browser or machine has no WebGL", drive: null, verdicts: [] });
+    finished({
+      why: "lost",
+      text: canWebGl ? `The scene cannot be shown: ${String(error)}` : "This browser or machine has no WebGL",
+      drive: null,
+      verdicts: [],
+    });
   }
 }
 
@@ -57,6 +69,6 @@ function finished(ended: Ended): void {
 }
 
 function show(what: string): void {
-  document.documentElement.dataset["shows"] = what;
+  document.documentElement.dataset.shows = what;
   window.scrollTo(0, 0);
 }

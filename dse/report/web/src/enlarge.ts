@@ -12,15 +12,15 @@ export function enlarge(panel: HTMLElement, left: () => void): () => void {
       behind.push(other);
     }
   }
-  const escape = (event: KeyboardEvent): void => {
+  const leaveByKey = (event: KeyboardEvent): void => {
     if (event.key === "Escape" && !event.defaultPrevented) leave?.();
   };
   panel.classList.add("enlarged");
-  document.addEventListener("keydown", escape);
+  document.addEventListener("keydown", leaveByKey);
   leave = () => {
     leave = null;
     panel.classList.remove("enlarged");
-    document.removeEventListener("keydown", escape);
+    document.removeEventListener("keydown", leaveByKey);
     for (const other of behind) other.inert = false;
     left();
   };

@@ -7,7 +7,7 @@ export function number(value: number, digits = 4): string {
   const rounded = Number(value.toPrecision(digits));
   const text =
     size !== 0 && (size >= 1e7 || size < 1e-4)
-      ? value.toExponential(digits - 1).replace(/\.?0+e\+?/, "e")
+      ? value.toExponential(digits - 1).replace(/\.?0*e\+?/, "e")
       : Math.abs(rounded) >= 10 ** digits
         ? value.toFixed(0)
         : String(rounded);
@@ -59,7 +59,12 @@ export function straight(text: string): string {
 /** *text* without marks that turn it around, and with an ellipsis after its first *most* letters. */
 export function shortened(text: string, most: number): string {
   const letters = Array.from(straight(text.slice(0, 4 * most)));
-  return letters.length > most ? letters.slice(0, most - 1).join("").trimEnd() + "\u2026" : letters.join("");
+  return letters.length > most
+    ? `${letters
+        .slice(0, most - 1)
+        .join("")
+        .trimEnd()}\u2026`
+    : letters.join("");
 }
 
 export function withUnit(text: string, unit: string): string {
@@ -69,7 +74,12 @@ export function withUnit(text: string, unit: string): string {
 export function percent(part: number, whole: number): string {
   if (!whole) return "0\u202f%";
   const share = (100 * part) / whole;
-  const text = share > 0 && share < 0.1 ? "<0.1" : share < 100 && share > 99.9 ? ">99.9" : share.toFixed(share < 10 || (share >= 98.5 && share < 100) ? 1 : 0);
+  const text =
+    share > 0 && share < 0.1
+      ? "<0.1"
+      : share < 100 && share > 99.9
+        ? ">99.9"
+        : share.toFixed(share < 10 || (share >= 98.5 && share < 100) ? 1 : 0);
   return `${text}\u202f%`;
 }
 

@@ -22,13 +22,23 @@ const known = new WeakMap<Study, Grouping>();
 
 export function groupingOf(study: Study): Grouping {
   let grouping = known.get(study);
-  if (!grouping) known.set(study, (grouping = grouped(study, valuesOf(study, ({ role }) => role === "design"), valuesOf(study, ({ role }) => role === "condition"), Int32Array.from(study.number.keys()))));
+  if (!grouping) {
+    const own = valuesOf(study, ({ role }) => role === "design");
+    const at = valuesOf(study, ({ role }) => role === "condition");
+    grouping = grouped(study, own, at, Int32Array.from(study.number.keys()));
+    known.set(study, grouping);
+  }
   return grouping;
 }
 
 /** The runs *among*, grouped where they differ only in the variables *pooled*, which are conditions. */
 export function pooledOver(study: Study, pooled: ReadonlySet<Variable>, among: Int32Array): Grouping {
-  return grouped(study, valuesOf(study, (variable) => !pooled.has(variable)), valuesOf(study, (variable) => pooled.has(variable)), among);
+  return grouped(
+    study,
+    valuesOf(study, (variable) => !pooled.has(variable)),
+    valuesOf(study, (variable) => pooled.has(variable)),
+    among,
+  );
 }
 
 function valuesOf(study: Study, suits: (variable: Variable) => boolean): ArrayLike<number>[] {
@@ -51,7 +61,16 @@ function grouped(study: Study, own: ArrayLike<number>[], at: ArrayLike<number>[]
       if (i === start[design] || condition[rows[i]!] !== condition[rows[i - 1]!]) tried[design]!++;
     }
   }
-  return { size, of, first, start, rows, condition, conditions, whole: Uint8Array.from(tried, (count) => (count === conditions ? 1 : 0)) };
+  return {
+    size,
+    of,
+    first,
+    start,
+    rows,
+    condition,
+    conditions,
+    whole: Uint8Array.from(tried, (count) => (count === conditions ? 1 : 0)),
+  };
 }
 
 /** Numbers 0, 1, … for the rows *among* those of *columns*, the same for equal rows; -1 for others. */
@@ -66,11 +85,17 @@ function coded(columns: ArrayLike<number>[], size: number, among: Int32Array): {
     for (const row of among) {
       const value = column[row]!;
       let code = values.get(value);
-      if (code === undefined) values.set(value, (code = values.size));
+      if (code === undefined) {
+        code = values.size;
+        values.set(value, code);
+      }
       // There are no more codes than runs: the product stays far below 2^53.
       const pair = codes[row]! * (size + 1) + code;
       let joined = pairs.get(pair);
-      if (joined === undefined) pairs.set(pair, (joined = pairs.size));
+      if (joined === undefined) {
+        joined = pairs.size;
+        pairs.set(pair, joined);
+      }
       next[row] = joined;
     }
     codes = next;

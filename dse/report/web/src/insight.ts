@@ -160,7 +160,11 @@ export function readInsight(source: unknown, arrays: Map<string, Numbers>): Insi
     withheld: insight.withheld.map(fitted),
     parts: insight.parts.map((part) => ({
       ...part,
-      factors: part.factors.map((factor) => ({ ...factor, label: shortened(factor.title, MOST_LABEL) + (factor.is_condition ? " (condition)" : ""), labels: factor.levels.map((level) => shortened(level, MOST_LABEL)) })),
+      factors: part.factors.map((factor) => ({
+        ...factor,
+        label: shortened(factor.title, MOST_LABEL) + (factor.is_condition ? " (condition)" : ""),
+        labels: factor.levels.map((level) => shortened(level, MOST_LABEL)),
+      })),
     })),
   };
 }

@@ -1,8 +1,8 @@
 // A report that a server has given: how the study is getting on, new runs, stopping it. A report that is a file has none.
 import { el } from "./dom";
 import { count, group } from "./format";
-import { answered, post } from "./live/asking";
-import { createTrying } from "./live/trying";
+import { answered, post } from "./live/requests";
+import { createTrying } from "./live/whatif";
 import type { Store } from "./store";
 
 interface Entry {
@@ -38,7 +38,19 @@ export function startLive(store: Store): void {
   const stop = el("button", { type: "button", id: "live-stop", hidden: true, click: () => void ask() }, "Stop");
   const said = el("span", { class: "muted", role: "status", id: "live-said" });
   const trying = createTrying(store, entry.query);
-  const bar = el("nav", { class: "live", "aria-label": "Study being served" }, el("a", { href: "/" }, "All studies"), state, meter, told, news, stop, said, el("span", { class: "spring" }), trying.button);
+  const bar = el(
+    "nav",
+    { class: "live", "aria-label": "Study being served" },
+    el("a", { href: "/" }, "All studies"),
+    state,
+    meter,
+    told,
+    news,
+    stop,
+    said,
+    el("span", { class: "spring" }),
+    trying.button,
+  );
   document.body.prepend(bar, ...entry.problems.map((text) => el("p", { class: "live problem" }, text)));
   document.body.append(trying.panel);
   new ResizeObserver(() => (trying.panel.style.top = `${bar.offsetHeight}px`)).observe(bar);
@@ -58,7 +70,7 @@ export function startLive(store: Store): void {
   };
 
   const show = (now: Progress): void => {
-    bar.dataset["state"] = now.state;
+    bar.dataset.state = now.state;
     const isRunning = now.state === "running";
     state.textContent = now.state;
     meter.value = now.runs ? now.finished / now.runs : 1;
@@ -90,9 +102,12 @@ export function startLive(store: Store): void {
         show(now);
         if (now.state === "running") wait = EVERY.running;
       } catch (error) {
-        bar.dataset["state"] = "gone";
+        bar.dataset.state = "gone";
         state.textContent = "no answer";
-        told.textContent = error instanceof TypeError ? "the server does not answer; this page stays as it is" : String((error as Error).message);
+        told.textContent =
+          error instanceof TypeError
+            ? "the server does not answer; this page stays as it is"
+            : String((error as Error).message);
         stop.hidden = true;
       }
     }

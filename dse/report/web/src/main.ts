@@ -1,14 +1,15 @@
 // Puts the page together.
-import { followAddress, readFragment } from "./address";
+
 import { startingRun } from "./actions";
-import { createAnnouncement } from "./announce";
+import { followAddress, readFragment } from "./address";
+import { createAnnouncement } from "./announcement";
 import { shownRuns } from "./counts";
 import { el } from "./dom";
 import { count } from "./format";
 import { groupingOf } from "./grouping";
 import { startLive } from "./live";
 import { startingPoint } from "./plane/plane";
-import { createStore, studyThresholds, type State, type Store } from "./store";
+import { createStore, type State, type Store, studyThresholds } from "./store";
 import { readStudy, type Study, type Variable } from "./study";
 import { createTabs } from "./tabs";
 import { followTheme, startTheme } from "./theme";
@@ -36,9 +37,12 @@ async function start(): Promise<void> {
     if (new URLSearchParams(location.hash.slice(1)).has("print")) tabs.stack();
     followAddress(store, start);
     startLive(store);
-    document.documentElement.dataset["ready"] = "yes";
+    document.documentElement.dataset.ready = "yes";
   } catch (error) {
-    const hint = "DecompressionStream" in window ? "" : " This browser is too old: it cannot unpack the data (DecompressionStream).";
+    const hint =
+      "DecompressionStream" in window
+        ? ""
+        : " This browser is too old: it cannot unpack the data (DecompressionStream).";
     page.replaceChildren(el("p", { class: "card problem" }, `The report cannot be shown: ${String(error)}.${hint}`));
     throw error;
   }
@@ -49,7 +53,9 @@ function isCondition({ variables }: Study, index: number): boolean {
 }
 
 function initial(study: Study, theme: State["theme"]): State {
-  const byRole = [...study.variables.keys()].sort((a, b) => Number(isCondition(study, a)) - Number(isCondition(study, b)));
+  const byRole = [...study.variables.keys()].sort(
+    (a, b) => Number(isCondition(study, a)) - Number(isCondition(study, b)),
+  );
   const [x, y] = study.slices[0] ?? (byRole.length > 1 ? byRole : [0, 1]);
   return {
     configuration: study.size ? study.configuration[0]! : 0,
@@ -91,8 +97,19 @@ function header(store: Store, stack: () => void): HTMLElement {
   };
   name();
   store.subscribe(name);
-  const print = el("button", { id: "print", type: "button", title: "Prints all views, one after the other", click: () => void printAll(stack) }, "Print");
-  return el("header", {}, el("h1", { title: study.title }, study.title), el("span", { class: "muted" }, parts.join(" \u00b7 ")), el("span", { class: "spring" }), el("span", { class: "tools" }, print, button));
+  const print = el(
+    "button",
+    { id: "print", type: "button", title: "Prints all views, one after the other", click: () => void printAll(stack) },
+    "Print",
+  );
+  return el(
+    "header",
+    {},
+    el("h1", { title: study.title }, study.title),
+    el("span", { class: "muted" }, parts.join(" \u00b7 ")),
+    el("span", { class: "spring" }),
+    el("span", { class: "tools" }, print, button),
+  );
 }
 
 // What is drawn on canvases has to be on paper's width, and drawn, before the browser looks at it.

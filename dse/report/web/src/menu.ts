@@ -2,7 +2,13 @@
 import { el } from "./dom";
 
 /** *opened* is called when the sheet opens, before it is seen. */
-export function createMenu(id: string, text: string, label: string, sheet: HTMLElement, opened: () => void = () => undefined): HTMLDetailsElement {
+export function createMenu(
+  id: string,
+  text: string,
+  label: string,
+  sheet: HTMLElement,
+  opened: () => void = () => undefined,
+): HTMLDetailsElement {
   const summary = el("summary", { id, "aria-label": label, click: () => menu.open || opened() }, text);
   sheet.classList.add("sheet-menu");
   const menu = el("details", { class: "menu" }, summary, sheet);

@@ -52,8 +52,17 @@ export function readNotes(notes: Notes | null | undefined): Notes | null {
     funnel: funnel && {
       ...funnel,
       design: name(funnel.design),
-      steps: funnel.steps.map((each) => ({ ...each, constraint: name(each.constraint), because: said(each.because), rule: said(each.rule) })),
-      absent: funnel.absent.map((each) => ({ place: name(each.place), choice: name(each.choice), constraints: each.constraints.map(name) })),
+      steps: funnel.steps.map((each) => ({
+        ...each,
+        constraint: name(each.constraint),
+        because: said(each.because),
+        rule: said(each.rule),
+      })),
+      absent: funnel.absent.map((each) => ({
+        place: name(each.place),
+        choice: name(each.choice),
+        constraints: each.constraints.map(name),
+      })),
     },
   };
 }

@@ -1,8 +1,9 @@
 // What is judged: a run; where conditions are varied a design, at the worst of the conditions that are let through.
-import { pooledOver, type Grouping } from "./grouping";
-import { standingOf } from "./judging";
-import type { State, Store } from "./store";
+
 import { withUnit } from "./format";
+import { type Grouping, pooledOver } from "./grouping";
+import { standingOf } from "./judgement";
+import type { State, Store } from "./store";
 import type { Study } from "./study";
 import type { Judgement } from "./verdicts";
 
@@ -41,8 +42,11 @@ export function poolOf(study: Study, { x, y, fixed }: Let): Grouping | null {
   known.set(study, groupings);
   let grouping = groupings.get(key);
   if (!grouping) {
-    const among = Int32Array.from(study.number.keys()).filter((run) => set.every((index) => study.variables[index]!.values[run] === fixed[index]));
-    groupings.set(key, (grouping = pooledOver(study, new Set(pooled.map((index) => study.variables[index]!)), among)));
+    const among = Int32Array.from(study.number.keys()).filter((run) =>
+      set.every((index) => study.variables[index]!.values[run] === fixed[index]),
+    );
+    grouping = pooledOver(study, new Set(pooled.map((index) => study.variables[index]!)), among);
+    groupings.set(key, grouping);
   }
   return grouping;
 }
@@ -57,14 +61,23 @@ export function pointsOf(store: Pick<Store, "study" | "state" | "judgement" | "w
   const grouping = poolOf(study, at);
   const judgement = store.judgement();
   if (!grouping) {
-    return { noun: "run", runs: Int32Array.from(study.number.keys()), judgement, within: store.within(), first: (run) => run, deciding: (run) => run };
+    return {
+      noun: "run",
+      runs: Int32Array.from(study.number.keys()),
+      judgement,
+      within: store.within(),
+      first: (run) => run,
+      deciding: (run) => run,
+    };
   }
   const { of, first, start, rows } = grouping;
   const standing = standingOf(study, state.thresholds, 0, judgement, grouping);
-  const spread = (marks: Uint8Array, own: Uint8Array): Uint8Array => own.map((mark, run) => (of[run]! < 0 ? mark : marks[of[run]!]!));
+  const spread = (marks: Uint8Array, own: Uint8Array): Uint8Array =>
+    own.map((mark, run) => (of[run]! < 0 ? mark : marks[of[run]!]!));
   const anyOf = (flags: Uint8Array): Uint8Array => {
     const found = new Uint8Array(grouping.size);
-    for (let point = 0; point < found.length; point++) for (let i = start[point]!; i < start[point + 1]!; i++) found[point]! |= flags[rows[i]!]!;
+    for (let point = 0; point < found.length; point++)
+      for (let i = start[point]!; i < start[point + 1]!; i++) found[point]! |= flags[rows[i]!]!;
     return spread(found, flags);
   };
   const within = store.within();
@@ -86,7 +99,9 @@ export function pointsOf(store: Pick<Store, "study" | "state" | "judgement" | "w
 export function conditionsInWords(study: Study, at: Let): string {
   const grouping = poolOf(study, at);
   if (!grouping) return "";
-  const set = conditionsOf(study).filter((index) => index !== at.x && index !== at.y && !Number.isNaN(at.fixed[index]!));
+  const set = conditionsOf(study).filter(
+    (index) => index !== at.x && index !== at.y && !Number.isNaN(at.fixed[index]!),
+  );
   const told = set.map((index) => {
     const { title, text, unit } = study.variables[index]!;
     return `${title} ${withUnit(text(at.fixed[index]!), unit)}`;

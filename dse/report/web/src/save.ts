@@ -32,7 +32,14 @@ export function csvOf(store: Store): string {
   const places = [...new Set(study.configurations.flatMap(({ choices }) => choices.map(([place]) => place)))];
   const chosen = study.configurations.map(({ choices }) => new Map(choices));
   const columns = columnsOf(study);
-  const head = ["run", "configuration", ...places, ...columns.map(axisLabel), ...study.requirements.map(({ title }) => title), "verdict"];
+  const head = [
+    "run",
+    "configuration",
+    ...places,
+    ...columns.map(axisLabel),
+    ...study.requirements.map(({ title }) => title),
+    "verdict",
+  ];
   const rows = [head.map(cell).join()];
   for (let run = 0; run < study.size; run++) {
     if (within && !within[run]) continue;
@@ -48,7 +55,7 @@ export function csvOf(store: Store): string {
       ].join(),
     );
   }
-  return rows.join("\r\n") + "\r\n";
+  return `${rows.join("\r\n")}\r\n`;
 }
 
 /** *text* as a field of a CSV file; one that begins like a formula would be run by a spreadsheet. */

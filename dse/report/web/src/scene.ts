@@ -1,9 +1,9 @@
 // A run in three dimensions: played, paused, wound, seen from four sides.
 import { el } from "./dom";
-import { readRecording, type Recording } from "./scene/data";
-import { Fineness } from "./scene/fineness";
+import { type Recording, readRecording } from "./scene/data";
 import { buildInstruments } from "./scene/instruments";
-import { sensorColour } from "./scene/sensing";
+import { Resolution } from "./scene/resolution";
+import { sensorColour } from "./scene/sensors";
 import { buildStage, VIEWS, type View } from "./scene/stage";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
@@ -11,11 +11,11 @@ const WIND = 1; // s
 
 async function start(): Promise<void> {
   const page = document.getElementById("scene")!;
-  document.documentElement.dataset["theme"] = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
+  document.documentElement.dataset.theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
   try {
     const recording = await readRecording();
     play(page, recording);
-    document.documentElement.dataset["ready"] = "yes";
+    document.documentElement.dataset.ready = "yes";
   } catch (error) {
     const canWebGl = Boolean(document.createElement("canvas").getContext("webgl2"));
     const hint = canWebGl ? "" : " This browser or machine has no WebGL.";
@@ -40,7 +40,11 @@ function play(page: HTMLElement, recording: Recording): void {
   let isPlaying = first.time === null;
   let shown = -1;
 
-  const canvas = el("canvas", { class: "stage", role: "img", "aria-label": `${recording.document.title}, ${recording.document.subtitle}, in three dimensions` });
+  const canvas = el("canvas", {
+    class: "stage",
+    role: "img",
+    "aria-label": `${recording.document.title}, ${recording.document.subtitle}, in three dimensions`,
+  });
   const stage = buildStage(canvas, recording);
   const jump = (to: number): void => {
     time = Math.min(Math.max(to, 0), recording.seconds);
@@ -48,7 +52,14 @@ function play(page: HTMLElement, recording: Recording): void {
   };
   const instruments = buildInstruments(recording, jump);
   const clock = el("output", { class: "clock" });
-  const slider = el("input", { type: "range", min: 0, max: recording.seconds, step: "any", "aria-label": "Time in s", input: () => jump(Number(slider.value)) });
+  const slider = el("input", {
+    type: "range",
+    min: 0,
+    max: recording.seconds,
+    step: "any",
+    "aria-label": "Time in s",
+    input: () => jump(Number(slider.value)),
+  });
   const button = el("button", { type: "button", class: "play", click: () => set(!isPlaying) });
   const set = (playing: boolean): void => {
     if (playing && time >= recording.seconds) time = 0;
@@ -60,20 +71,44 @@ function play(page: HTMLElement, recording: Recording): void {
   const rate = el("select", { "aria-label": "Speed of the replay", change: () => (speed = Number(rate.value)) });
   for (const each of SPEEDS) rate.append(el("option", { value: each }, `${each}\u00d7`));
   rate.value = "1";
-  const cameras = VIEWS.map(([name, title]) => el("button", { type: "button", "data-view": name, click: () => choose(name) }, title));
+  const cameras = VIEWS.map(([name, title]) =>
+    el("button", { type: "button", "data-view": name, click: () => choose(name) }, title),
+  );
   const choose = (name: View): void => {
     view = name;
     shown = -1;
-    for (const each of cameras) each.setAttribute("aria-pressed", String(each.dataset["view"] === name));
+    for (const each of cameras) each.setAttribute("aria-pressed", String(each.dataset.view === name));
   };
   choose(view);
-  const sensors = el("input", { type: "checkbox", checked: true, change: () => { stage.sensing.set(sensors.checked); shown = -1; } });
+  const sensors = el("input", {
+    type: "checkbox",
+    checked: true,
+    change: () => {
+      stage.sensing.set(sensors.checked);
+      shown = -1;
+    },
+  });
   const legend = recording.document.sensors.map((sensor, number) =>
     el("li", {}, mark(sensorColour(number)), sensor.title),
   );
-  const heading = el("header", {}, el("h1", {}, recording.document.title), el("span", { class: "muted" }, recording.document.subtitle));
-  const key = legend.length ? el("div", { class: "legend" }, el("label", {}, sensors, "Sensors"), el("ul", {}, ...legend)) : null;
-  const bar = el("div", { class: "controls" }, button, slider, clock, rate, el("div", { class: "cameras", role: "group", "aria-label": "Camera" }, ...cameras));
+  const heading = el(
+    "header",
+    {},
+    el("h1", {}, recording.document.title),
+    el("span", { class: "muted" }, recording.document.subtitle),
+  );
+  const key = legend.length
+    ? el("div", { class: "legend" }, el("label", {}, sensors, "Sensors"), el("ul", {}, ...legend))
+    : null;
+  const bar = el(
+    "div",
+    { class: "controls" },
+    button,
+    slider,
+    clock,
+    rate,
+    el("div", { class: "cameras", role: "group", "aria-label": "Camera" }, ...cameras),
+  );
   page.replaceChildren(el("main", {}, canvas, el("div", { class: "over" }, heading, key), bar), instruments.element);
 
   document.addEventListener("keydown", (event) => {
@@ -93,10 +128,10 @@ function play(page: HTMLElement, recording: Recording): void {
     jump(to);
   });
   // Without a graphics card a moving picture is drawn coarser, until it moves; one that stands is drawn finely.
-  const fineness = new Fineness();
+  const resolution = new Resolution();
   let drawn = 0;
   const resize = (): void => {
-    drawn = isPlaying ? fineness.value : 1;
+    drawn = isPlaying ? resolution.value : 1;
     stage.resize(canvas.clientWidth, canvas.clientHeight, drawn);
     shown = -1;
   };
@@ -108,17 +143,17 @@ function play(page: HTMLElement, recording: Recording): void {
       time = Math.min(time + ((now - last) / 1000) * speed, recording.seconds);
       if (time >= recording.seconds) set(false);
     }
-    if (isPlaying) fineness.tell(now, now - last);
+    if (isPlaying) resolution.tell(now, now - last);
     last = now;
-    if (drawn !== (isPlaying ? fineness.value : 1)) resize();
+    if (drawn !== (isPlaying ? resolution.value : 1)) resize();
     if (time !== shown) {
       stage.show(time, view);
       instruments.show(time);
       slider.value = String(time);
       clock.textContent = `${time.toFixed(1)} / ${recording.seconds.toFixed(0)} s`;
-      document.documentElement.dataset["frames"] = String(Number(document.documentElement.dataset["frames"] ?? 0) + 1);
-      document.documentElement.dataset["at"] = String(time);
-      document.documentElement.dataset["view"] = view;
+      document.documentElement.dataset.frames = String(Number(document.documentElement.dataset.frames ?? 0) + 1);
+      document.documentElement.dataset.at = String(time);
+      document.documentElement.dataset.view = view;
       shown = time;
     }
     requestAnimationFrame(tick);

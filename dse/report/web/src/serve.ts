@@ -1,5 +1,5 @@
 // The list of studies and their comparison, as the server has written them: theme, and news while something runs.
-import { answered } from "./live/asking";
+import { answered } from "./live/requests";
 import { startTheme } from "./theme";
 
 const EVERY = 3000;
@@ -21,7 +21,7 @@ function follow(button: HTMLButtonElement): void {
   button.hidden = false;
   button.addEventListener("click", () => {
     theme = theme === "dark" ? "light" : "dark";
-    document.documentElement.dataset["theme"] = theme;
+    document.documentElement.dataset.theme = theme;
     name();
   });
   name();
@@ -51,14 +51,17 @@ async function refresh(): Promise<void> {
 
 /** Has the server make a replay, says how far it is, and shows it. */
 async function awaitReplay(wanted: HTMLElement): Promise<void> {
-  const address = `/replay?${new URLSearchParams({ study: wanted.dataset["study"]!, run: wanted.dataset["replay"]! })}`;
+  const address = `/replay?${new URLSearchParams({ study: wanted.dataset.study!, run: wanted.dataset.replay! })}`;
   const told = document.getElementById("replay-told")!;
   const began = performance.now();
   const seconds = (): string => `${Math.round((performance.now() - began) / 1000)} s`;
   const looking = setInterval(() => {
     void fetch(address)
       .then(answered)
-      .then((now) => (told.textContent = `${(now as { told: string }).told || "waiting for the simulation to begin"} \u00b7 ${seconds()}`))
+      .then(
+        (now) =>
+          (told.textContent = `${(now as { told: string }).told || "waiting for the simulation to begin"} \u00b7 ${seconds()}`),
+      )
       .catch(() => undefined);
   }, AGAIN);
   try {

@@ -1,9 +1,9 @@
 // What the reader has chosen. Parts of the page subscribe; changes of one animation frame arrive together.
-import { maskOf, type Brush } from "./brushing";
+import { type Brush, maskOf } from "./brush";
 import { createPlanes, type Plane } from "./plane/plane";
-import { everyCondition, pointsOf, poolOf, type Points } from "./points";
+import { everyCondition, type Points, pointsOf, poolOf } from "./points";
 import type { Study } from "./study";
-import { judge, type Judgement, type Threshold } from "./verdicts";
+import { type Judgement, judge, type Threshold } from "./verdicts";
 
 export interface Zoom {
   readonly x: readonly [number, number];
@@ -114,12 +114,14 @@ export function createStore(study: Study, initial: State): Store {
     points() {
       if (poolOf(study, state) === poolOf(study, everyCondition(study))) return store.designs();
       const { x, y, fixed, thresholds, brushes } = state;
-      if (![x, y, fixed, thresholds, brushes].every((one, index) => one === shown?.of[index])) shown = { of: [x, y, fixed, thresholds, brushes], points: pointsOf(store, state) };
+      if (![x, y, fixed, thresholds, brushes].every((one, index) => one === shown?.of[index]))
+        shown = { of: [x, y, fixed, thresholds, brushes], points: pointsOf(store, state) };
       return shown!.points;
     },
     designs() {
       const { thresholds, brushes } = state;
-      if (![thresholds, brushes].every((one, index) => one === whole?.of[index])) whole = { of: [thresholds, brushes], points: pointsOf(store, everyCondition(study)) };
+      if (![thresholds, brushes].every((one, index) => one === whole?.of[index]))
+        whole = { of: [thresholds, brushes], points: pointsOf(store, everyCondition(study)) };
       return whole!.points;
     },
     within() {

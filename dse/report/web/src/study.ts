@@ -1,9 +1,9 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
-import { readCharted, type Charted } from "./chart";
+import { type Charted, readCharted } from "./chart";
 import { columnText, number, shortened, straight, withUnit } from "./format";
-import { readInsight, type Insight } from "./insight";
-import { readNotes, readRetried, type Notes, type Retried } from "./notes";
-import { unpack, type Entry, type Numbers } from "./packing";
+import { type Insight, readInsight } from "./insight";
+import { type Notes, type Retried, readNotes, readRetried } from "./notes";
+import { type Entry, type Numbers, unpack } from "./packing";
 
 export interface Column {
   name: string;
@@ -138,7 +138,18 @@ interface Document {
   sampler: Sampler;
   runs: number;
   mostCentres: number;
-  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; levels: number; lack: number[]; role: Variable["role"]; labels: string[] }[];
+  variables: {
+    name: string;
+    title: string;
+    unit: string;
+    low: number;
+    high: number;
+    nominal: number;
+    levels: number;
+    lack: number[];
+    role: Variable["role"];
+    labels: string[];
+  }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: { name: string; title: string; metric: number; atMost: number | null; atLeast: number | null }[];
   configurations: { id: string; choices: [string, string][] }[];
@@ -165,7 +176,9 @@ interface Document {
 }
 
 export async function readStudy(): Promise<Study> {
-  const source = JSON.parse(block("document"), (_, value: unknown) => (typeof value === "string" ? straight(value) : value)) as Document;
+  const source = JSON.parse(block("document"), (_, value: unknown) =>
+    typeof value === "string" ? straight(value) : value,
+  ) as Document;
   const arrays = await unpack(source.columns, block("columns"));
   const floats = (name: string): Float64Array => arrays.get(name) as Float64Array;
   const integers = (name: string): Int32Array => arrays.get(name) as Int32Array;
@@ -188,7 +201,12 @@ export async function readStudy(): Promise<Study> {
     done: flags("done"),
     checked: arrays.has("checked") ? flags("checked") : null,
     problems: new Map(source.problems),
-    variables: source.variables.map((variable, i) => ({ ...variable, ...named(variable), ...column(`variable.${i}`), ...labelled(variable.labels) })),
+    variables: source.variables.map((variable, i) => ({
+      ...variable,
+      ...named(variable),
+      ...column(`variable.${i}`),
+      ...labelled(variable.labels),
+    })),
     metrics: source.metrics.map((metric, i) => ({
       ...metric,
       ...named(metric),
@@ -203,7 +221,9 @@ export async function readStudy(): Promise<Study> {
     })),
     configurations: source.configurations.map((configuration, i) => ({
       ...configuration,
-      properties: properties.filter(({ values }) => !Number.isNaN(values[i])).map(({ name, unit, values }): [string, string] => [name, withUnit(number(values[i]!, 6), unit)]),
+      properties: properties
+        .filter(({ values }) => !Number.isNaN(values[i]))
+        .map(({ name, unit, values }): [string, string] => [name, withUnit(number(values[i]!, 6), unit)]),
       picture: source.pictureOf[i]!,
       parts: source.partsOf[i]!.map((code) => source.components[code]!),
       radial: source.radial?.[i]

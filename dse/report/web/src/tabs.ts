@@ -1,9 +1,9 @@
 // Tabs, and below them the open view; a view is made when it is first opened. For paper all stand one after the other.
 import { el } from "./dom";
 import { createBrushes } from "./panels/brushes";
-import { whileShown, type Store } from "./store";
-import { VIEWS } from "./views/views";
+import { type Store, whileShown } from "./store";
 import type { View } from "./views/view";
+import { VIEWS } from "./views/views";
 
 interface Made {
   body: HTMLElement;
@@ -21,7 +21,13 @@ export function createTabs(store: Store): Tabs {
   const suited = VIEWS.filter((view) => view.suits(store.study));
   const made = new Map<string, Made>();
   const panel = el("div", { id: "view", role: "tabpanel", tabindex: -1 });
-  const tabs = suited.map((view) => el("button", { id: `tab-${view.name}`, type: "button", role: "tab", "aria-controls": "view", click: () => open(view) }, view.title));
+  const tabs = suited.map((view) =>
+    el(
+      "button",
+      { id: `tab-${view.name}`, type: "button", role: "tab", "aria-controls": "view", click: () => open(view) },
+      view.title,
+    ),
+  );
   const list = el("div", { class: "views", role: "tablist", "aria-label": "Views" }, ...tabs);
   const opened = (): View => suited.find(({ name }) => name === store.state.view) ?? suited[0]!;
   const open = (view: View): void => {
@@ -60,7 +66,7 @@ export function createTabs(store: Store): Tabs {
     put(view, panel);
   };
   const stack = (): void => {
-    document.documentElement.dataset["printing"] = "yes";
+    document.documentElement.dataset.printing = "yes";
     panel.replaceChildren();
     for (const view of suited) {
       const section = el("section", { class: `printed ${view.name}-printed` }, el("h2", {}, view.title));
@@ -69,8 +75,8 @@ export function createTabs(store: Store): Tabs {
     }
   };
   window.addEventListener("afterprint", () => {
-    if (!document.documentElement.dataset["printing"]) return;
-    delete document.documentElement.dataset["printing"];
+    if (!document.documentElement.dataset.printing) return;
+    delete document.documentElement.dataset.printing;
     show();
   });
   store.subscribe((_, changed) => {
@@ -78,6 +84,12 @@ export function createTabs(store: Store): Tabs {
   });
   show();
   const { chips, form } = createBrushes(store);
-  const navigation = el("nav", { class: "navigation" }, suited.length > 1 && list, el("span", { class: "spring" }), form);
+  const navigation = el(
+    "nav",
+    { class: "navigation" },
+    suited.length > 1 && list,
+    el("span", { class: "spring" }),
+    form,
+  );
   return { elements: [navigation, chips, el("main", {}, panel)], stack };
 }

@@ -46,7 +46,7 @@ export function palette(): Palette {
 
 export function startTheme(): "light" | "dark" {
   const theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
-  document.documentElement.dataset["theme"] = theme;
+  document.documentElement.dataset.theme = theme;
   return theme;
 }
 
@@ -55,7 +55,7 @@ export function followTheme(store: Store): { toggle: () => void } {
   let chosen = false;
   const media = matchMedia("(prefers-color-scheme: dark)");
   const apply = (theme: "light" | "dark"): void => {
-    document.documentElement.dataset["theme"] = theme;
+    document.documentElement.dataset.theme = theme;
     store.set({ theme });
   };
   media.addEventListener("change", () => {

@@ -1,6 +1,7 @@
-// Verdicts at the thresholds the reader has set; the same rule as dse/metrics/verdicts.py (both are held to tests/verdict_cases.py).
-import type { Study } from "./study";
+// Verdicts at the thresholds the reader has set; the same rule as dse/metrics/verdicts.py (both are tested with tests/verdict_cases.json).
+
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "./marks";
+import type { Study } from "./study";
 
 export * from "./marks";
 
@@ -63,7 +64,12 @@ export function margin(value: number, { atMost, atLeast }: Threshold): number {
 }
 
 /** How many of *runs*, or of all, that are of one configuration, or of any (-1), carry each mark. */
-export function tally(study: Study, marks: Uint8Array, configuration: number, runs: Iterable<number> = marks.keys()): number[] {
+export function tally(
+  study: Study,
+  marks: Uint8Array,
+  configuration: number,
+  runs: Iterable<number> = marks.keys(),
+): number[] {
   const counts = [0, 0, 0, 0];
   for (const run of runs) {
     if (configuration < 0 || study.configuration[run] === configuration) counts[marks[run]!]!++;
@@ -78,7 +84,8 @@ function marksAt(study: Study, index: number, threshold: Threshold): Uint8Array 
   const kept = marked.get(study) ?? [];
   marked.set(study, kept);
   const last = kept[index];
-  if (last && last.threshold.atMost === threshold.atMost && last.threshold.atLeast === threshold.atLeast) return last.marks;
+  if (last && last.threshold.atMost === threshold.atMost && last.threshold.atLeast === threshold.atLeast)
+    return last.marks;
   const marks = marksOf(study, index, threshold);
   kept[index] = { threshold, marks };
   return marks;

@@ -9,8 +9,9 @@ export function yamlOf(study: Study, run: number): string {
     `configuration: ${scalar(study.configurations[study.configuration[run]!]!.id)}`,
   ];
   if (study.variables.length) lines.push("parameters:");
-  for (const { name, unit, values } of variablesOf(study, run)) lines.push(`  ${scalar(name)}: ${quantity(values[run]!, unit)}`);
-  return lines.join("\n") + "\n";
+  for (const { name, unit, values } of variablesOf(study, run))
+    lines.push(`  ${scalar(name)}: ${quantity(values[run]!, unit)}`);
+  return `${lines.join("\n")}\n`;
 }
 
 /** The variables that the run's configuration has. */
@@ -31,7 +32,11 @@ export function nextStudy(store: Store): string {
     if (variable.role !== "design") return;
     const own = state.brushes.find(({ column }) => column === `variable.${index}`);
     const others = state.brushes.some(({ column }) => column !== `variable.${index}`);
-    const [low, high] = own ? [own.low, own.high] : others && within ? reachOf(variable.values, within) : [variable.low, variable.high];
+    const [low, high] = own
+      ? [own.low, own.high]
+      : others && within
+        ? reachOf(variable.values, within)
+        : [variable.low, variable.high];
     const clip = (value: number): number => Math.min(variable.high, Math.max(variable.low, value));
     // A range of a run or none is no range.
     const [from, to] = low < high ? [rounded(clip(low)), rounded(clip(high))] : [variable.low, variable.high];
@@ -43,7 +48,7 @@ export function nextStudy(store: Store): string {
       `    title: ${scalar(variable.title)}`,
     );
   });
-  return lines.join("\n") + "\n";
+  return `${lines.join("\n")}\n`;
 }
 
 function reachOf(values: Float64Array, within: Uint8Array): [number, number] {
@@ -65,11 +70,10 @@ function quantity(value: number, unit: string): string {
   return unit ? scalar(`${value} ${unit}`) : String(value);
 }
 
-// Anything beyond plain words is quoted; a JSON string is a YAML string.
+// Anything beyond plain words and quantities is quoted: to YAML, the identifier 12e345 is a number, `no` may be false.
+// A JSON string is a YAML string.
 function scalar(text: string): string {
-  return /^[A-Za-z0-9_.+-][A-Za-z0-9_.+\-/%\u00b0 ]*$/.test(text) && !/^[-?]|\s$|^[\d.]+$|^(true|false|null|~)$/i.test(text)
-    ? text
-    : /^-?[\d.]+(e[-+]?\d+)? [A-Za-z%/.0-9\u00b0]+$/.test(text)
-      ? text
-      : JSON.stringify(text);
+  const isWord =
+    /^[A-Za-z_][A-Za-z0-9_.+\-/%\u00b0 ]*$/.test(text) && !/ $|^(true|false|null|yes|no|on|off)$/i.test(text);
+  return isWord || /^-?[\d.]+(e[-+]?\d+)? [A-Za-z%/.0-9\u00b0]+$/.test(text) ? text : JSON.stringify(text);
 }

@@ -1,52 +1,89 @@
 // The drive itself: the scene over the whole width, what a driver looks at, and who drives.
 import { el } from "../dom";
-import { Fineness } from "../scene/fineness";
 import { buildInstruments } from "../scene/instruments";
-import { sensorColour } from "../scene/sensing";
+import { Resolution } from "../scene/resolution";
+import { sensorColour } from "../scene/sensors";
 import { buildStage, type View } from "../scene/stage";
 import { Controls, GAPS, KEYS } from "./controls";
 import { buildGauges } from "./gauges";
+import type { Drive, Tunable } from "./messages";
 import { buildTouch } from "./touch";
-import type { Drive, Tunable } from "./wire";
 
 const EVERY = 1000 / 30; // ms between two messages
 const FEW = 8; // sliders that are shown at once
-const CAMERAS: [View, string][] = [["chase", "Chase"], ["driver", "Driver"], ["top", "Top"]];
+const CAMERAS: [View, string][] = [
+  ["chase", "Chase"],
+  ["driver", "Driver"],
+  ["top", "Top"],
+];
 
 /** Shows the drive in *page*; what it gives back ends the showing. */
 export function showDrive(page: HTMLElement, drive: Drive): () => void {
   const { stream, first } = drive;
   const { title, subtitle, sensors, instruments } = stream.document;
-  const controls = new Controls(Boolean(first["cruise"]), first["set_speed"] ?? 80 / 3.6, first["gap_setting"] ?? 2);
+  const controls = new Controls(Boolean(first.cruise), first.set_speed ?? 80 / 3.6, first.gap_setting ?? 2);
   const canvas = el("canvas", { class: "stage", role: "img", "aria-label": `${title}, in three dimensions` });
   const stage = buildStage(canvas, stream);
   const gauges = buildGauges(drive);
   const signals = buildInstruments(stream);
   let view: View = "chase";
-  const cameras = CAMERAS.map(([name, text]) => el("button", { type: "button", "data-view": name, click: () => look(name) }, text));
+  const cameras = CAMERAS.map(([name, text]) =>
+    el("button", { type: "button", "data-view": name, click: () => look(name) }, text),
+  );
   const look = (name: View): void => {
     view = name;
-    for (const each of cameras) each.setAttribute("aria-pressed", String(each.dataset["view"] === name));
+    for (const each of cameras) each.setAttribute("aria-pressed", String(each.dataset.view === name));
   };
   look(view);
   const rays = el("input", { type: "checkbox", checked: true, change: () => stage.sensing.set(rays.checked) });
   const help = buildHelp();
   const finish = el("button", { type: "button", class: "finish", click: () => drive.finish() }, "Finish");
-  const legend = sensors.length && el("div", { class: "legend" }, el("label", {}, rays, "Sensors"), el("ul", {}, ...sensors.map((each, number) => el("li", {}, mark(sensorColour(number)), each.title))));
-  const tools = el("div", { class: "tools" },
+  const legend =
+    sensors.length &&
+    el(
+      "div",
+      { class: "legend" },
+      el("label", {}, rays, "Sensors"),
+      el("ul", {}, ...sensors.map((each, number) => el("li", {}, mark(sensorColour(number)), each.title))),
+    );
+  const tools = el(
+    "div",
+    { class: "tools" },
     el("div", { class: "cameras", role: "group", "aria-label": "Camera" }, ...cameras),
-    el("button", { type: "button", "aria-label": "Keys", click: () => help.showModal() }, "?"), finish);
+    el("button", { type: "button", "aria-label": "Keys", click: () => help.showModal() }, "?"),
+    finish,
+  );
   const shown = el("details", { class: "panel signals" }, el("summary", {}, "Signals"), signals.element);
-  const aside = el("div", { class: "panels" }, drive.tunables.length ? buildTuning(drive) : null, instruments.length ? shown : null);
-  page.replaceChildren(el("main", { class: "drive" }, canvas,
-    el("div", { class: "over" }, el("header", {}, el("h1", {}, title), el("span", {}, subtitle)), legend || null), tools, aside, gauges.element, buildTouch(controls), help));
+  const aside = el(
+    "div",
+    { class: "panels" },
+    drive.tunables.length ? buildTuning(drive) : null,
+    instruments.length ? shown : null,
+  );
+  page.replaceChildren(
+    el(
+      "main",
+      { class: "drive" },
+      canvas,
+      el("div", { class: "over" }, el("header", {}, el("h1", {}, title), el("span", {}, subtitle)), legend || null),
+      tools,
+      aside,
+      gauges.element,
+      buildTouch(controls),
+      help,
+    ),
+  );
 
   // A key that means something where the focus is does not drive.
   const isTaken = ({ target, code }: KeyboardEvent): boolean =>
-    target instanceof HTMLElement && (target.matches("input[type=range]") ? code.startsWith("Arrow") : target.matches(":focus-visible:is(button, summary, input)") && code === "Space");
+    target instanceof HTMLElement &&
+    (target.matches("input[type=range]")
+      ? code.startsWith("Arrow")
+      : target.matches(":focus-visible:is(button, summary, input)") && code === "Space");
   // Whoever clicks with a mouse goes on driving with the keys.
   const leave = ({ detail, target }: MouseEvent): void => {
-    const button = detail && target instanceof Element && target.closest<HTMLElement>("button, summary, input[type=checkbox]");
+    const button =
+      detail && target instanceof Element && target.closest<HTMLElement>("button, summary, input[type=checkbox]");
     if (button && !help.contains(button)) button.blur();
   };
   const key = (event: KeyboardEvent): void => {
@@ -74,7 +111,9 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
   let said: Record<string, number> = {};
   const say = (passed: number): void => {
     const values = controls.values(passed);
-    const changed = Object.entries(values).filter(([name, value]) => drive.controls.includes(name) && said[name] !== value);
+    const changed = Object.entries(values).filter(
+      ([name, value]) => drive.controls.includes(name) && said[name] !== value,
+    );
     if (!changed.length) return;
     drive.send("control", Object.fromEntries(changed));
     said = { ...said, ...Object.fromEntries(changed) };
@@ -87,22 +126,22 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
     spoken = now;
   }, EVERY);
 
-  const fineness = new Fineness();
-  const resize = (): void => stage.resize(canvas.clientWidth, canvas.clientHeight, fineness.value);
+  const resolution = new Resolution();
+  const resize = (): void => stage.resize(canvas.clientWidth, canvas.clientHeight, resolution.value);
   const watching = new ResizeObserver(resize);
   watching.observe(canvas);
   let last = performance.now();
   let frame = 0;
   let pictures = 0;
   const tick = (now: number): void => {
-    if (fineness.tell(now, now - last)) resize();
+    if (resolution.tell(now, now - last)) resize();
     last = now;
     if (stream.version) {
       const time = stream.moment(now);
       stage.show(time, view);
       gauges.show(time, controls);
       if (shown.open) signals.show(time);
-      document.documentElement.dataset["frames"] = String(++pictures);
+      document.documentElement.dataset.frames = String(++pictures);
     }
     frame = requestAnimationFrame(tick);
   };
@@ -121,11 +160,21 @@ function buildTuning(drive: Drive): HTMLElement {
   const row = ({ name, title, unit, min, max, value }: Tunable): HTMLElement => {
     const output = el("output", {});
     const text = name.slice(name.indexOf(".") + 1).replaceAll("_", " ");
-    const slider = el("input", { type: "range", min, max, step: "any", value, "aria-label": title ? `${text}: ${title}` : text, input: () => {
-      tell();
-      waiting = true;
-    } });
-    const tell = (): void => { output.textContent = `${Number(Number(slider.value).toPrecision(3))} ${unit === "1" ? "" : unit}`.trim(); };
+    const slider = el("input", {
+      type: "range",
+      min,
+      max,
+      step: "any",
+      value,
+      "aria-label": title ? `${text}: ${title}` : text,
+      input: () => {
+        tell();
+        waiting = true;
+      },
+    });
+    const tell = (): void => {
+      output.textContent = `${Number(Number(slider.value).toPrecision(3))} ${unit === "1" ? "" : unit}`.trim();
+    };
     let waiting = false;
     tell();
     sliders.push(() => {
@@ -142,11 +191,14 @@ function buildTuning(drive: Drive): HTMLElement {
     parts.set(part, [...(parts.get(part) ?? []), each]);
   }
   const isOpen = drive.tunables.length <= FEW;
-  const groups = [...parts].map(([part, each]) => el("details", { open: isOpen }, el("summary", {}, part.replaceAll("_", " ")), ...each.map(row)));
+  const groups = [...parts].map(([part, each]) =>
+    el("details", { open: isOpen }, el("summary", {}, part.replaceAll("_", " ")), ...each.map(row)),
+  );
   const panel = el("details", { class: "panel tuning" }, el("summary", {}, "Tuning"), ...groups);
   let timer = 0;
   panel.addEventListener("input", () => {
-    timer ||= window.setTimeout(() => {
+    if (timer) return;
+    timer = window.setTimeout(() => {
       timer = 0;
       const values: Record<string, number> = Object.assign({}, ...sliders.map((each) => each()));
       if (Object.keys(values).length) drive.send("tune", values);
@@ -157,9 +209,18 @@ function buildTuning(drive: Drive): HTMLElement {
 
 function buildHelp(): HTMLDialogElement {
   const rows = KEYS.map(([key, what]) => el("div", {}, el("dt", {}, key), el("dd", {}, what)));
-  const dialog = el("dialog", { class: "help", "aria-label": "Keys" }, el("h2", {}, "Keys"), el("dl", {}, ...rows),
-    el("p", { class: "muted" }, `Gamepad: triggers for the pedals, left stick to steer, A cruise control, B gap (${GAPS.join(", ")}), bumpers for the set speed. Hands off the wheel leave it to lane keeping, if the car has it.`),
-    el("button", { type: "button", click: () => dialog.close() }, "Resume"));
+  const dialog = el(
+    "dialog",
+    { class: "help", "aria-label": "Keys" },
+    el("h2", {}, "Keys"),
+    el("dl", {}, ...rows),
+    el(
+      "p",
+      { class: "muted" },
+      `Gamepad: triggers for the pedals, left stick to steer, A cruise control, B gap (${GAPS.join(", ")}), bumpers for the set speed. Hands off the wheel leave it to lane keeping, if the car has it.`,
+    ),
+    el("button", { type: "button", click: () => dialog.close() }, "Resume"),
+  );
   return dialog;
 }
 

@@ -12,8 +12,15 @@ export const GAPS = ["fixed", "long", "middle", "short"];
 
 /** Keys of which it is only told whether they are pressed. */
 const PRESSED: Record<string, "accelerate" | "brake" | "left" | "right"> = {
-  ArrowUp: "accelerate", KeyW: "accelerate", ArrowDown: "brake", KeyS: "brake", Space: "brake",
-  ArrowLeft: "left", KeyA: "left", ArrowRight: "right", KeyD: "right",
+  ArrowUp: "accelerate",
+  KeyW: "accelerate",
+  ArrowDown: "brake",
+  KeyS: "brake",
+  Space: "brake",
+  ArrowLeft: "left",
+  KeyA: "left",
+  ArrowRight: "right",
+  KeyD: "right",
 };
 
 export const KEYS: [string, string][] = [
@@ -46,7 +53,11 @@ export class Controls {
   private hand = 0;
   private buttons: boolean[] = [];
 
-  constructor(public cruise: boolean, public speed: number, public gap: number) {}
+  constructor(
+    public cruise: boolean,
+    public speed: number,
+    public gap: number,
+  ) {}
 
   /** Whether the key is one of those that drive. */
   key(code: string, isDown: boolean): boolean {
@@ -80,12 +91,23 @@ export class Controls {
     const does = (what: string): number => ([...this.pressed.values()].includes(what) ? 1 : 0);
     const ramp = (now: number, wanted: number, up: number, down: number): number =>
       wanted > now ? Math.min(wanted, now + up * passed) : Math.max(wanted, now - down * passed);
-    this.accelerator = ramp(this.accelerator, Math.max(does("accelerate"), this.fingers.accelerate, pad.accelerate), PRESS, RELEASE);
+    this.accelerator = ramp(
+      this.accelerator,
+      Math.max(does("accelerate"), this.fingers.accelerate, pad.accelerate),
+      PRESS,
+      RELEASE,
+    );
     this.braking = ramp(this.braking, Math.max(does("brake"), this.fingers.brake, pad.brake), 1.5 * PRESS, RELEASE);
     const direct = this.fingers.steer ?? pad.steer;
     const turned = does("left") - does("right");
     if (direct !== null) this.steering = direct * FULL;
-    else if (turned) this.steering = ramp(this.steering, turned * FULL, this.steering < 0 ? BACK : TURN, this.steering > 0 ? BACK : TURN);
+    else if (turned)
+      this.steering = ramp(
+        this.steering,
+        turned * FULL,
+        this.steering < 0 ? BACK : TURN,
+        this.steering > 0 ? BACK : TURN,
+      );
     else this.steering = ramp(this.steering, 0, BACK, BACK);
     this.hand = direct !== null || turned ? HELD : Math.max(0, this.hand - passed);
     this.last = {
@@ -111,7 +133,7 @@ export class Controls {
     if (tapped(5)) this.faster(1);
     this.buttons = pad.buttons.map(({ pressed }) => pressed);
     const stick = -(pad.axes[0] ?? 0);
-    const steer = Math.abs(stick) > DEAD ? Math.sign(stick) * (Math.abs(stick) - DEAD) / (1 - DEAD) : null;
+    const steer = Math.abs(stick) > DEAD ? (Math.sign(stick) * (Math.abs(stick) - DEAD)) / (1 - DEAD) : null;
     return { accelerate: pad.buttons[7]?.value ?? 0, brake: pad.buttons[6]?.value ?? 0, steer };
   }
 }

@@ -1,6 +1,6 @@
 // Which car, and where: only what can be built can be chosen.
 import { el } from "../dom";
-import { ask, offerAddress, written, type Alternative, type Offer, type Point } from "./wire";
+import { type Alternative, ask, type Offer, offerAddress, type Point, written } from "./messages";
 
 export interface Order {
   bench: string;
@@ -16,28 +16,53 @@ export interface Bench {
 const MOST_NAMES = 3;
 
 /** Shows itself in *page*; `go` may fail in words. */
-export function showDealership(page: HTMLElement, benches: Bench[], order: Order, go: (order: Order) => Promise<void>, boards: Node): void {
+export function showDealership(
+  page: HTMLElement,
+  benches: Bench[],
+  order: Order,
+  go: (order: Order) => Promise<void>,
+  boards: Node,
+): void {
   const points = el("div", { class: "points" });
   const left = el("p", { class: "count", "aria-live": "polite" });
   const totals = el("dl", { class: "totals" });
   const problem = el("p", { class: "problem", role: "alert" });
   const about = el("p", { class: "muted" });
   const link = el("a", { class: "share" }, "Link to this car on this road");
-  const driver = el("input", { id: "driver", value: order.driver, maxlength: 40, autocomplete: "nickname", placeholder: "anonymous", input: () => (order.driver = driver.value.trim()) });
-  const start = el("button", { type: "button", class: "go", click: () => void run(async () => {
-    start.disabled = true;
-    start.textContent = "Starting \u2026";
-    await go(order);
-  }) }, "Drive");
+  const driver = el("input", {
+    id: "driver",
+    value: order.driver,
+    maxlength: 40,
+    autocomplete: "nickname",
+    placeholder: "anonymous",
+    input: () => (order.driver = driver.value.trim()),
+  });
+  const start = el(
+    "button",
+    {
+      type: "button",
+      class: "go",
+      click: () =>
+        void run(async () => {
+          start.disabled = true;
+          start.textContent = "Starting \u2026";
+          await go(order);
+        }),
+    },
+    "Drive",
+  );
   const rest = el("button", { type: "button", click: () => void run(fill) }, "Choose the rest for me");
   const none = el("button", { type: "button", click: () => void choose({}) }, "Begin again");
   let offer: Offer | null = null;
   let asked = 0;
 
-  const bench = el("select", { id: "bench", change: () => {
-    order.bench = bench.value;
-    void choose(order.chosen);
-  } });
+  const bench = el("select", {
+    id: "bench",
+    change: () => {
+      order.bench = bench.value;
+      void choose(order.chosen);
+    },
+  });
   for (const { name, title } of benches) bench.append(el("option", { value: name }, title));
   bench.value = order.bench;
 
@@ -50,14 +75,15 @@ export function showDealership(page: HTMLElement, benches: Bench[], order: Order
     }
     draw();
   };
-  const choose = (chosen: Record<string, string>): Promise<void> => run(async () => {
-    const mine = ++asked;
-    const found = await ask<Offer>(offerAddress(order.bench, chosen));
-    if (mine !== asked) return; // somebody has clicked on meanwhile
-    offer = found;
-    order.chosen = found.chosen;
-    history.replaceState(null, "", address(order));
-  });
+  const choose = (chosen: Record<string, string>): Promise<void> =>
+    run(async () => {
+      const mine = ++asked;
+      const found = await ask<Offer>(offerAddress(order.bench, chosen));
+      if (mine !== asked) return; // somebody has clicked on meanwhile
+      offer = found;
+      order.chosen = found.chosen;
+      history.replaceState(null, "", address(order));
+    });
   const fill = async (): Promise<void> => {
     while (offer && !offer.configuration) {
       const open = offer.points.find((point) => !point.chosen && !point.implied);
@@ -71,11 +97,22 @@ export function showDealership(page: HTMLElement, benches: Bench[], order: Order
     start.disabled = !offer?.configuration;
     rest.hidden = !offer || Boolean(offer.configuration) || offer.left === "0";
     if (!offer) return;
-    const focused = (document.activeElement as HTMLElement | null)?.dataset["choice"];
+    const focused = (document.activeElement as HTMLElement | null)?.dataset.choice;
     about.textContent = offer.title;
-    left.replaceChildren(el("b", {}, grouped(offer.left)), offer.left === "1" ? " car is left of " : " cars are left of ", grouped(offer.total));
-    totals.replaceChildren(...offer.totals.map(({ title, unit, low, high }) => el("div", {}, el("dt", {}, title), el("dd", {}, range(low, high, unit)))));
-    points.replaceChildren(...offer.conflict.map((text) => el("p", { class: "problem" }, text)), ...offer.points.map((point) => drawPoint(offer!, point, pick)));
+    left.replaceChildren(
+      el("b", {}, grouped(offer.left)),
+      offer.left === "1" ? " car is left of " : " cars are left of ",
+      grouped(offer.total),
+    );
+    totals.replaceChildren(
+      ...offer.totals.map(({ title, unit, low, high }) =>
+        el("div", {}, el("dt", {}, title), el("dd", {}, range(low, high, unit))),
+      ),
+    );
+    points.replaceChildren(
+      ...offer.conflict.map((text) => el("p", { class: "problem" }, text)),
+      ...offer.points.map((point) => drawPoint(offer!, point, pick)),
+    );
     if (focused) points.querySelector<HTMLElement>(`[data-choice="${CSS.escape(focused)}"]`)?.focus();
     link.href = address(order);
   };
@@ -85,15 +122,40 @@ export function showDealership(page: HTMLElement, benches: Bench[], order: Order
     else chosen[point.path] = name;
     void choose(chosen);
   };
-  const side = el("aside", { class: "card order", "aria-label": "Your car" },
-    el("h2", {}, "Your car"), left, totals,
-    el("label", { class: "field", for: "driver" }, el("span", {}, "Driver"), driver), start, rest, problem,
-    el("p", { class: "links" }, link, none));
+  const side = el(
+    "aside",
+    { class: "card order", "aria-label": "Your car" },
+    el("h2", {}, "Your car"),
+    left,
+    totals,
+    el("label", { class: "field", for: "driver" }, el("span", {}, "Driver"), driver),
+    start,
+    rest,
+    problem,
+    el("p", { class: "links" }, link, none),
+  );
   page.replaceChildren(
-    el("header", { class: "top" }, el("h1", {}, "Test drive"), about, el("span", { class: "spring" }), el("a", { href: "/" }, "All studies")),
-    el("main", { class: "dealership" },
-      el("div", {}, el("label", { class: "field road", for: "bench" }, el("span", {}, "Road and traffic"), bench), points),
-      side, boards));
+    el(
+      "header",
+      { class: "top" },
+      el("h1", {}, "Test drive"),
+      about,
+      el("span", { class: "spring" }),
+      el("a", { href: "/" }, "All studies"),
+    ),
+    el(
+      "main",
+      { class: "dealership" },
+      el(
+        "div",
+        {},
+        el("label", { class: "field road", for: "bench" }, el("span", {}, "Road and traffic"), bench),
+        points,
+      ),
+      side,
+      boards,
+    ),
+  );
   draw();
   void choose(order.chosen);
 }
@@ -105,26 +167,50 @@ export function address({ bench, chosen }: Order): string {
 function drawPoint(offer: Offer, point: Point, pick: (point: Point, alternative: Alternative) => void): HTMLElement {
   const has = point.chosen ?? point.implied;
   const state = point.chosen ? "" : point.implied ? "follows from the rest" : "open";
-  return el("section", { class: "card point", "aria-label": point.title },
+  return el(
+    "section",
+    { class: "card point", "aria-label": point.title },
     el("h2", {}, point.title, state ? el("span", { class: `state ${has ? "" : "open"}` }, state) : null),
-    el("div", { class: "alternatives", role: "group", "aria-label": point.title }, ...point.alternatives.map((each) => drawAlternative(offer, point, each, has === each.name, () => pick(point, each)))));
+    el(
+      "div",
+      { class: "alternatives", role: "group", "aria-label": point.title },
+      ...point.alternatives.map((each) =>
+        drawAlternative(offer, point, each, has === each.name, () => pick(point, each)),
+      ),
+    ),
+  );
 }
 
-function drawAlternative(offer: Offer, point: Point, each: Alternative, isTaken: boolean, pick: () => void): HTMLElement {
+function drawAlternative(
+  offer: Offer,
+  point: Point,
+  each: Alternative,
+  isTaken: boolean,
+  pick: () => void,
+): HTMLElement {
   const names = each.rules_out.map(({ path, name }) => titleOf(offer, path, name));
   const more = names.length > MOST_NAMES ? ` and ${names.length - MOST_NAMES} more` : "";
   const note = each.is_possible
-    ? names.length && !isTaken ? `rules out ${names.slice(0, MOST_NAMES).join(", ")}${more}` : ""
+    ? names.length && !isTaken
+      ? `rules out ${names.slice(0, MOST_NAMES).join(", ")}${more}`
+      : ""
     : each.because.join("; ") || "not with the rest";
-  return el("button", {
-    type: "button",
-    class: `alternative${each.is_possible ? "" : " out"}`,
-    "data-choice": `${point.path}:${each.name}`,
-    "aria-pressed": String(isTaken),
-    "aria-disabled": each.is_possible ? undefined : "true",
-    title: names.length > MOST_NAMES && each.is_possible ? `rules out ${names.join(", ")}` : undefined,
-    click: () => { if (each.is_possible) pick(); },
-  }, el("span", { class: "name" }, each.title || each.name), note ? el("span", { class: "note" }, note) : null);
+  return el(
+    "button",
+    {
+      type: "button",
+      class: `alternative${each.is_possible ? "" : " out"}`,
+      "data-choice": `${point.path}:${each.name}`,
+      "aria-pressed": String(isTaken),
+      "aria-disabled": each.is_possible ? undefined : "true",
+      title: names.length > MOST_NAMES && each.is_possible ? `rules out ${names.join(", ")}` : undefined,
+      click: () => {
+        if (each.is_possible) pick();
+      },
+    },
+    el("span", { class: "name" }, each.title || each.name),
+    note ? el("span", { class: "note" }, note) : null,
+  );
 }
 
 function titleOf(offer: Offer, path: string, name: string): string {
@@ -137,6 +223,7 @@ function grouped(count: string): string {
 }
 
 function range(low: number, high: number, unit: string): string {
-  const text = (value: number): string => value.toLocaleString("en", Math.abs(value) < 100 ? { maximumSignificantDigits: 3 } : { maximumFractionDigits: 0 });
+  const text = (value: number): string =>
+    value.toLocaleString("en", Math.abs(value) < 100 ? { maximumSignificantDigits: 3 } : { maximumFractionDigits: 0 });
   return `${text(low)}${high - low > 1e-9 * Math.abs(high) ? ` \u2026 ${text(high)}` : ""} ${unit}`.trim();
 }

@@ -2,7 +2,7 @@
 import { el } from "../dom";
 import type { Controls } from "./controls";
 import { GAPS } from "./controls";
-import type { Drive } from "./wire";
+import type { Drive } from "./messages";
 
 const TOP = 180; // km/h
 const FAR = 120; // m
@@ -23,23 +23,50 @@ export function buildGauges(drive: Drive): Gauges {
   const mark = svg("circle", { r: "3.4", class: "wanted" });
   const dial = svg("svg", { viewBox: "0 0 100 74", "aria-hidden": "true" });
   dial.append(arc, hand, mark);
-  const clock = el("div", { class: "dial", role: "group", "aria-label": "Speed" }, dial as unknown as HTMLElement, el("div", { class: "digits" }, speed, el("span", {}, "km/h")), set);
+  const clock = el(
+    "div",
+    { class: "dial", role: "group", "aria-label": "Speed" },
+    dial as unknown as HTMLElement,
+    el("div", { class: "digits" }, speed, el("span", {}, "km/h")),
+    set,
+  );
 
   const distance = instruments.findIndex(({ unit, items }) => unit === "m" && !items.length);
   const bar = el("span", { class: "fill" });
   const metres = el("output", {});
   const chosen = el("span", { class: "muted" });
-  const gap = el("div", { class: "gap" }, el("span", { class: "name" }, distance < 0 ? "Gap" : instruments[distance]!.title), metres, el("span", { class: "rail", "aria-hidden": "true" }, bar), chosen);
+  const gap = el(
+    "div",
+    { class: "gap" },
+    el("span", { class: "name" }, distance < 0 ? "Gap" : instruments[distance]!.title),
+    metres,
+    el("span", { class: "rail", "aria-hidden": "true" }, bar),
+    chosen,
+  );
 
-  const modes = instruments.flatMap(({ title, items }, number) => (items.length ? [{ title: words(title), items, number, value: el("b", {}) }] : []));
-  const list = el("dl", { class: "modes", "aria-label": "Modes" }, ...modes.map(({ title, value }) => el("div", {}, el("dt", {}, title), el("dd", {}, value))));
+  const modes = instruments.flatMap(({ title, items }, number) =>
+    items.length ? [{ title: words(title), items, number, value: el("b", {}) }] : [],
+  );
+  const list = el(
+    "dl",
+    { class: "modes", "aria-label": "Modes" },
+    ...modes.map(({ title, value }) => el("div", {}, el("dt", {}, title), el("dd", {}, value))),
+  );
   const cruise = el("b", {});
   list.prepend(el("div", {}, el("dt", {}, "Cruise switch"), el("dd", {}, cruise)));
   const pedals = [el("span", { class: "fill" }), el("span", { class: "fill brake" })];
   const wheel = el("span", { class: "fill" });
-  const inputs = el("div", { class: "inputs", "aria-hidden": "true" },
-    el("span", { class: "rail" }, pedals[0]), el("span", { class: "rail" }, pedals[1]), el("span", { class: "rail wheel" }, wheel));
-  const pace = el("p", { class: "pace", title: "Time of the drive; steps that came too late; by how much the last one did; from a key to its effect" });
+  const inputs = el(
+    "div",
+    { class: "inputs", "aria-hidden": "true" },
+    el("span", { class: "rail" }, pedals[0]),
+    el("span", { class: "rail" }, pedals[1]),
+    el("span", { class: "rail wheel" }, wheel),
+  );
+  const pace = el("p", {
+    class: "pace",
+    title: "Time of the drive; steps that came too late; by how much the last one did; from a key to its effect",
+  });
   let last = 0;
 
   return {

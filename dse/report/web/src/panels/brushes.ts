@@ -1,6 +1,7 @@
 // What is brushed, on every view: a chip for each range, how many runs lie within, and what to do with them.
+
+import { type Brush, rebrushed } from "../brush";
 import { columnOf, columnsOf } from "../columns";
-import { rebrushed, type Brush } from "../brushing";
 import { countMarks } from "../counts";
 import { choose, el } from "../dom";
 import { group, number, withUnit } from "../format";
@@ -24,10 +25,23 @@ export function createBrushes(store: Store): { chips: HTMLElement; form: HTMLEle
     const total = counts.reduce((sum, value) => sum + value, 0);
     chips.replaceChildren(
       ...brushes.map((brush) => chip(store, brush)),
-      el("span", { id: "within" }, el("b", {}, group(total)), ` of ${group(runs.length)} ${noun}s within, ${group(counts[PASS]!)} pass`),
+      el(
+        "span",
+        { id: "within" },
+        el("b", {}, group(total)),
+        ` of ${group(runs.length)} ${noun}s within, ${group(counts[PASS]!)} pass`,
+      ),
       el("span", { class: "spring" }),
       ...(store.study.variables.length ? [nextMenu(store)] : []),
-      el("button", { type: "button", id: "save-within", click: () => download("runs.csv", new Blob([csvOf(store)], { type: "text/csv" })) }, "Runs (CSV)"),
+      el(
+        "button",
+        {
+          type: "button",
+          id: "save-within",
+          click: () => download("runs.csv", new Blob([csvOf(store)], { type: "text/csv" })),
+        },
+        "Runs (CSV)",
+      ),
       el("button", { type: "button", id: "clear-brushes", click: () => store.set({ brushes: [] }) }, "Clear"),
     );
     if (focused) document.getElementById(focused)?.focus();
@@ -47,7 +61,11 @@ function chip(store: Store, { column, low, high }: Brush): HTMLElement {
     { class: "chip" },
     el("span", { class: "clip", title }, title),
     el("b", {}, withUnit(`${number(low, 3)} \u2026 ${number(high, 3)}`, unit)),
-    el("button", { class: "bare", type: "button", "aria-label": `Remove the range of ${title}`, click: remove }, "\u00d7"),
+    el(
+      "button",
+      { class: "bare", type: "button", "aria-label": `Remove the range of ${title}`, click: remove },
+      "\u00d7",
+    ),
   );
 }
 
@@ -55,7 +73,15 @@ function nextMenu(store: Store): HTMLElement {
   const text = nextStudy(store);
   const shown = el("pre", { id: "next-study", tabindex: 0 }, text);
   const said = el("span", { class: "muted", role: "status" });
-  const copy = el("button", { type: "button", click: () => void copyText(text, shown).then((done) => (said.textContent = done ? "copied" : "selected: press Ctrl+C")) }, "Copy");
+  const copy = el(
+    "button",
+    {
+      type: "button",
+      click: () =>
+        void copyText(text, shown).then((done) => (said.textContent = done ? "copied" : "selected: press Ctrl+C")),
+    },
+    "Copy",
+  );
   return createMenu("next-summary", "As the next study", "As the next study", el("div", {}, shown, copy, said));
 }
 
@@ -69,16 +95,24 @@ function createForm(store: Store): HTMLElement {
     low.value = brush ? String(brush.low) : "";
     high.value = brush ? String(brush.high) : "";
   };
-  const select = choose(columns.map((column) => [column.key, axisLabel(column)]), columns[0]!.key, fill);
+  const select = choose(
+    columns.map((column) => [column.key, axisLabel(column)]),
+    columns[0]!.key,
+    fill,
+  );
   select.id = "limit-column";
   select.setAttribute("aria-label", "Quantity");
   const apply = (event: Event): void => {
     event.preventDefault();
     // An end that is left empty is open.
-    const end = (field: HTMLInputElement, open: number): number => (field.value.trim() === "" ? open : Number(field.value));
+    const end = (field: HTMLInputElement, open: number): number =>
+      field.value.trim() === "" ? open : Number(field.value);
     const { values } = columnOf(store.study, select.value)!;
     const known = values.filter(Number.isFinite);
-    const [least, most] = [known.reduce((a, b) => Math.min(a, b), Infinity), known.reduce((a, b) => Math.max(a, b), -Infinity)];
+    const [least, most] = [
+      known.reduce((a, b) => Math.min(a, b), Infinity),
+      known.reduce((a, b) => Math.max(a, b), -Infinity),
+    ];
     const range: [number, number] = [end(low, least), end(high, most)];
     if (range.every(Number.isFinite)) store.set({ brushes: rebrushed(store.state.brushes, select.value, range) });
     menu.open = false;
@@ -88,7 +122,14 @@ function createForm(store: Store): HTMLElement {
     "form",
     { id: "limit", submit: apply },
     el("label", { class: "field" }, el("span", {}, "Only runs whose"), select),
-    el("div", { class: "range" }, el("span", { class: "muted" }, "from"), low, el("span", { class: "muted" }, "to"), high),
+    el(
+      "div",
+      { class: "range" },
+      el("span", { class: "muted" }, "from"),
+      low,
+      el("span", { class: "muted" }, "to"),
+      high,
+    ),
     el("button", { type: "submit" }, "Apply"),
     el("p", { class: "hint" }, "An empty end is open. Dragging along an axis does the same."),
   );

@@ -1,6 +1,6 @@
 // The study's figures: every chart with a read-out; a click or the arrow keys select the run of a point.
 import { selectRun } from "../actions";
-import type { Chart, Charted, ChartAxis } from "../chart";
+import type { Chart, ChartAxis, Charted } from "../chart";
 import { append, el } from "../dom";
 import { number, withUnit } from "../format";
 import { insideAxes, paintChart, paintKey } from "../plot/chart";
@@ -25,7 +25,8 @@ export function createCharts(store: Store): HTMLElement {
   const rows = new Map(Array.from(store.study.number, (run, row) => [run, row]));
   const box = el("div", { class: "charted" });
   for (const figure of store.study.charted) append(box, el("h3", {}, figure.title), content(store, figure, rows));
-  const hint = "Click a point, or move with the arrow keys, to select its run. Bounds and verdicts here are those of the study, independent of the sliders.";
+  const hint =
+    "Click a point, or move with the arrow keys, to select its run. Bounds and verdicts here are those of the study, independent of the sliders.";
   append(box, el("p", { class: "hint" }, hint));
   return box;
 }
@@ -38,20 +39,46 @@ function content(store: Store, { problem, charts }: Charted, rows: Map<number, n
 function createChart(store: Store, chart: Chart, rows: Map<number, number>): HTMLElement {
   const places = placesOf(chart, rows);
   const selects = places.run.some((run) => run >= 0);
-  const order = places.x.map((_, index) => index).sort((a, b) => places.x[a]! - places.x[b]! || places.y[a]! - places.y[b]!);
+  const order = places.x
+    .map((_, index) => index)
+    .sort((a, b) => places.x[a]! - places.x[b]! || places.y[a]! - places.y[b]!);
   const ground = el("canvas", { "aria-hidden": "true" });
   const overlay = el("canvas", { "aria-hidden": "true" });
-  const surface = el("div", { class: "sheet", tabindex: 0, role: "application", "aria-roledescription": "chart", "aria-label": description(chart, places, selects) }, ground, overlay);
+  const surface = el(
+    "div",
+    {
+      class: "sheet",
+      tabindex: 0,
+      role: "application",
+      "aria-roledescription": "chart",
+      "aria-label": description(chart, places, selects),
+    },
+    ground,
+    overlay,
+  );
   // Selecting a run is announced by the page; only what selects nothing is read out here.
   const reading = el("p", { class: "reading", ...(selects ? {} : { "aria-live": "polite" }) });
-  const keys = chart.drawn.map(({ label }, index) => (label ? { label, index, canvas: el("canvas", { class: "symbol", "aria-hidden": "true" }) } : null)).filter((key) => key !== null);
+  const keys = chart.drawn
+    .map(({ label }, index) =>
+      label ? { label, index, canvas: el("canvas", { class: "symbol", "aria-hidden": "true" }) } : null,
+    )
+    .filter((key) => key !== null);
   let frame: Frame | null = null;
   let cursor = -1;
 
-  const here = (): number => (cursor >= 0 ? cursor : selects && store.state.selected >= 0 ? places.run.indexOf(store.state.selected) : -1);
-  const paintGround = paintedBy(ground, (sheet) => {
-    frame = paintChart(sheet, chart, palette());
-  }, { title: () => chart.title, legend: () => keys.map(({ label, index }) => ({ text: label, draw: (pen, x, y) => keyAt(pen, x, y, chart, index) })) });
+  const here = (): number =>
+    cursor >= 0 ? cursor : selects && store.state.selected >= 0 ? places.run.indexOf(store.state.selected) : -1;
+  const paintGround = paintedBy(
+    ground,
+    (sheet) => {
+      frame = paintChart(sheet, chart, palette());
+    },
+    {
+      title: () => chart.title,
+      legend: () =>
+        keys.map(({ label, index }) => ({ text: label, draw: (pen, x, y) => keyAt(pen, x, y, chart, index) })),
+    },
+  );
   const paintPoint = paintedBy(overlay, (sheet) => {
     if (frame) paintOverlay(sheet, frame, places, places.run.indexOf(store.state.selected), cursor);
   });
@@ -120,13 +147,15 @@ function placesOf(chart: Chart, rows: Map<number, number>): Places {
     places.label.push(label);
   };
   for (const drawn of chart.drawn) {
-    if (drawn.kind === "points") drawn.x.forEach((x, i) => add(x, drawn.y[i]!, drawn.label, rows.get(drawn.runs[i]!) ?? -1));
+    if (drawn.kind === "points")
+      drawn.x.forEach((x, i) => add(x, drawn.y[i]!, drawn.label, rows.get(drawn.runs[i]!) ?? -1));
   }
   if (places.x.length) return places;
   for (const drawn of chart.drawn) {
     const { label } = drawn;
     if (drawn.kind === "line" || drawn.kind === "steps") drawn.x.forEach((x, i) => add(x, drawn.y[i]!, label));
-    else if (drawn.kind === "bars") drawn.heights.forEach((height, i) => add((drawn.edges[i]! + drawn.edges[i + 1]!) / 2, height, label));
+    else if (drawn.kind === "bars")
+      drawn.heights.forEach((height, i) => add((drawn.edges[i]! + drawn.edges[i + 1]!) / 2, height, label));
     else if (drawn.kind === "band") {
       for (const edge of [drawn.low, drawn.high]) drawn.x.forEach((x, i) => add(x, edge[i]!, label));
     }
@@ -161,7 +190,11 @@ function value(axis: ChartAxis, at: number): string {
 function description(chart: Chart, places: Places, selects: boolean): string {
   const labels = chart.drawn.map(({ label }) => label).filter(Boolean);
   const keys = selects ? "Arrow keys select the run of the next point." : "Arrow keys read the next value.";
-  return [`${chart.title}: ${axisText(chart.y)} over ${axisText(chart.x)}, ${places.x.length} points`, ...(labels.length ? [labels.join(", ")] : []), keys].join(". ");
+  return [
+    `${chart.title}: ${axisText(chart.y)} over ${axisText(chart.x)}, ${places.x.length} points`,
+    ...(labels.length ? [labels.join(", ")] : []),
+    keys,
+  ].join(". ");
 }
 
 function keyAt(pen: Pen, x: number, y: number, chart: Chart, index: number): void {
@@ -172,7 +205,10 @@ function keyAt(pen: Pen, x: number, y: number, chart: Chart, index: number): voi
 
 function paintOverlay({ pen }: Sheet, frame: Frame, places: Places, selected: number, hovered: number): void {
   const colours = palette();
-  for (const [index, width] of [[hovered, 1.2], [selected, 2.2]] as const) {
+  for (const [index, width] of [
+    [hovered, 1.2],
+    [selected, 2.2],
+  ] as const) {
     if (index < 0) continue;
     pen.beginPath();
     pen.arc(frame.x(places.x[index]!), frame.y(places.y[index]!), 6 + width, 0, 2 * Math.PI);

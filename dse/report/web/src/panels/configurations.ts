@@ -7,7 +7,11 @@ import { axisLabel, type Configuration } from "../study";
 import { CLASSES, PASS, SIGNS, tally, WORDS } from "../verdicts";
 
 export function createConfigurations(store: Store): HTMLElement {
-  const box = el("div", { class: "view configurations", tabindex: 0, "aria-label": "Configuration table; up and down arrows move the selection" });
+  const box = el("div", {
+    class: "view configurations",
+    tabindex: 0,
+    "aria-label": "Configuration table; up and down arrows move the selection",
+  });
   const draw = (): void => box.replaceChildren(tableOf(store));
   box.addEventListener("keydown", (event) => {
     const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
@@ -18,11 +22,26 @@ export function createConfigurations(store: Store): HTMLElement {
     requestAnimationFrame(() => box.querySelector(".chosen")?.scrollIntoView({ block: "nearest" }));
   });
   store.subscribe((_, changed) => {
-    if (changed.has("configuration") || changed.has("thresholds") || changed.has("brushes") || (changed.has("selected") && store.study.variables.length)) draw();
+    if (
+      changed.has("configuration") ||
+      changed.has("thresholds") ||
+      changed.has("brushes") ||
+      (changed.has("selected") && store.study.variables.length)
+    )
+      draw();
   });
   draw();
   if (!store.study.variables.length) return box;
-  return el("div", {}, box, el("p", { class: "hint" }, "Metrics at the parameters of the selected run, or of the configuration\u2019s first run."));
+  return el(
+    "div",
+    {},
+    box,
+    el(
+      "p",
+      { class: "hint" },
+      "Metrics at the parameters of the selected run, or of the configuration\u2019s first run.",
+    ),
+  );
 }
 
 function tableOf(store: Store): HTMLElement {
@@ -34,7 +53,8 @@ function tableOf(store: Store): HTMLElement {
   const within = store.within();
   const { each, overall } = store.judgement();
   const designs = store.designs();
-  const head = (text: string, numeric = false): HTMLElement => el("th", { scope: "col", class: numeric ? "numeric" : "" }, text);
+  const head = (text: string, numeric = false): HTMLElement =>
+    el("th", { scope: "col", class: numeric ? "numeric" : "" }, text);
   const rows = study.configurations.map((configuration, index) => {
     const run = shown[index]!;
     const counts = many ? tally(study, designs.judgement.overall, index, designs.runs) : [];
@@ -58,7 +78,11 @@ function tableOf(store: Store): HTMLElement {
       ...study.metrics.map((metric, place) => {
         const judged = study.requirements.findIndex((requirement) => requirement.metric === place);
         const kind = run < 0 || judged < 0 ? "" : CLASSES[each[judged]![run]!]!;
-        return el("td", { class: `numeric ${kind}` }, run < 0 || !study.done[run] ? "\u2013" : metric.text(metric.values[run]!));
+        return el(
+          "td",
+          { class: `numeric ${kind}` },
+          run < 0 || !study.done[run] ? "\u2013" : metric.text(metric.values[run]!),
+        );
       }),
     );
   });

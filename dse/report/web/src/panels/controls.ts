@@ -2,8 +2,8 @@
 import { planeToSelected, selectConfiguration } from "../actions";
 import { choose, el, field } from "../dom";
 import { number, shortened, withUnit } from "../format";
-import { levels, movable } from "../plane/plane";
 import { groupingOf } from "../grouping";
+import { levels, movable } from "../plane/plane";
 import { conditionsOf } from "../points";
 import type { State, Store } from "../store";
 import { axisLabel, type Configuration } from "../study";
@@ -45,7 +45,9 @@ function parts(store: Store): HTMLElement[] {
   row.append(axis("x"), axis("y"));
   if (study.configurations.length > 1) {
     const told = differences(study.configurations);
-    const options = study.configurations.map(({ id }, index) => [String(index), shortened(`${id} ${told[index]}`, 90)] as [string, string]);
+    const options = study.configurations.map(
+      ({ id }, index) => [String(index), shortened(`${id} ${told[index]}`, 90)] as [string, string],
+    );
     const select = choose(options, String(state.configuration), (value) => selectConfiguration(store, Number(value)));
     select.id = "configuration";
     row.append(field("Configuration", select));
@@ -60,7 +62,18 @@ function parts(store: Store): HTMLElement[] {
   for (const index of free) row.append(conditionField(store, index));
   const rest = movable(study, state.x, state.y).filter((index) => !free.includes(index));
   if (rest.length) {
-    row.append(el("button", { id: "through-selected", type: "button", title: "Move the plane through the selected run", click: () => planeToSelected(store) }, "Through run"));
+    row.append(
+      el(
+        "button",
+        {
+          id: "through-selected",
+          type: "button",
+          title: "Move the plane through the selected run",
+          click: () => planeToSelected(store),
+        },
+        "Through run",
+      ),
+    );
     rows.push(sliders(store, rest));
   }
   return rows;
@@ -82,7 +95,12 @@ function slices(store: Store): HTMLElement {
     bar.append(
       el(
         "button",
-        { id: `slice-${index}`, type: "button", "aria-pressed": String(pressed), click: () => store.set({ x: x!, y: y! }) },
+        {
+          id: `slice-${index}`,
+          type: "button",
+          "aria-pressed": String(pressed),
+          click: () => store.set({ x: x!, y: y! }),
+        },
         `${study.variables[x!]!.title} \u00d7 ${study.variables[y!]!.title}`,
       ),
     );
@@ -127,17 +145,24 @@ function conditionField(store: Store, index: number): HTMLElement {
   const { study, state } = store;
   const { title, unit, text } = study.variables[index]!;
   const options = levels(study, index).map((value): [string, string] => [String(value), withUnit(text(value), unit)]);
-  const select = choose([["", "worst of all"], ...options], Number.isNaN(state.fixed[index]!) ? "" : String(state.fixed[index]), (value) => {
-    const fixed = store.state.fixed.slice();
-    fixed[index] = value === "" ? NaN : Number(value);
-    const designs = groupingOf(study).of;
-    store.set({ fixed });
-    // The selected design stays selected, at the condition that is let through.
-    const points = store.points();
-    const { selected } = store.state;
-    const same = selected < 0 || points.first(selected) >= 0 ? -1 : points.runs.findIndex((run) => designs[run] === designs[selected]);
-    if (same >= 0) store.set({ selected: points.deciding(points.runs[same]!) });
-  });
+  const select = choose(
+    [["", "worst of all"], ...options],
+    Number.isNaN(state.fixed[index]!) ? "" : String(state.fixed[index]),
+    (value) => {
+      const fixed = store.state.fixed.slice();
+      fixed[index] = value === "" ? NaN : Number(value);
+      const designs = groupingOf(study).of;
+      store.set({ fixed });
+      // The selected design stays selected, at the condition that is let through.
+      const points = store.points();
+      const { selected } = store.state;
+      const same =
+        selected < 0 || points.first(selected) >= 0
+          ? -1
+          : points.runs.findIndex((run) => designs[run] === designs[selected]);
+      if (same >= 0) store.set({ selected: points.deciding(points.runs[same]!) });
+    },
+  );
   select.id = `condition-${index}`;
   return field(`Condition: ${title}`, select);
 }
@@ -145,6 +170,7 @@ function conditionField(store: Store, index: number): HTMLElement {
 function updateReadings(store: Store, box: HTMLElement): void {
   store.study.variables.forEach(({ unit, text }, index) => {
     const reading = box.querySelector(`#reading-${index}`);
-    if (reading && !Number.isNaN(store.state.fixed[index]!)) reading.textContent = withUnit(text(store.state.fixed[index]!), unit);
+    if (reading && !Number.isNaN(store.state.fixed[index]!))
+      reading.textContent = withUnit(text(store.state.fixed[index]!), unit);
   });
 }

@@ -1,15 +1,24 @@
 // A range in the heading of a table's column: dragging across it, or its two handles, filters every view.
-import { rebrushed } from "../brushing";
+import { rebrushed } from "../brush";
 import { columnOf } from "../columns";
 import { el } from "../dom";
 import { withUnit } from "../format";
-import { axisOf, type Axis } from "../plot/parallel";
+import { type Axis, axisOf } from "../plot/parallel";
 import type { Store } from "../store";
 
 const STEP = 0.02;
 const REACH = 8;
 const STILL = 3;
-const STEPS: Record<string, number> = { ArrowLeft: -STEP, ArrowDown: -STEP, ArrowRight: STEP, ArrowUp: STEP, PageDown: -5 * STEP, PageUp: 5 * STEP, Home: -1, End: 1 };
+const STEPS: Record<string, number> = {
+  ArrowLeft: -STEP,
+  ArrowDown: -STEP,
+  ArrowRight: STEP,
+  ArrowUp: STEP,
+  PageDown: -5 * STEP,
+  PageUp: 5 * STEP,
+  Home: -1,
+  End: 1,
+};
 
 export interface Heading {
   element: HTMLElement;
@@ -23,8 +32,22 @@ export function createHeading(store: Store, key: string): Heading | null {
   if (!axis || !(axis.most > axis.least)) return null;
   const { title, unit, text } = columnOf(store.study, key)!;
   const band = el("span", { class: "band" });
-  const handles = (["from", "to"] as const).map((end) => el("span", { class: "handle", role: "slider", tabindex: 0, "aria-label": `${title}: ${end}`, "aria-valuemin": 0, "aria-valuemax": 100 })) as [HTMLElement, HTMLElement];
-  const element = el("span", { class: "heading-range", title: `Drag a range of ${title} to filter every view; a click clears it` }, band, ...handles);
+  const handles = (["from", "to"] as const).map((end) =>
+    el("span", {
+      class: "handle",
+      role: "slider",
+      tabindex: 0,
+      "aria-label": `${title}: ${end}`,
+      "aria-valuemin": 0,
+      "aria-valuemax": 100,
+    }),
+  ) as [HTMLElement, HTMLElement];
+  const element = el(
+    "span",
+    { class: "heading-range", title: `Drag a range of ${title} to filter every view; a click clears it` },
+    band,
+    ...handles,
+  );
   const brush = () => store.state.brushes.find(({ column }) => column === key);
   const range = (): [number, number] => {
     const { low, high } = brush() ?? { low: axis.least, high: axis.most };
@@ -33,7 +56,9 @@ export function createHeading(store: Store, key: string): Heading | null {
   const set = (a: number, b: number): void => {
     const [from, to] = [Math.max(0, Math.min(a, b)), Math.min(1, Math.max(a, b))];
     const whole = from <= 0 && to >= 1;
-    store.set({ brushes: rebrushed(store.state.brushes, key, whole ? null : [valueAt(axis, from), valueAt(axis, to)]) });
+    store.set({
+      brushes: rebrushed(store.state.brushes, key, whole ? null : [valueAt(axis, from), valueAt(axis, to)]),
+    });
   };
   const show = (): void => {
     const ends = range();

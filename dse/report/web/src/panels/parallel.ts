@@ -1,12 +1,12 @@
 // Every run as a line across axes the reader chooses and orders; dragging along an axis brushes it.
 import { selectRun, setSetting, togglePin } from "../actions";
-import { rebrushed } from "../brushing";
+import { rebrushed } from "../brush";
 import { el } from "../dom";
 import { group } from "../format";
 import { createMenu } from "../menu";
-import { axesOf, FOOT, heightsOf, nearestLine, paintLines, placeOf, SIDE, TOP, type Axis } from "../plot/parallel";
 import { fitted } from "../plot/frame";
-import { paintedBy, type Part, type Sheet } from "../plot/sheet";
+import { type Axis, axesOf, FOOT, heightsOf, nearestLine, paintLines, placeOf, SIDE, TOP } from "../plot/parallel";
+import { type Part, paintedBy, type Sheet } from "../plot/sheet";
 import type { State, Store } from "../store";
 import { palette } from "../theme";
 
@@ -16,14 +16,23 @@ const TITLE = 36;
 const REACH = 16;
 const STILL = 3;
 const ORDER = "runs.axes";
-const GROUPS: [string, string][] = [["variable", "Design variables"], ["metric", "Metrics"], ["property", "Properties"]];
+const GROUPS: [string, string][] = [
+  ["variable", "Design variables"],
+  ["metric", "Metrics"],
+  ["property", "Properties"],
+];
 const REPAINTED: (keyof State)[] = ["thresholds", "selected", "theme", "brushes", "pins", "hovered"];
 
 /** The axes, and their picture as they are shown. */
 export function createParallel(store: Store): { box: HTMLElement; picture: () => Part[] } {
   const { study } = store;
   const all = axesOf(study);
-  const canvas = el("canvas", { class: "parallel", tabindex: 0, role: "img", "aria-label": "Every run as a line across the chosen axes; the table below has the same numbers" });
+  const canvas = el("canvas", {
+    class: "parallel",
+    tabindex: 0,
+    role: "img",
+    "aria-label": "Every run as a line across the chosen axes; the table below has the same numbers",
+  });
   const heads = el("div", { class: "heads" });
   const inner = el("div", { class: "parallel-inner" }, heads, canvas);
   const scroll = el("div", { class: "parallel-scroll" }, inner);
@@ -38,7 +47,10 @@ export function createParallel(store: Store): { box: HTMLElement; picture: () =>
     const inside = within ? done.filter((run) => within[run]) : done;
     const outside = within ? done.filter((run) => !within[run]) : [];
     lines = { inside: thinned(inside), outside: thinned(outside) };
-    const share = lines.inside.length < inside.length ? `${group(lines.inside.length)} of ${group(inside.length)} lines are drawn. ` : "";
+    const share =
+      lines.inside.length < inside.length
+        ? `${group(lines.inside.length)} of ${group(inside.length)} lines are drawn. `
+        : "";
     note.textContent = `${share}Green lines meet every requirement that is switched on, the thick line is the selected run, bars are the thresholds. Drag along an axis to brush it, click it to clear; drag a heading, or use its arrow keys, to move an axis.`;
   };
   const layout = (): void => {
@@ -46,11 +58,20 @@ export function createParallel(store: Store): { box: HTMLElement; picture: () =>
     inner.style.width = `${Math.max(scroll.clientWidth, axes.length * LEAST_ROOM)}px`;
     const room = (inner.clientWidth - 2 * SIDE) / Math.max(1, axes.length - 1);
     const focused = document.activeElement?.id;
-    heads.replaceChildren(...axes.map((axis, index) => head(store, axes, axis, index, placeOf(axes.length, inner.clientWidth, index), Math.min(room, 2 * SIDE))));
+    heads.replaceChildren(
+      ...axes.map((axis, index) =>
+        head(store, axes, axis, index, placeOf(axes.length, inner.clientWidth, index), Math.min(room, 2 * SIDE)),
+      ),
+    );
     if (focused?.startsWith("head-")) document.getElementById(focused)?.focus();
     paint();
   };
-  attach(store, canvas, () => axes, () => [...lines.inside, ...lines.outside]);
+  attach(
+    store,
+    canvas,
+    () => axes,
+    () => [...lines.inside, ...lines.outside],
+  );
   store.subscribe((_, changed) => {
     if (changed.has("brushes")) sample();
     if (changed.has("settings")) layout();
@@ -68,18 +89,24 @@ export function createParallel(store: Store): { box: HTMLElement; picture: () =>
     const room = Math.min((width - 2 * SIDE) / Math.max(1, axes.length - 1), 2 * SIDE) - 6;
     axes.forEach(({ title }, index) => {
       const unit = title.lastIndexOf(" [");
-      [title.slice(0, unit), title.slice(unit + 1)].forEach((text, line) => pen.fillText(fitted(pen, text, room), placeOf(axes.length, width, index), (line + 0.7) * (TITLE / 2)));
+      [title.slice(0, unit), title.slice(unit + 1)].forEach((text, line) =>
+        pen.fillText(fitted(pen, text, room), placeOf(axes.length, width, index), (line + 0.7) * (TITLE / 2)),
+      );
     });
     pen.restore();
     pen.translate(0, TITLE);
     paintLines({ pen, width, height: height - TITLE }, store, axes, lines);
   };
-  const picture = (): Part[] => [{ title: "", width: canvas.clientWidth, height: canvas.clientHeight + TITLE, paint: titled }];
+  const picture = (): Part[] => [
+    { title: "", width: canvas.clientWidth, height: canvas.clientHeight + TITLE, paint: titled },
+  ];
   return { box: el("div", {}, chooser(store, all), scroll, note), picture };
 }
 
 function thinned(runs: number[]): number[] {
-  return runs.length <= MOST_LINES ? runs : Array.from({ length: MOST_LINES }, (_, index) => runs[Math.floor((index * runs.length) / MOST_LINES)]!);
+  return runs.length <= MOST_LINES
+    ? runs
+    : Array.from({ length: MOST_LINES }, (_, index) => runs[Math.floor((index * runs.length) / MOST_LINES)]!);
 }
 
 function chosen({ state }: Store, all: Axis[]): Axis[] {
@@ -99,13 +126,26 @@ function moved(axes: Axis[], from: number, to: number): Axis[] {
 }
 
 function head(store: Store, axes: Axis[], axis: Axis, index: number, x: number, room: number): HTMLElement {
-  const button = el("button", { id: `head-${axis.key}`, class: "head-axis", type: "button", title: `${axis.title}: drag, or the arrow keys, to move; Delete takes it away` }, el("span", {}, axis.title));
+  const button = el(
+    "button",
+    {
+      id: `head-${axis.key}`,
+      class: "head-axis",
+      type: "button",
+      title: `${axis.title}: drag, or the arrow keys, to move; Delete takes it away`,
+    },
+    el("span", {}, axis.title),
+  );
   button.style.left = `${x}px`;
   button.style.width = `${room - 6}px`;
   button.addEventListener("keydown", (event) => {
     const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
     if (step) reorder(store, moved(axes, index, index + step));
-    else if ((event.key === "Delete" || event.key === "Backspace") && axes.length > 1) reorder(store, axes.filter((other) => other !== axis));
+    else if ((event.key === "Delete" || event.key === "Backspace") && axes.length > 1)
+      reorder(
+        store,
+        axes.filter((other) => other !== axis),
+      );
     else return;
     event.preventDefault();
   });
@@ -133,16 +173,29 @@ function chooser(store: Store, all: Axis[]): HTMLElement {
   const list = el("div", { class: "axes" });
   const draw = (): void => {
     const shown = chosen(store, all);
-    const set = (keys: string[]): void => reorder(store, keys.flatMap((key) => all.find((axis) => axis.key === key) ?? []));
+    const set = (keys: string[]): void =>
+      reorder(
+        store,
+        keys.flatMap((key) => all.find((axis) => axis.key === key) ?? []),
+      );
     const keys = shown.map(({ key }) => key);
     const focused = document.activeElement?.id;
     const named = new Set(GROUPS.map(([prefix]) => prefix));
-    const groups = [...GROUPS, ...[...new Set(all.map(({ key }) => prefixOf(key)))].filter((prefix) => !named.has(prefix)).map((prefix): [string, string] => [prefix, "Others"])];
+    const groups = [
+      ...GROUPS,
+      ...[...new Set(all.map(({ key }) => prefixOf(key)))]
+        .filter((prefix) => !named.has(prefix))
+        .map((prefix): [string, string] => [prefix, "Others"]),
+    ];
     list.replaceChildren(
       ...groups.flatMap(([prefix, title]) => {
         const members = all.filter(({ key }) => prefixOf(key) === prefix);
         if (!members.length) return [];
-        const only = el("button", { type: "button", class: "bare", id: `only-${prefix}`, click: () => set(members.map(({ key }) => key)) }, "only these");
+        const only = el(
+          "button",
+          { type: "button", class: "bare", id: `only-${prefix}`, click: () => set(members.map(({ key }) => key)) },
+          "only these",
+        );
         return [
           el(
             "fieldset",
@@ -152,14 +205,28 @@ function chooser(store: Store, all: Axis[]): HTMLElement {
               el(
                 "label",
                 {},
-                el("input", { id: `axis-${axis.key}`, type: "checkbox", checked: keys.includes(axis.key), change: (event: Event) => set((event.target as HTMLInputElement).checked ? [...keys, axis.key] : keys.filter((key) => key !== axis.key)) }),
+                el("input", {
+                  id: `axis-${axis.key}`,
+                  type: "checkbox",
+                  checked: keys.includes(axis.key),
+                  change: (event: Event) =>
+                    set(
+                      (event.target as HTMLInputElement).checked
+                        ? [...keys, axis.key]
+                        : keys.filter((key) => key !== axis.key),
+                    ),
+                }),
                 el("span", {}, axis.title),
               ),
             ),
           ),
         ];
       }),
-      el("button", { type: "button", id: "all-axes", click: () => setSetting(store, ORDER, "") }, "All, in the study\u2019s order"),
+      el(
+        "button",
+        { type: "button", id: "all-axes", click: () => setSetting(store, ORDER, "") },
+        "All, in the study\u2019s order",
+      ),
     );
     if (focused) document.getElementById(focused)?.focus();
   };
@@ -186,7 +253,8 @@ function attach(store: Store, canvas: HTMLCanvasElement, axes: () => Axis[], lin
   const brush = (axis: Axis, from: number, to: number): void => {
     const scale = heightsOf([axis], canvas.clientHeight)[0]!;
     // An axis shows the bulk of the values; to its end means to the last of them.
-    const end = (y: number): number => (y <= TOP ? axis.most : y >= canvas.clientHeight - FOOT ? axis.least : scale.invert(y));
+    const end = (y: number): number =>
+      y <= TOP ? axis.most : y >= canvas.clientHeight - FOOT ? axis.least : scale.invert(y);
     store.set({ brushes: rebrushed(store.state.brushes, axis.key, [end(from), end(to)]) });
   };
   canvas.addEventListener("pointerdown", (event) => {
@@ -209,7 +277,8 @@ function attach(store: Store, canvas: HTMLCanvasElement, axes: () => Axis[], lin
     const ended = drag;
     drag = null;
     if (ended?.moved) return;
-    if (ended && store.state.brushes.some(({ column }) => column === ended.axis.key)) return store.set({ brushes: rebrushed(store.state.brushes, ended.axis.key, null) });
+    if (ended && store.state.brushes.some(({ column }) => column === ended.axis.key))
+      return store.set({ brushes: rebrushed(store.state.brushes, ended.axis.key, null) });
     const run = nearestLine(canvas, axes(), lines(), event.offsetX, event.offsetY);
     if (run < 0) return;
     if (event.shiftKey) togglePin(store, run);

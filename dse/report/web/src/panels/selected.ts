@@ -1,12 +1,12 @@
 // The selected run: its parameters, its metrics against the thresholds, and its parameters as YAML.
 import { el } from "../dom";
 import { checked, count, number, withUnit } from "../format";
-import { replaying } from "./replaying";
-import type { Store } from "../store";
 import { copyText } from "../save";
+import type { Store } from "../store";
 import type { Study } from "../study";
+import { CLASSES, errorOf, isDoubtful, margin, SIGNS, type Threshold, WORDS, wordFor } from "../verdicts";
 import { variablesOf, yamlOf } from "../yaml";
-import { CLASSES, errorOf, isDoubtful, margin, SIGNS, type Threshold, wordFor, WORDS } from "../verdicts";
+import { replaying } from "./replay";
 
 const ROOMY = "(min-width: 1800px)";
 
@@ -20,13 +20,33 @@ export function createSelected(store: Store): { box: HTMLElement; name: HTMLElem
   const draw = (): void => {
     const { study } = store;
     const run = store.state.selected;
-    name.replaceChildren(...(run < 0 ? [] : [el("b", { id: "selected-run" }, `Run ${study.number[run]}`), badge(store.judgement().overall[run]!)]));
+    name.replaceChildren(
+      ...(run < 0
+        ? []
+        : [el("b", { id: "selected-run" }, `Run ${study.number[run]}`), badge(store.judgement().overall[run]!)]),
+    );
     if (run < 0) return box.replaceChildren(el("p", { class: "muted" }, "No run is selected."));
     const problem = study.problems.get(run);
-    const { judgement: { overall }, deciding, noun } = store.designs();
+    const {
+      judgement: { overall },
+      deciding,
+      noun,
+    } = store.designs();
     const other = deciding(run);
-    const elsewhere = noun === "design" && overall[run] !== store.judgement().overall[run] ? el("p", { class: "hint", id: "design-verdict" }, `Its design at the worst of its conditions: ${wordFor(overall[run]!, noun)}, decided by run ${study.number[other]}.`) : "";
-    const metrics = el("details", { class: "numbers", open: numbers, toggle: () => (numbers = metrics.open) }, el("summary", {}, count(study.metrics.length, "metric")), metricsTable(store, run));
+    const elsewhere =
+      noun === "design" && overall[run] !== store.judgement().overall[run]
+        ? el(
+            "p",
+            { class: "hint", id: "design-verdict" },
+            `Its design at the worst of its conditions: ${wordFor(overall[run]!, noun)}, decided by run ${study.number[other]}.`,
+          )
+        : "";
+    const metrics = el(
+      "details",
+      { class: "numbers", open: numbers, toggle: () => (numbers = metrics.open) },
+      el("summary", {}, count(study.metrics.length, "metric")),
+      metricsTable(store, run),
+    );
     const yaml = yamlParts(study, run, open, (now) => (open = now));
     box.replaceChildren(
       ...(problem === undefined ? [] : [el("p", { class: "problem" }, problem)]),
@@ -55,12 +75,15 @@ function parameters(study: Study, run: number): HTMLElement {
   const configuration = study.configurations[study.configuration[run]!]!;
   const choices = configuration.choices.map(([place, component]) => `${place}: ${component}`).join("\n");
   if (study.configurations.length > 1 || !study.variables.length) {
-    list.prepend(el("div", { title: choices }, el("dt", {}, "Configuration"), el("dd", {}, el("code", {}, configuration.id))));
+    list.prepend(
+      el("div", { title: choices }, el("dt", {}, "Configuration"), el("dd", {}, el("code", {}, configuration.id))),
+    );
   }
   return list;
 }
 
-const DOUBT = "Finer numerics may change it: the margin is within two error bars, or a repetition gave another verdict or none.";
+const DOUBT =
+  "Finer numerics may change it: the margin is within two error bars, or a repetition gave another verdict or none.";
 
 function metricsTable(store: Store, run: number): HTMLElement {
   const { study, state } = store;
@@ -89,7 +112,11 @@ function metricsTable(store: Store, run: number): HTMLElement {
           order ? el("th", { scope: "row", class: "again" }, metric.title) : name,
           el("td", {}, shown),
           el("td", {}, bounds(threshold, metric.unit)),
-          el("td", { class: mark < 2 ? CLASSES[mark]! : "muted" }, study.done[run] && !Number.isNaN(by) ? signed(by, metric.unit) : "\u2013"),
+          el(
+            "td",
+            { class: mark < 2 ? CLASSES[mark]! : "muted" },
+            study.done[run] && !Number.isNaN(by) ? signed(by, metric.unit) : "\u2013",
+          ),
           el(
             "td",
             { class: `verdict ${CLASSES[mark]}`, title: isOpen ? DOUBT : "" },
@@ -102,7 +129,12 @@ function metricsTable(store: Store, run: number): HTMLElement {
   return el(
     "div",
     { class: "scroll" },
-    el("table", { class: "metrics", id: "metrics" }, el("thead", {}, el("tr", {}, ...head.map((text) => el("th", { scope: "col" }, text)))), body),
+    el(
+      "table",
+      { class: "metrics", id: "metrics" },
+      el("thead", {}, el("tr", {}, ...head.map((text) => el("th", { scope: "col" }, text)))),
+      body,
+    ),
   );
 }
 
@@ -133,6 +165,11 @@ function yamlParts(study: Study, run: number, open: boolean, toggled: (open: boo
     },
     "Copy as YAML",
   );
-  const details = el("details", { class: "yaml", open, toggle: () => toggled(details.open) }, el("summary", {}, "Parameters as YAML"), shown);
+  const details = el(
+    "details",
+    { class: "yaml", open, toggle: () => toggled(details.open) },
+    el("summary", {}, "Parameters as YAML"),
+    shown,
+  );
   return [details, el("div", { class: "copy" }, said, copy)];
 }

@@ -1,18 +1,24 @@
 // How many runs meet the requirements; the counts double as the legend of the plot.
-import { conditionsInWords, everyCondition } from "../points";
+
 import { countMarks, requirementsInWords, shownRuns, switchedOn } from "../counts";
 import { el } from "../dom";
 import { group, percent } from "../format";
 import { plotted } from "../plane/plane";
 import { drawShape, paintShape } from "../plot/points";
 import { fit } from "../plot/sheet";
+import { conditionsInWords, everyCondition } from "../points";
 import type { State, Store } from "../store";
 import { palette } from "../theme";
-import { CLASSES, FAIL, NOT_EXERCISED, PASS, wordFor, type Mark } from "../verdicts";
+import { CLASSES, FAIL, type Mark, NOT_EXERCISED, PASS, wordFor } from "../verdicts";
 
 const ORDER: Mark[] = [0, 1, 2, 3];
 const COUNTED: (keyof State)[] = ["thresholds", "configuration", "x", "y", "fixed", "brushes", "theme"];
-const MEANING = ["meets every requirement that is switched on", "fails at least one", "not exercised: a pass there would be empty", "failed to run"];
+const MEANING = [
+  "meets every requirement that is switched on",
+  "fails at least one",
+  "not exercised: a pass there would be empty",
+  "failed to run",
+];
 const UNDECIDED = "a requirement was not exercised, or not all conditions were run";
 
 export function createSummary(store: Store): HTMLElement {
@@ -21,7 +27,11 @@ export function createSummary(store: Store): HTMLElement {
   const legend = el("ul", { class: "legend" });
   const box = el("div", { class: "summary" }, head, bar, legend);
   const draw = (): void => {
-    const { judgement: { overall, doubtful }, within, noun } = store.points();
+    const {
+      judgement: { overall, doubtful },
+      within,
+      noun,
+    } = store.points();
     const shown = shownRuns(store);
     const counts = countMarks(overall, shown, within);
     const total = sum(counts);
@@ -52,7 +62,9 @@ export function createSummary(store: Store): HTMLElement {
         );
       }),
     );
-    requestAnimationFrame(() => legend.querySelectorAll("canvas").forEach((canvas, index) => paintSymbol(canvas, ORDER[index]!)));
+    requestAnimationFrame(() =>
+      legend.querySelectorAll("canvas").forEach((canvas, index) => paintSymbol(canvas, ORDER[index]!)),
+    );
   };
   draw();
   store.subscribe((_, changed) => {
@@ -81,7 +93,9 @@ function scopeInWords(store: Store): string {
 function meeting(store: Store): string {
   const at = conditionsInWords(store.study, store.state);
   if (!store.study.requirements.length) return ` came to their end${at}; the bench has no requirements`;
-  return switchedOn(store).length ? ` meet ${requirementsInWords(store)}${at}` : ` came to their end${at}; every requirement is switched off`;
+  return switchedOn(store).length
+    ? ` meet ${requirementsInWords(store)}${at}`
+    : ` came to their end${at}; every requirement is switched off`;
 }
 
 // What the plot leaves out must be told beside what it shows.
@@ -90,10 +104,17 @@ function whole(store: Store): string {
   const counts = countMarks(judgement.overall, runs, within);
   const shown = countMarks(store.points().judgement.overall, shownRuns(store), store.points().within);
   const what = noun === "run" ? "" : ` designs${conditionsInWords(store.study, everyCondition(store.study))}`;
-  return shown.every((each, mark) => each === counts[mark]) ? "" : ` \u00b7 ${group(counts[PASS]!)} of all ${group(sum(counts))}${what}`;
+  return shown.every((each, mark) => each === counts[mark])
+    ? ""
+    : ` \u00b7 ${group(counts[PASS]!)} of all ${group(sum(counts))}${what}`;
 }
 
-function countDoubtful(marks: Uint8Array, doubtful: Uint8Array, runs: Int32Array | null, within: Uint8Array | null): number {
+function countDoubtful(
+  marks: Uint8Array,
+  doubtful: Uint8Array,
+  runs: Int32Array | null,
+  within: Uint8Array | null,
+): number {
   let found = 0;
   const size = runs ? runs.length : marks.length;
   for (let i = 0; i < size; i++) {

@@ -26,14 +26,22 @@ export function createTable(store: Store): HTMLElement {
   const head = el("tr");
   const body = el("tbody");
   const table = el("table", { class: "runs", "aria-label": "All runs" }, el("thead", {}, head), body);
-  const view = el("div", { class: "view", tabindex: 0, "aria-label": "Run table; up and down arrows move the selection" }, table);
+  const view = el(
+    "div",
+    { class: "view", tabindex: 0, "aria-label": "Run table; up and down arrows move the selection" },
+    table,
+  );
   const filters = el("div", { class: "tabs", role: "group", "aria-label": "Runs shown" });
   let runs = new Int32Array(0);
 
   const rows = (): void => {
     const start = Math.max(0, Math.floor(view.scrollTop / ROW) - SPARE);
     const end = Math.min(runs.length, Math.ceil((view.scrollTop + view.clientHeight) / ROW) + SPARE);
-    body.replaceChildren(gap(start, columns.length), ...Array.from(runs.subarray(start, end), (run) => rowOf(store, columns, run)), gap(runs.length - end, columns.length));
+    body.replaceChildren(
+      gap(start, columns.length),
+      ...Array.from(runs.subarray(start, end), (run) => rowOf(store, columns, run)),
+      gap(runs.length - end, columns.length),
+    );
     table.setAttribute("aria-rowcount", String(runs.length + 1));
   };
   const showHead = createHead(store, columns, head);
@@ -47,7 +55,8 @@ export function createTable(store: Store): HTMLElement {
     const place = runs.indexOf(store.state.selected);
     if (place < 0) return;
     const top = place * ROW;
-    if (top < view.scrollTop || top > view.scrollTop + view.clientHeight - 3 * ROW) view.scrollTop = top - view.clientHeight / 2 + ROW;
+    if (top < view.scrollTop || top > view.scrollTop + view.clientHeight - 3 * ROW)
+      view.scrollTop = top - view.clientHeight / 2 + ROW;
   };
 
   view.addEventListener("scroll", rows, { passive: true });
@@ -76,10 +85,24 @@ export function createTable(store: Store): HTMLElement {
 function tableColumns(store: Store): Column[] {
   const { study } = store;
   const columns: Column[] = [
-    { key: "run", title: "Run", numeric: true, sort: (run) => study.number[run]!, text: (run) => String(study.number[run]), marks: null },
+    {
+      key: "run",
+      title: "Run",
+      numeric: true,
+      sort: (run) => study.number[run]!,
+      text: (run) => String(study.number[run]),
+      marks: null,
+    },
   ];
   if (study.configurations.length > 1) {
-    columns.push({ key: "configuration", title: "Configuration", numeric: false, sort: (run) => study.configuration[run]!, text: (run) => study.configurations[study.configuration[run]!]!.id, marks: null });
+    columns.push({
+      key: "configuration",
+      title: "Configuration",
+      numeric: false,
+      sort: (run) => study.configuration[run]!,
+      text: (run) => study.configurations[study.configuration[run]!]!.id,
+      marks: null,
+    });
   }
   for (const { key, values, text, ...column } of columnsOf(study)) {
     const [group, index] = key.split(".") as [string, string];
@@ -90,7 +113,10 @@ function tableColumns(store: Store): Column[] {
       title: axisLabel(column),
       numeric: true,
       sort: (run) => values[run]!,
-      text: (run) => (lack.includes(study.configuration[run]!) || (group === "metric" && !study.done[run]) ? "\u2013" : text(values[run]!)),
+      text: (run) =>
+        lack.includes(study.configuration[run]!) || (group === "metric" && !study.done[run])
+          ? "\u2013"
+          : text(values[run]!),
       marks: judged < 0 ? null : (run) => store.judgement().each[judged]![run]!,
     });
   }
@@ -125,7 +151,7 @@ function arrange(store: Store, columns: Column[]): Int32Array<ArrayBuffer> {
   found.sort((a, b) => {
     const [x, y] = [keys[a]!, keys[b]!];
     // What is undefined goes last, whichever way the column is sorted.
-    if (x !== x || y !== y) return (x !== x ? 1 : 0) - (y !== y ? 1 : 0);
+    if (Number.isNaN(x) || Number.isNaN(y)) return Number(Number.isNaN(x)) - Number(Number.isNaN(y));
     return x < y ? -direction : x > y ? direction : a - b;
   });
   return Int32Array.from(found);
@@ -140,7 +166,12 @@ function createHead(store: Store, columns: Column[], head: HTMLElement): () => v
       store.set({ sort: { column: key, descending: column === key && !descending } });
     };
     const heading = createHeading(store, key);
-    const cell = el("th", { scope: "col", class: numeric ? "numeric" : "" }, el("button", { type: "button", "data-sort": key, click: sort }, title, arrow), heading?.element);
+    const cell = el(
+      "th",
+      { scope: "col", class: numeric ? "numeric" : "" },
+      el("button", { type: "button", "data-sort": key, click: sort }, title, arrow),
+      heading?.element,
+    );
     return { key, arrow, heading, cell };
   });
   head.replaceChildren(...cells.map(({ cell }) => cell));
@@ -166,7 +197,12 @@ function drawFilters(store: Store, box: HTMLElement): void {
     ...options.map(([filter, word, count]) =>
       el(
         "button",
-        { id: `filter-${filter}`, type: "button", "aria-pressed": String(store.state.filter === filter), click: () => store.set({ filter }) },
+        {
+          id: `filter-${filter}`,
+          type: "button",
+          "aria-pressed": String(store.state.filter === filter),
+          click: () => store.set({ filter }),
+        },
         word,
         el("span", { class: "count" }, group(count)),
       ),

@@ -5,7 +5,7 @@ import { el } from "../dom";
 import { group, number, withUnit } from "../format";
 import { paintSwatch } from "../plot/hatch";
 import { colourOf } from "../plot/regions";
-import { studyThresholds, type State, type Store } from "../store";
+import { type State, type Store, studyThresholds } from "../store";
 import { axisLabel, type Column } from "../study";
 import { palette } from "../theme";
 import { CLASSES, FAIL, margin, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../verdicts";
@@ -120,7 +120,13 @@ function createRow(store: Store, requirement: number, bound: Bound, first: boole
     { class: "threshold" },
     toggle ?? el("span"),
     swatch,
-    el("div", { class: "name", title: `${name}: ${title}` }, el("b", {}, title), el("span", { class: "muted" }, `${column.title} ${sign}`), change),
+    el(
+      "div",
+      { class: "name", title: `${name}: ${title}` },
+      el("b", {}, title),
+      el("span", { class: "muted" }, `${column.title} ${sign}`),
+      change,
+    ),
     el("div", { class: "reach" }, slider, ticks),
     el("div", { class: "entry" }, field, el("span", { class: "unit", title: axisLabel(column) }, column.unit)),
     el("div", { class: "result" }, counts, light),
@@ -154,8 +160,15 @@ function showLight({ study, state, judgement }: Store, { requirement, light }: R
   const metric = study.metrics[study.requirements[requirement]!.metric]!;
   const mark = judgement().each[requirement]![run]!;
   const by = margin(metric.values[run]!, state.thresholds[requirement]!);
-  const text = mark <= FAIL && !Number.isNaN(by) ? withUnit(`${by > 0 ? "+" : ""}${number(by, 3)}`, metric.unit) : WORDS[mark]!;
-  light.replaceChildren(el("span", { class: `badge ${CLASSES[mark]}`, title: `Run ${study.number[run]}: ${WORDS[mark]}` }, `${SIGNS[mark]} ${text}`));
+  const text =
+    mark <= FAIL && !Number.isNaN(by) ? withUnit(`${by > 0 ? "+" : ""}${number(by, 3)}`, metric.unit) : WORDS[mark]!;
+  light.replaceChildren(
+    el(
+      "span",
+      { class: `badge ${CLASSES[mark]}`, title: `Run ${study.number[run]}: ${WORDS[mark]}` },
+      `${SIGNS[mark]} ${text}`,
+    ),
+  );
 }
 
 // 3 times 0.2 is 0.6000000000000001; the last digits are no one's wish.
@@ -175,7 +188,10 @@ function reachOf({ values }: Column, threshold: number): { low: number; high: nu
   const sorted = values.filter(Number.isFinite).sort();
   const at = (share: number): number => sorted[Math.round(share * (sorted.length - 1))] ?? threshold;
   const spread = at(0.95) - at(0.05) || Math.abs(threshold) || 1;
-  const nice = scaleLinear([Math.min(at(0.01), threshold - 0.1 * spread), Math.max(at(0.95), threshold + 0.1 * spread)], [0, 1]).nice(20);
+  const nice = scaleLinear(
+    [Math.min(at(0.01), threshold - 0.1 * spread), Math.max(at(0.95), threshold + 0.1 * spread)],
+    [0, 1],
+  ).nice(20);
   const [low, high] = nice.domain() as [number, number];
   return { low, high, step: 10 ** Math.floor(Math.log10((high - low) / 400)) };
 }

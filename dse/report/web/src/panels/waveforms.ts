@@ -44,9 +44,10 @@ export function createWaveforms(store: Store): { box: HTMLElement; pin: HTMLElem
     const drawn = [run, ...store.state.pins].some((each) => isKept(store, each));
     figures.hidden = !drawn;
     notice.replaceChildren(...(isKept(store, run) ? [] : [missing(store, run)]));
-    if (!charts.length && drawn) charts = store.study.figures.map((figure, index) => createChart(figure, index, figures));
+    if (!charts.length && drawn)
+      charts = store.study.figures.map((figure, index) => createChart(figure, index, figures));
     for (const chart of charts) update(store, chart, run, blocks);
-    figures.dataset["run"] = String(run < 0 ? -1 : store.study.number[run]!);
+    figures.dataset.run = String(run < 0 ? -1 : store.study.number[run]!);
   };
   store.subscribe((_, changed) => {
     if (SHOWN.some((key) => changed.has(key))) show();
@@ -70,25 +71,55 @@ function partOfChart(store: Store, { plot, holder, figure }: Chart): Part {
   const [[left, right], [low, high]] = [axis("x"), axis("y")];
   const looks = linesOf(plot);
   const run = runShown(store);
-  const names = [...Array.from({ length: MOST_PINS }, (_, pin) => `Run ${study.number[state.pins[pin] ?? -1]}`), `Run ${study.number[run]}`];
+  const names = [
+    ...Array.from({ length: MOST_PINS }, (_, pin) => `Run ${study.number[state.pins[pin] ?? -1]}`),
+    `Run ${study.number[run]}`,
+  ];
   const known = looks.map(({ values }) => Array.from(values).some((value) => value !== null));
-  const legend = names.flatMap((name, index) => (known[2 * index] ? [lineEntry(name, looks[2 * index]!.look.colour)] : []));
-  if (known.at(-1)) legend.push(lineEntry(figure.target || "target", looks.at(-1)!.look.colour, looks.at(-1)!.look.dash));
+  const legend = names.flatMap((name, index) =>
+    known[2 * index] ? [lineEntry(name, looks[2 * index]!.look.colour)] : [],
+  );
+  if (known.at(-1))
+    legend.push(lineEntry(figure.target || "target", looks.at(-1)!.look.colour, looks.at(-1)!.look.dash));
   const chart: DrawnChart = {
     name: figure.name,
     title: figure.title,
     note: "",
     x: { title: "time", unit: "s", log: false, low: left, high: right, names: [] },
     y: { title: figure.current || figure.title, unit: figure.unit, log: false, low, high, names: [] },
-    drawn: looks.filter((_, index) => known[index]).map(({ values, look }) => ({ kind: "line", label: "", x: figure.time, y: Float64Array.from(values, (value) => value ?? NaN), look })),
+    drawn: looks
+      .filter((_, index) => known[index])
+      .map(({ values, look }) => ({
+        kind: "line",
+        label: "",
+        x: figure.time,
+        y: Float64Array.from(values, (value) => value ?? NaN),
+        look,
+      })),
   };
-  return { title: figure.title, width: holder.clientWidth, height: holder.clientHeight, legend, paint: (sheet) => void paintChart(sheet, chart, palette()) };
+  return {
+    title: figure.title,
+    width: holder.clientWidth,
+    height: holder.clientHeight,
+    legend,
+    paint: (sheet) => void paintChart(sheet, chart, palette()),
+  };
 }
 
-function linesOf({ data, series }: uPlot): { values: ArrayLike<number | null | undefined>; look: { colour: string; width: number; dash: number[] } }[] {
+function linesOf({
+  data,
+  series,
+}: uPlot): { values: ArrayLike<number | null | undefined>; look: { colour: string; width: number; dash: number[] } }[] {
   return data.slice(1).map((values, index) => {
     const { stroke, width, dash } = series[index + 1]!;
-    return { values, look: { colour: String(typeof stroke === "function" ? stroke(null as never, index + 1) : stroke), width: width ?? 1, dash: dash ?? [] } };
+    return {
+      values,
+      look: {
+        colour: String(typeof stroke === "function" ? stroke(null as never, index + 1) : stroke),
+        width: width ?? 1,
+        dash: dash ?? [],
+      },
+    };
   });
 }
 
@@ -107,14 +138,26 @@ function drawLegend(store: Store, box: HTMLElement): void {
   const [now, pinned] = [...box.children] as [HTMLElement, HTMLElement];
   const run = runShown(store);
   const colours = palette();
-  const focused = document.activeElement instanceof HTMLElement && box.contains(document.activeElement) ? document.activeElement.id : "";
+  const focused =
+    document.activeElement instanceof HTMLElement && box.contains(document.activeElement)
+      ? document.activeElement.id
+      : "";
   const key = (colour: string): HTMLElement => {
     const line = el("span", { class: "stroke", "aria-hidden": "true" });
     line.style.borderColor = colour;
     return line;
   };
   const parts: HTMLElement[] = [];
-  if (run >= 0) parts.push(el("span", { class: "entry-key" }, key(colours.current), el("b", {}, `Run ${study.number[run]}`), el("span", { class: "muted" }, run === state.selected ? "selected" : "under the pointer")));
+  if (run >= 0)
+    parts.push(
+      el(
+        "span",
+        { class: "entry-key" },
+        key(colours.current),
+        el("b", {}, `Run ${study.number[run]}`),
+        el("span", { class: "muted" }, run === state.selected ? "selected" : "under the pointer"),
+      ),
+    );
   if (study.figures.some(({ shape }) => shape !== "none")) {
     const dashed = key(colours.target);
     dashed.classList.add("dashed");
@@ -123,11 +166,22 @@ function drawLegend(store: Store, box: HTMLElement): void {
   now.replaceChildren(...parts);
   // A button that is made anew while it is pressed, as the pointer leaves the plot, is not clicked.
   const drawn = [...state.pins, ...colours.pins].join();
-  if (pinned.dataset["drawn"] === drawn) return;
-  pinned.dataset["drawn"] = drawn;
+  if (pinned.dataset.drawn === drawn) return;
+  pinned.dataset.drawn = drawn;
   const pins = state.pins.map((pin, index) => {
     const name = `Run ${study.number[pin]}`;
-    const unpin = el("button", { id: `unpin-${index}`, class: "bare", type: "button", title: `Unpin ${name}`, "aria-label": `Unpin ${name}`, click: () => togglePin(store, pin) }, "\u00d7");
+    const unpin = el(
+      "button",
+      {
+        id: `unpin-${index}`,
+        class: "bare",
+        type: "button",
+        title: `Unpin ${name}`,
+        "aria-label": `Unpin ${name}`,
+        click: () => togglePin(store, pin),
+      },
+      "\u00d7",
+    );
     return el("span", { class: "entry-key pin" }, key(colours.pins[index]!), el("b", {}, name), unpin);
   });
   pinned.replaceChildren(...pins);
@@ -140,7 +194,9 @@ function drawPin({ state }: Store, pin: HTMLButtonElement): void {
   pin.textContent = pinned ? "Unpin selected" : "Pin selected";
   pin.setAttribute("aria-pressed", String(pinned));
   pin.disabled = state.selected < 0 || full;
-  pin.title = full ? `${MOST_PINS} runs are pinned: unpin one first` : "Key P on the plot, or a click with Shift, pins, too";
+  pin.title = full
+    ? `${MOST_PINS} runs are pinned: unpin one first`
+    : "Key P on the plot, or a click with Shift, pins, too";
 }
 
 function missing({ study }: Store, run: number): HTMLElement {
@@ -155,7 +211,19 @@ function missing({ study }: Store, run: number): HTMLElement {
 function createChart(figure: Figure, index: number, box: HTMLElement): Chart {
   const reading = el("span", { class: "reading" });
   const holder = el("div", { class: "chart", role: "img" });
-  box.append(el("figure", {}, el("figcaption", {}, el("b", { title: figure.target ? `${figure.current}, ${figure.target}` : figure.current }, figure.title), reading), holder));
+  box.append(
+    el(
+      "figure",
+      {},
+      el(
+        "figcaption",
+        {},
+        el("b", { title: figure.target ? `${figure.current}, ${figure.target}` : figure.current }, figure.title),
+        reading,
+      ),
+      holder,
+    ),
+  );
   // Colours are asked for at every repaint, so that a change of theme needs no new chart.
   const ink = (): string => palette().ink;
   const line = (): string => palette().line;
@@ -169,7 +237,13 @@ function createChart(figure: Figure, index: number, box: HTMLElement): Chart {
     values: (_: uPlot, ticks: number[]) => ticks.map((tick) => number(tick, 6)),
   };
   // uPlot would round every point to a pixel, and a smooth line to a staircase.
-  const series = (stroke: () => string, width: number, dash?: number[]): uPlot.Series => ({ stroke, width, pxAlign: 0, points: { show: false }, ...(dash ? { dash } : {}) });
+  const series = (stroke: () => string, width: number, dash?: number[]): uPlot.Series => ({
+    stroke,
+    width,
+    pxAlign: 0,
+    points: { show: false },
+    ...(dash ? { dash } : {}),
+  });
   const plot = new uPlot(
     {
       width: holder.clientWidth || 480,
@@ -185,7 +259,10 @@ function createChart(figure: Figure, index: number, box: HTMLElement): Chart {
       ],
       series: [
         {},
-        ...Array.from({ length: MOST_PINS }, (_, pin) => [series(() => palette().pins[pin]!, 1.6), series(() => palette().pins[pin]!, 1.2, [3, 4])]).flat(),
+        ...Array.from({ length: MOST_PINS }, (_, pin) => [
+          series(() => palette().pins[pin]!, 1.6),
+          series(() => palette().pins[pin]!, 1.2, [3, 4]),
+        ]).flat(),
         series(() => palette().current, 2),
         series(() => palette().target, 1.6, [7, 5]),
       ],
@@ -200,15 +277,23 @@ function createChart(figure: Figure, index: number, box: HTMLElement): Chart {
   return { plot, holder, figure, index, reading };
 }
 
-function update({ study, state }: Store, { plot, holder, figure, index, reading }: Chart, run: number, blocks: Map<string, Numbers>): void {
+function update(
+  { study, state }: Store,
+  { plot, holder, figure, index, reading }: Chart,
+  run: number,
+  blocks: Map<string, Numbers>,
+): void {
   const nothing = new Array<null>(figure.time.length).fill(null);
   const linesOf = (each: number): [Line, Line] => {
     const which = each < 0 ? -1 : study.number[each]!;
-    return [decode(figure, index, which, "current", blocks) ?? nothing, decode(figure, index, which, "target", blocks) ?? nothing];
+    return [
+      decode(figure, index, which, "current", blocks) ?? nothing,
+      decode(figure, index, which, "target", blocks) ?? nothing,
+    ];
   };
   const pins = Array.from({ length: MOST_PINS }, (_, pin) => linesOf(state.pins[pin] ?? -1)).flat();
   const shown = linesOf(run);
-  const { min, max } = plot.scales["x"]!;
+  const { min, max } = plot.scales.x!;
   const fresh = min === undefined || min === null || min === max;
   plot.setData([figure.time, ...pins, ...shown] as uPlot.AlignedData, fresh);
   // What was zoomed to stays; setting it anew fits the other axis.
@@ -220,7 +305,10 @@ function update({ study, state }: Store, { plot, holder, figure, index, reading 
 function read({ data, cursor }: uPlot, figure: Figure, reading: HTMLElement): void {
   const at = cursor.idx ?? figure.time.length - 1;
   const [current, target] = [data.at(-2)?.[at], data.at(-1)?.[at]] as (number | null | undefined)[];
-  if (current === null || current === undefined || data.length < 3) return void (reading.textContent = "");
+  if (current === null || current === undefined || data.length < 3) {
+    reading.textContent = "";
+    return;
+  }
   const parts = [`t = ${withUnit(number(figure.time[at]!, 4), "s")}`, withUnit(number(current), figure.unit)];
   if (target !== null && target !== undefined) parts.push(`target ${withUnit(number(target), figure.unit)}`);
   reading.textContent = parts.join("   ");

@@ -1,6 +1,6 @@
 // Runs on a grid of levels: linear interpolation along the edges of the grid, exact at every run.
 import type { Study } from "../study";
-import { remember, type Fields } from "./fields";
+import { type Fields, remember } from "./fields";
 
 const MOST_LEVELS = 240;
 
@@ -38,7 +38,8 @@ export function latticeFields(study: Study, lattice: Lattice): Fields {
   // Keyed by a text, because a list is equal only to itself.
   const known = remember((requirements: string) => {
     const asked = requirements ? requirements.split(",").map((index) => study.requirements[Number(index)]!) : [];
-    const hasValue = (run: number): boolean => asked.every(({ metric, exercised }) => !exercised[run] || Number.isFinite(study.metrics[metric]!.values[run]!));
+    const hasValue = (run: number): boolean =>
+      asked.every(({ metric, exercised }) => !exercised[run] || Number.isFinite(study.metrics[metric]!.values[run]!));
     return region(Uint8Array.from(runs, (run, node) => (done[node] && hasValue(run) ? 1 : 0)));
   });
   return {
@@ -124,5 +125,8 @@ function neighbours(node: number, wide: number, size: number): number[] {
 // Evenly spread levels, the first and the last among them.
 function thinned(levels: Float64Array): Float64Array {
   if (levels.length <= MOST_LEVELS) return levels;
-  return Float64Array.from({ length: MOST_LEVELS }, (_, i) => levels[Math.round((i * (levels.length - 1)) / (MOST_LEVELS - 1))]!);
+  return Float64Array.from(
+    { length: MOST_LEVELS },
+    (_, i) => levels[Math.round((i * (levels.length - 1)) / (MOST_LEVELS - 1))]!,
+  );
 }

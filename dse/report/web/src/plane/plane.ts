@@ -1,10 +1,11 @@
 // The plane of two design variables that is shown: which runs lie in it, and the fields between them.
+
+import { group } from "../format";
+import { conditionsOf, poolOf } from "../points";
 import type { State } from "../store";
 import type { Study, Variable } from "../study";
-import { group } from "../format";
 import type { Fields } from "./fields";
 import { latticeFields, latticeOf } from "./lattice";
-import { conditionsOf, poolOf } from "../points";
 import { radialFields } from "./radial";
 import { worstOf } from "./worst";
 
@@ -27,7 +28,12 @@ export function createPlanes(study: Study): (state: Shown) => Plane {
   let key = "";
   let plane: Plane | null = null;
   return (state) => {
-    const wanted = [state.configuration, state.x, state.y, ...others(study, state.x, state.y).map((i) => state.fixed[i])].join();
+    const wanted = [
+      state.configuration,
+      state.x,
+      state.y,
+      ...others(study, state.x, state.y).map((i) => state.fixed[i]),
+    ].join();
     if (!plane || key !== wanted) {
       plane = makePlane(study, state);
       key = wanted;
@@ -89,7 +95,10 @@ function cases(study: Study, { x, y, fixed }: Shown): number[][] {
   for (let run = 0; run < study.size; run++) {
     const values = free.map((index) => study.variables[index]!.values[run]!);
     if (found.has(values.join())) continue;
-    found.set(values.join(), fixed.map((value, index) => (free.includes(index) ? study.variables[index]!.values[run]! : value)));
+    found.set(
+      values.join(),
+      fixed.map((value, index) => (free.includes(index) ? study.variables[index]!.values[run]! : value)),
+    );
     if (!free.length) break;
   }
   return [...found.values()];
@@ -115,9 +124,20 @@ function makePlane(study: Study, shown: Shown): Plane {
   const runs = pool ? every.filter((run) => pool.first[pool.of[run]!] === run) : every;
   const sliced = study.sampler === "sliced" && !study.slices.some((names) => names.includes(x) && names.includes(y));
   // Of a grid that is being made there are no levels yet to interpolate to.
-  const spans = [horizontal, vertical].every(({ values, levels }) => new Set(Array.from(every, (run) => values[run])).size >= levels);
+  const spans = [horizontal, vertical].every(
+    ({ values, levels }) => new Set(Array.from(every, (run) => values[run])).size >= levels,
+  );
   const named = namedAxis(study, x, y);
-  const lattices = sliced || !spans || named ? [] : cases(study, shown).map((fixed) => latticeOf(horizontal.values, vertical.values, every.filter((run) => liesIn(study, run, { ...shown, fixed }))));
+  const lattices =
+    sliced || !spans || named
+      ? []
+      : cases(study, shown).map((fixed) =>
+          latticeOf(
+            horizontal.values,
+            vertical.values,
+            every.filter((run) => liesIn(study, run, { ...shown, fixed })),
+          ),
+        );
   const first = lattices[0];
   if (first && lattices.every((one) => one?.xs.join() === first.xs.join() && one.ys.join() === first.ys.join())) {
     const fields = worstOf(lattices.map((lattice) => latticeFields(study, lattice!)));
@@ -127,9 +147,9 @@ function makePlane(study: Study, shown: Shown): Plane {
     ? "These two variables were not varied together in this study: only the runs are shown, no boundaries."
     : named && runs.length
       ? nothingBetween(named)
-    : runs.length
-      ? "Too few runs of this plane have been made: only the runs are shown, no boundaries."
-      : `No run of configuration ${study.configurations[configuration]?.id ?? ""} is in this plane.`;
+      : runs.length
+        ? "Too few runs of this plane have been made: only the runs are shown, no boundaries."
+        : `No run of configuration ${study.configurations[configuration]?.id ?? ""} is in this plane.`;
   return { ...base, on: runs, fields: null, note: why };
 }
 
@@ -150,7 +170,11 @@ function scatteredPlane(study: Study, shown: Shown): Plane {
   const rest = others(study, x, y).filter((index) => !Number.isNaN(fixed[index]!));
   const pool = poolOf(study, { x, y, fixed });
   for (let run = 0; run < study.size; run++) {
-    if (study.configuration[run] !== configuration || (pool && (pool.of[run]! < 0 || pool.first[pool.of[run]!] !== run))) continue;
+    if (
+      study.configuration[run] !== configuration ||
+      (pool && (pool.of[run]! < 0 || pool.first[pool.of[run]!] !== run))
+    )
+      continue;
     let square = 0;
     for (const index of rest) {
       const { values, low, high } = study.variables[index]!;
@@ -166,16 +190,17 @@ function scatteredPlane(study: Study, shown: Shown): Plane {
   const radial = study.configurations[configuration]?.radial ?? null;
   const named = namedAxis(study, x, y);
   const at = cases(study, shown);
-  const fields = radial && !named ? worstOf(at.map((each) => radialFields(study, radial, x, y, each, at.length))) : null;
+  const fields =
+    radial && !named ? worstOf(at.map((each) => radialFields(study, radial, x, y, each, at.length))) : null;
   const most = study.mostCentres;
   const faint = rest.length ? " Runs away from this plane are drawn fainter." : "";
   const note = fields
     ? fields.how + faint
     : named
       ? nothingBetween(named)
-    : on.length + beside.length > most
-      ? `More than ${group(most)} scattered runs: interpolating through all of them is too slow for a page, so only the runs are shown.`
-      : "Too few runs to interpolate: only the runs are shown.";
+      : on.length + beside.length > most
+        ? `More than ${group(most)} scattered runs: interpolating through all of them is too slow for a page, so only the runs are shown.`
+        : "Too few runs to interpolate: only the runs are shown.";
   return {
     x,
     y,

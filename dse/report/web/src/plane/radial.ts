@@ -1,6 +1,6 @@
 // Scattered runs: radial interpolation with the weights computed by dse/report/interpolation/radial.py.
 import type { Radial, Study } from "../study";
-import { even, remember, type Fields } from "./fields";
+import { even, type Fields, remember } from "./fields";
 
 const SIZE = 81;
 const LEAST = 31;
@@ -27,7 +27,10 @@ export function radialFields(study: Study, radial: Radial, x: number, y: number,
     metric: (index) => values(index),
     exercised: (requirement) => region(metrics + requirement),
     // The field is that of all requirements; without some of them it is asked for only where something is unknown at all.
-    known: (requirements) => (requirements.every((index) => isWhole(study, radial, index)) && radial.centres.every((run) => study.done[run]) ? null : region(last)),
+    known: (requirements) =>
+      requirements.every((index) => isWhole(study, radial, index)) && radial.centres.every((run) => study.done[run])
+        ? null
+        : region(last),
   };
 }
 

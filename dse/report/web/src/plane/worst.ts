@@ -1,5 +1,5 @@
 // Fields at several conditions as those of their worst.
-import { remember, type Fields, type Way } from "./fields";
+import { type Fields, remember, type Way } from "./fields";
 
 /** Fields of designs at the worst of the conditions that *each* is of; all on one grid. */
 export function worstOf(each: Fields[]): Fields {
@@ -15,7 +15,8 @@ export function worstOf(each: Fields[]): Fields {
   const metric = remember((key: string) => {
     const [index, way, requirement] = key.split(" ") as [string, Way, string];
     const fields = each.map((one) => one.metric(Number(index)));
-    if (way === "mean") return over(fields, (...values) => values.reduce((sum, value) => sum + value, 0) / values.length);
+    if (way === "mean")
+      return over(fields, (...values) => values.reduce((sum, value) => sum + value, 0) / values.length);
     // A condition at which the requirement is not exercised says nothing, unless none says more.
     const counts = Number(requirement) < 0 ? [] : each.map((one) => one.exercised(Number(requirement)));
     return Float64Array.from({ length: size }, (_, node) => {

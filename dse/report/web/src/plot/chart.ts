@@ -4,9 +4,9 @@ import type { Chart, ChartAxis, Drawn } from "../chart";
 import type { Palette } from "../theme";
 import { PASS } from "../verdicts";
 import { clipTo, drawAxes, drawGrid, type Frame, type Scale } from "./frame";
+import type { Pen } from "./pen";
 import { drawShape, paintShape } from "./points";
 import { colourOf } from "./regions";
-import type { Pen } from "./pen";
 import type { Sheet } from "./sheet";
 
 // Beyond some thousand points a path of circles is slow, and no shape can be told any more.
@@ -53,7 +53,9 @@ export function insideAxes({ x, y }: Chart, a: number, b: number): boolean {
 
 // What has a colour of its own counts; bounds and verdicts always look the same.
 function series(chart: Chart, index: number): number {
-  return chart.drawn.slice(0, index).filter((drawn) => drawn.kind !== "rule" && !(drawn.kind === "points" && drawn.verdict !== null)).length;
+  return chart.drawn
+    .slice(0, index)
+    .filter((drawn) => drawn.kind !== "rule" && !(drawn.kind === "points" && drawn.verdict !== null)).length;
 }
 
 function chartFrame({ x, y }: Chart, width: number, height: number): Frame {
@@ -107,7 +109,8 @@ function paintDrawn(pen: Pen, frame: Frame, drawn: Drawn, colour: string, colour
       const spacing = Math.sqrt(((right - left) * (bottom - top)) / Math.max(1, drawn.x.length));
       const size = Math.min(1, Math.max(0.4, spacing / 22));
       const crowded = drawn.x.length > MOST_SHAPES;
-      pen.fillStyle = drawn.verdict === null ? colour : [colours.pass, colours.ink, colours.muted, colours.broken][drawn.verdict]!;
+      pen.fillStyle =
+        drawn.verdict === null ? colour : [colours.pass, colours.ink, colours.muted, colours.broken][drawn.verdict]!;
       drawn.x.forEach((value, i) => {
         const [a, b] = [x(value), y(drawn.y[i]!)];
         // What lies beyond the axes is not drawn at their edge.
@@ -128,7 +131,13 @@ function paintPoints(pen: Pen, verdict: number | null, size: number, colour: str
   pen.fill();
 }
 
-function stroke(pen: Pen, bound: boolean, colour: string, colours: Palette, look = { colour: bound ? colours.target : colour, width: 1.6, dash: bound ? [7, 5] : [] }): void {
+function stroke(
+  pen: Pen,
+  bound: boolean,
+  colour: string,
+  colours: Palette,
+  look = { colour: bound ? colours.target : colour, width: 1.6, dash: bound ? [7, 5] : [] },
+): void {
   pen.setLineDash(look.dash);
   pen.lineWidth = look.width;
   pen.lineJoin = "round";

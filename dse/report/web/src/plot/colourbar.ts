@@ -2,9 +2,9 @@
 import { number } from "../format";
 import { axisLabel, type Column } from "../study";
 import type { Palette } from "../theme";
-import { sideways, type Frame } from "./frame";
-import { bandColour, type Scale } from "./regions";
+import { type Frame, sideways } from "./frame";
 import type { Pen } from "./pen";
+import { bandColour, type Scale } from "./regions";
 
 const WIDTH = 14;
 
@@ -36,5 +36,7 @@ export function drawColourBar(
   pen.font = `600 12px ${colours.font}`;
   pen.textAlign = "center";
   pen.textBaseline = "alphabetic";
-  sideways(pen, width - 5, (frame.top + frame.bottom) / 2, () => pen.fillText(axisLabel(metric), 0, 0, frame.bottom - frame.top));
+  sideways(pen, width - 5, (frame.top + frame.bottom) / 2, () =>
+    pen.fillText(axisLabel(metric), 0, 0, frame.bottom - frame.top),
+  );
 }

@@ -2,7 +2,7 @@
 import { contours } from "d3-contour";
 import type { Grid } from "../plane/fields";
 import type { Frame } from "./frame";
-import { Shape, type Ring } from "./pen";
+import { type Ring, Shape } from "./pen";
 
 export type { Ring };
 
@@ -29,13 +29,23 @@ export function path(rings: Ring[]): Shape {
 /** Everything but the rings, for clipping with the even-odd rule. */
 export function outside(rings: Ring[]): Shape {
   const far = 1e5;
-  return path([...rings, [[-far, -far], [far, -far], [far, far], [-far, far]]]);
+  return path([
+    ...rings,
+    [
+      [-far, -far],
+      [far, -far],
+      [far, far],
+      [-far, far],
+    ],
+  ]);
 }
 
 function outline(field: Float64Array, grid: Grid, frame: Frame, level: number): Ring[] {
   const xs = grid.xs.map((value) => frame.x(value));
   const ys = grid.ys.map((value) => frame.y(value));
-  const shape = contours().size([xs.length, ys.length]).contour(field as unknown as number[], level);
+  const shape = contours()
+    .size([xs.length, ys.length])
+    .contour(field as unknown as number[], level);
   return shape.coordinates.flatMap((polygon) =>
     polygon.map((ring) => ring.map(([a, b]): [number, number] => [between(xs, a! - 0.5), between(ys, b! - 0.5)])),
   );

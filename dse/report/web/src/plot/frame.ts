@@ -1,8 +1,8 @@
 // Where the plot lies on the canvas and how data become pixels.
-import { scaleLinear, type ScaleContinuousNumeric } from "d3-scale";
+import { type ScaleContinuousNumeric, scaleLinear } from "d3-scale";
+import { number } from "../format";
 import type { Zoom } from "../store";
 import { axisLabel } from "../study";
-import { number } from "../format";
 import type { Palette } from "../theme";
 import type { Pen } from "./pen";
 
@@ -41,19 +41,18 @@ export function clipTo(pen: Pen, { left, right, top, bottom }: Frame): void {
   pen.clip();
 }
 
-export function drawAxes(
-  pen: Pen,
-  frame: Frame,
-  horizontal: AxisText,
-  vertical: AxisText,
-  colours: Palette,
-): void {
+export function drawAxes(pen: Pen, frame: Frame, horizontal: AxisText, vertical: AxisText, colours: Palette): void {
   const { left, right, top, bottom, x, y } = frame;
   pen.strokeStyle = colours.muted;
   pen.fillStyle = colours.ink;
   pen.lineWidth = 1;
   pen.font = `12px ${colours.font}`;
-  pen.strokeRect(Math.round(left) + 0.5, Math.round(top) + 0.5, Math.round(right - left) - 1, Math.round(bottom - top) - 1);
+  pen.strokeRect(
+    Math.round(left) + 0.5,
+    Math.round(top) + 0.5,
+    Math.round(right - left) - 1,
+    Math.round(bottom - top) - 1,
+  );
   pen.beginPath();
   pen.textAlign = "center";
   pen.textBaseline = "alphabetic";
@@ -118,7 +117,9 @@ export function fitted(pen: Pen, text: string, room: number): string {
 function ticksOf(scale: Scale, { log, names }: AxisText, count: number): [number, string][] {
   if (names?.length) {
     const stride = Math.ceil(names.length / Math.max(3, count));
-    return names.map((name, index): [number, string] => [index, name]).filter(([, name], index) => name && index % stride === 0);
+    return names
+      .map((name, index): [number, string] => [index, name])
+      .filter(([, name], index) => name && index % stride === 0);
   }
   const ticks = scale.ticks(Math.max(3, count));
   const decades = ticks.filter((tick) => Number.isInteger(Math.log10(tick)));

@@ -12,8 +12,20 @@ const STYLES: Style[] = [
   { size: 10, lines: [[0, 0, 1, 1]] },
   { size: 8, lines: [[0, 0.5, 1, 0.5]] },
   { size: 8, lines: [[0.5, 0, 0.5, 1]] },
-  { size: 14, lines: [[0, 1, 0.5, 0.5], [0.5, 0, 1, 0.5]] },
-  { size: 12, lines: [[0, 0.5, 1, 0.5], [0.5, 0, 0.5, 1]] },
+  {
+    size: 14,
+    lines: [
+      [0, 1, 0.5, 0.5],
+      [0.5, 0, 1, 0.5],
+    ],
+  },
+  {
+    size: 12,
+    lines: [
+      [0, 0.5, 1, 0.5],
+      [0.5, 0, 0.5, 1],
+    ],
+  },
 ];
 
 export function hatch(pen: Pen, index: number, colour: string): string | CanvasPattern {
@@ -39,7 +51,13 @@ function drawTile(ink: Pen, index: number, colour: string): void {
   ink.beginPath();
   for (const [x0, y0, x1, y1] of lines) {
     // The neighbouring tiles' lines cross the corners of this one.
-    for (const [dx, dy] of [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]] as const) {
+    for (const [dx, dy] of [
+      [0, 0],
+      [1, 0],
+      [-1, 0],
+      [0, 1],
+      [0, -1],
+    ] as const) {
       ink.moveTo((x0 + dx) * size, (y0 + dy) * size);
       ink.lineTo((x1 + dx) * size, (y1 + dy) * size);
     }

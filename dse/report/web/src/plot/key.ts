@@ -3,23 +3,36 @@ import { countMarks, shownRuns } from "../counts";
 import { number, withUnit } from "../format";
 import type { Store } from "../store";
 import { palette } from "../theme";
-import { wordFor, type Mark } from "../verdicts";
+import { type Mark, wordFor } from "../verdicts";
 import type { Frame } from "./frame";
 import { drawSwatch } from "./hatch";
-import { markEntry, SIGN, type Entry } from "./legend";
+import { type Entry, markEntry, SIGN } from "./legend";
 import { colourOf, regionsOf } from "./regions";
 
 export function plotLegend(store: Store, frame: Frame): Entry[] {
   const { study, state } = store;
   const { judgement, noun } = store.points();
   const counts = countMarks(judgement.overall, shownRuns(store), null);
-  const marks = ([0, 1, 2, 3] as Mark[]).filter((mark) => counts[mark]).map((mark) => markEntry(mark, wordFor(mark, noun)));
+  const marks = ([0, 1, 2, 3] as Mark[])
+    .filter((mark) => counts[mark])
+    .map((mark) => markEntry(mark, wordFor(mark, noun)));
   const { fields } = store.plane();
-  const seen = new Set(fields ? regionsOf(study, fields, state.thresholds, frame).sides.filter(({ rings }) => rings.length).map(({ requirement }) => requirement) : []);
+  const seen = new Set(
+    fields
+      ? regionsOf(study, fields, state.thresholds, frame)
+          .sides.filter(({ rings }) => rings.length)
+          .map(({ requirement }) => requirement)
+      : [],
+  );
   const hatches = study.requirements.flatMap(({ title, metric }, index): Entry[] => {
     const { atMost, atLeast } = state.thresholds[index]!;
     const { title: name, unit } = study.metrics[metric]!;
-    const bounds = [atLeast === null ? "" : `\u2265 ${withUnit(number(atLeast), unit)}`, atMost === null ? "" : `\u2264 ${withUnit(number(atMost), unit)}`].filter(Boolean).join(", ");
+    const bounds = [
+      atLeast === null ? "" : `\u2265 ${withUnit(number(atLeast), unit)}`,
+      atMost === null ? "" : `\u2264 ${withUnit(number(atMost), unit)}`,
+    ]
+      .filter(Boolean)
+      .join(", ");
     const draw: Entry["draw"] = (pen, x, y) => {
       pen.translate(x - SIGN / 2, y - SIGN / 2);
       drawSwatch(pen, SIGN, index, colourOf(palette(), index));

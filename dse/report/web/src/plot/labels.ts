@@ -136,7 +136,9 @@ function finely(ring: Ring): Ring {
     const parts = next ? Math.min(200, Math.ceil(Math.hypot(next[0] - point[0], next[1] - point[1]) / 5)) || 1 : 1;
     for (let part = 0; part < parts; part++) {
       const share = part / parts;
-      fine.push(next && share ? [point[0] + share * (next[0] - point[0]), point[1] + share * (next[1] - point[1])] : point);
+      fine.push(
+        next && share ? [point[0] + share * (next[0] - point[0]), point[1] + share * (next[1] - point[1])] : point,
+      );
     }
   });
   return fine;

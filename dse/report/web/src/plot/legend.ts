@@ -1,5 +1,5 @@
 // A legend as a part of a picture that is saved; on the page legends are text.
-import { palette, type Palette } from "../theme";
+import { type Palette, palette } from "../theme";
 import type { Mark } from "../verdicts";
 import type { Pen } from "./pen";
 import { drawShape, paintShape } from "./points";

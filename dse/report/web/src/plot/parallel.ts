@@ -1,13 +1,13 @@
 // Axes beside each other, and runs as lines across them.
-import { scaleLinear, type ScaleLinear } from "d3-scale";
+import { type ScaleLinear, scaleLinear } from "d3-scale";
 import { columnOf, columnsOf, type Keyed } from "../columns";
 import { number } from "../format";
 import type { Store } from "../store";
 import { axisLabel, type Study } from "../study";
-import { palette, type Palette } from "../theme";
+import { type Palette, palette } from "../theme";
 import { PASS } from "../verdicts";
-import { colourOf } from "./regions";
 import type { Pen } from "./pen";
+import { colourOf } from "./regions";
 import type { Sheet } from "./sheet";
 
 export const TOP = 22;
@@ -47,7 +47,15 @@ function axisFor(study: Study, column: Keyed): Axis {
   const at = (part: number): number => sorted[Math.round(part * (sorted.length - 1))] ?? 0;
   const variable = column.key.startsWith("variable.") ? study.variables[Number(column.key.slice(9))] : undefined;
   const [low, high] = variable ? [variable.low, variable.high] : [at(0.01), at(0.99)];
-  return { key: column.key, title: axisLabel(column), values: column.values, low, high: high > low ? high : low + 1, least: Math.min(at(0), low), most: Math.max(at(1), high) };
+  return {
+    key: column.key,
+    title: axisLabel(column),
+    values: column.values,
+    low,
+    high: high > low ? high : low + 1,
+    least: Math.min(at(0), low),
+    most: Math.max(at(1), high),
+  };
 }
 
 export function heightsOf(axes: Axis[], height: number): ScaleLinear<number, number>[] {
@@ -59,7 +67,12 @@ export function placeOf(axes: number, width: number, index: number): number {
 }
 
 /** Lines *inside* of the brushes in the colours of their verdicts, those *outside* set back behind them. */
-export function paintLines({ pen, width, height }: Sheet, store: Store, axes: Axis[], { inside, outside }: { inside: number[]; outside: number[] }): void {
+export function paintLines(
+  { pen, width, height }: Sheet,
+  store: Store,
+  axes: Axis[],
+  { inside, outside }: { inside: number[]; outside: number[] },
+): void {
   const colours = palette();
   const { study, state } = store;
   const { overall } = store.judgement();
@@ -93,12 +106,23 @@ export function paintLines({ pen, width, height }: Sheet, store: Store, axes: Ax
   };
   const thin = Math.min(1, 14 / Math.sqrt(inside.length + 1));
   stroke(outside, colours.line, 0.5);
-  stroke(inside.filter((run) => overall[run] !== PASS), colours.muted, Math.max(0.12, 0.4 * thin));
-  stroke(inside.filter((run) => overall[run] === PASS), colours.pass, Math.max(0.2, 0.7 * thin));
+  stroke(
+    inside.filter((run) => overall[run] !== PASS),
+    colours.muted,
+    Math.max(0.12, 0.4 * thin),
+  );
+  stroke(
+    inside.filter((run) => overall[run] === PASS),
+    colours.pass,
+    Math.max(0.2, 0.7 * thin),
+  );
   const emphasise = (run: number, colour: string, thickness: number): void => {
     if (run < 0 || !study.done[run]) return;
     pen.lineJoin = "round";
-    for (const [ink, wide] of [[colours.plot, thickness + 2.6], [colour, thickness]] as const) {
+    for (const [ink, wide] of [
+      [colours.plot, thickness + 2.6],
+      [colour, thickness],
+    ] as const) {
       pen.beginPath();
       add(run);
       pen.strokeStyle = ink;

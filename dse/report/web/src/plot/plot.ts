@@ -5,19 +5,19 @@ import type { Way } from "../plane/fields";
 import type { Plane } from "../plane/plane";
 import type { Changed, State, Store } from "../store";
 import type { Study } from "../study";
-import { palette, type Palette } from "../theme";
+import { type Palette, palette } from "../theme";
 import type { Threshold } from "../verdicts";
 import { senseOf } from "../views/designs/values";
 import { drawColourBar } from "./colourbar";
 import { path, type Ring } from "./contour";
-import { drawAxes, frameOf, type Frame } from "./frame";
+import { drawAxes, type Frame, frameOf } from "./frame";
 import { plotLegend } from "./key";
 import { labelBoundary, labelRegion, type Spot } from "./labels";
-import { paintPoints, placeOf } from "./points";
-import { wholeOf } from "./zoom";
-import { colourOf, paintRegions, regionsOf, sameOpen, scaleOf, type Regions } from "./regions";
 import type { Pen, Shape } from "./pen";
+import { paintPoints, placeOf } from "./points";
+import { colourOf, paintRegions, type Regions, regionsOf, sameOpen, scaleOf } from "./regions";
 import { paintedBy, type Sheet } from "./sheet";
+import { wholeOf } from "./zoom";
 
 export interface Plot {
   element: HTMLElement;
@@ -26,20 +26,36 @@ export interface Plot {
   frame(): Frame | null;
 }
 
-const REPAINTED: (keyof State)[] = ["configuration", "x", "y", "fixed", "thresholds", "fill", "theme", "brushes", "zoom"];
+const REPAINTED: (keyof State)[] = [
+  "configuration",
+  "x",
+  "y",
+  "fixed",
+  "thresholds",
+  "fill",
+  "theme",
+  "brushes",
+  "zoom",
+];
 const OVERLAID: (keyof State)[] = ["selected", "hovered", "pins"];
 
 export function createPlot(store: Store): Plot {
   const ground = el("canvas", { class: "ground", "aria-hidden": "true" });
   const overlay = el("canvas", { class: "overlay", "aria-hidden": "true" });
-  const surface = el("div", {
-    class: "plot",
-    tabindex: 0,
-    role: "application",
-    "aria-roledescription": "constraint plot",
-    "aria-label": "Constraint plot. Arrow keys select the neighbouring run, P pins it, plus and minus zoom, 0 shows the whole plane, Shift and an arrow key move it.",
-    "aria-describedby": "announcement",
-  }, ground, overlay);
+  const surface = el(
+    "div",
+    {
+      class: "plot",
+      tabindex: 0,
+      role: "application",
+      "aria-roledescription": "constraint plot",
+      "aria-label":
+        "Constraint plot. Arrow keys select the neighbouring run, P pins it, plus and minus zoom, 0 shows the whole plane, Shift and an arrow key move it.",
+      "aria-describedby": "announcement",
+    },
+    ground,
+    overlay,
+  );
   let frame: Frame | null = null;
   const plane = store.plane;
 
@@ -49,9 +65,13 @@ export function createPlot(store: Store): Plot {
     performance.measure("paint", { start: started, end: performance.now() });
     drawOverlay();
   };
-  const paintGroundAgain = paintedBy(ground, (sheet) => {
-    frame = paintGround(sheet, store, plane());
-  }, { legend: () => (frame ? plotLegend(store, frame) : []) });
+  const paintGroundAgain = paintedBy(
+    ground,
+    (sheet) => {
+      frame = paintGround(sheet, store, plane());
+    },
+    { legend: () => (frame ? plotLegend(store, frame) : []) },
+  );
   const drawOverlay = paintedBy(overlay, (sheet) => {
     if (frame) paintOverlay(sheet, frame, store, plane());
   });
@@ -81,7 +101,9 @@ function paintGround({ pen, width, height }: Sheet, store: Store, plane: Plane):
   if (plane.fields) {
     const regions = regionsOf(study, plane.fields, state.thresholds, frame);
     const runs = plane.beside.length ? plane.beside : plane.on;
-    const fill = metric ? { values: plane.fields.metric(state.fill, wayOf(store, state.fill)), scale: scaleOf(metric.values, runs) } : null;
+    const fill = metric
+      ? { values: plane.fields.metric(state.fill, wayOf(store, state.fill)), scale: scaleOf(metric.values, runs) }
+      : null;
     paintRegions(pen, frame, plane.fields, regions, fill, colours);
     if (metric && fill) drawColourBar(pen, frame, width, metric, fill.scale, colours);
     drawAxes(pen, frame, horizontal, vertical, colours);
@@ -117,7 +139,16 @@ function writeLabels(
     const colour = colourOf(colours, requirement);
     const before = taken.length;
     // Beside the hatching the name reads best; on it, it still reads.
-    labelBoundary(pen, frame, visible, text, colour, colours, taken, (x, y) => !inside(failing, x, y) && !inside(blank, x, y));
+    labelBoundary(
+      pen,
+      frame,
+      visible,
+      text,
+      colour,
+      colours,
+      taken,
+      (x, y) => !inside(failing, x, y) && !inside(blank, x, y),
+    );
     if (taken.length === before) {
       labelBoundary(pen, frame, visible, text, colour, colours, taken, (x, y) => !inside(blank, x, y));
     }
@@ -125,7 +156,16 @@ function writeLabels(
   for (const group of sameOpen(regions.open)) {
     const exercised = fields.exercised(group[0]!)!;
     const names = group.length === on.length ? [] : group.map((index) => study.requirements[index]!.title);
-    labelRegion(pen, frame, fields, (node) => exercised[node]! < 0.5, ["not exercised", ...names.slice(0, 3)], colours.plot, colours, taken);
+    labelRegion(
+      pen,
+      frame,
+      fields,
+      (node) => exercised[node]! < 0.5,
+      ["not exercised", ...names.slice(0, 3)],
+      colours.plot,
+      colours,
+      taken,
+    );
   }
   const known = fields.known(on);
   if (known) labelRegion(pen, frame, fields, (node) => known[node]! < 0.5, ["no result"], colours.plot, colours, taken);
@@ -135,7 +175,12 @@ function writeLabels(
   }
 }
 
-function meetsAll(study: Study, fields: NonNullable<Plane["fields"]>, thresholds: Threshold[], on: number[]): (node: number) => boolean {
+function meetsAll(
+  study: Study,
+  fields: NonNullable<Plane["fields"]>,
+  thresholds: Threshold[],
+  on: number[],
+): (node: number) => boolean {
   const known = fields.known(on);
   const parts = on.map((index) => ({
     most: fields.metric(study.requirements[index]!.metric, "max", index),
@@ -214,7 +259,13 @@ function paintOverlay({ pen }: Sheet, frame: Frame, store: Store, plane: Plane):
 }
 
 // Brushes of the two variables shown: a bar along the axis, and faint lines across the plane.
-function drawBrushes(pen: Pen, { left, right, top, bottom, x, y }: Frame, { state }: Store, plane: Plane, colours: Palette): void {
+function drawBrushes(
+  pen: Pen,
+  { left, right, top, bottom, x, y }: Frame,
+  { state }: Store,
+  plane: Plane,
+  colours: Palette,
+): void {
   pen.strokeStyle = colours.accent;
   for (const { column, low, high } of state.brushes) {
     const [isX, isY] = [column === `variable.${plane.x}`, column === `variable.${plane.y}`];

@@ -2,10 +2,10 @@
 import type { Plane } from "../plane/plane";
 import type { Study } from "../study";
 import type { Palette } from "../theme";
-import { FAIL, FAILED, NOT_EXERCISED, PASS, type Judgement } from "../verdicts";
+import { FAIL, FAILED, type Judgement, NOT_EXERCISED, PASS } from "../verdicts";
 import { clipTo, type Frame } from "./frame";
-import { createStamps, packed, sorted } from "./stamps";
 import type { Pen } from "./pen";
+import { createStamps, packed, sorted } from "./stamps";
 
 const MOST_DRAWN = 6000;
 const ORDER = [FAIL, NOT_EXERCISED, PASS, FAILED];
@@ -36,10 +36,29 @@ export function paintPoints(
   const size = Math.min(1, Math.max(0.4, spacing / 22));
   const isIn = (run: number): boolean => !within || within[run] === 1;
   const paint = (runs: number[]): void => {
-    for (const mark of ORDER) drawMark(pen, frame, study, plane, runs.filter((run) => marks[run] === mark), mark, size, colours);
+    for (const mark of ORDER)
+      drawMark(
+        pen,
+        frame,
+        study,
+        plane,
+        runs.filter((run) => marks[run] === mark),
+        mark,
+        size,
+        colours,
+      );
   };
   pen.globalAlpha = SET_BACK;
-  drawMark(pen, frame, study, plane, [...plane.beside, ...plane.on].filter((run) => !isIn(run)), FAIL, size, { ...colours, ink: colours.muted });
+  drawMark(
+    pen,
+    frame,
+    study,
+    plane,
+    [...plane.beside, ...plane.on].filter((run) => !isIn(run)),
+    FAIL,
+    size,
+    { ...colours, ink: colours.muted },
+  );
   const groups: number[][] = Array.from({ length: SHADES }, () => []);
   plane.beside.forEach((run, i) => {
     if (isIn(run)) groups[Math.min(SHADES - 1, Math.floor(plane.strength[i]! * SHADES))]!.push(run);
@@ -60,7 +79,13 @@ function rimmed(frame: Frame, study: Study, { x, y }: Plane): Frame {
     const { low, high } = study.variables[index]!;
     return Math.abs(scale.domain()[end]! - (end ? high : low)) < 1e-9 * (high - low) ? EDGE : 0;
   };
-  return { ...frame, left: frame.left - edge(frame.x, x, 0), right: frame.right + edge(frame.x, x, 1), top: frame.top - edge(frame.y, y, 1), bottom: frame.bottom + edge(frame.y, y, 0) };
+  return {
+    ...frame,
+    left: frame.left - edge(frame.x, x, 0),
+    right: frame.right + edge(frame.x, x, 1),
+    top: frame.top - edge(frame.y, y, 1),
+    bottom: frame.bottom + edge(frame.y, y, 0),
+  };
 }
 
 /** A ring around runs with a verdict that finer numerics may change. */
@@ -171,8 +196,14 @@ function stampPoints(
   const ys = study.variables[plane.y]!.values;
   const [x0, x1] = [frame.x(0), frame.x(1) - frame.x(0)];
   const [y0, y1] = [frame.y(0), frame.y(1) - frame.y(0)];
-  const places = { a: Float32Array.from(runs, (run) => x0 + x1 * xs[run]!), b: Float32Array.from(runs, (run) => y0 + y1 * ys[run]!) };
-  const groups = sorted(Uint8Array.from(runs, (run) => (within && !within[run] ? OUTSIDE : marks[run]!)), OUTSIDE + 1);
+  const places = {
+    a: Float32Array.from(runs, (run) => x0 + x1 * xs[run]!),
+    b: Float32Array.from(runs, (run) => y0 + y1 * ys[run]!),
+  };
+  const groups = sorted(
+    Uint8Array.from(runs, (run) => (within && !within[run] ? OUTSIDE : marks[run]!)),
+    OUTSIDE + 1,
+  );
   for (const mark of [OUTSIDE, ...ORDER]) stamps.put(places, groups[mark]!, sides[mark]!, [ink[mark]!]);
   stamps.draw();
 }

@@ -2,8 +2,8 @@
 import { scaleLinear } from "d3-scale";
 import type { Fields } from "../plane/fields";
 import type { Study } from "../study";
+import { type Palette, shade } from "../theme";
 import type { Threshold } from "../verdicts";
-import { shade, type Palette } from "../theme";
 import { above, below, outside, path, type Ring } from "./contour";
 import { clipTo, type Frame } from "./frame";
 import { hatch } from "./hatch";
@@ -37,8 +37,18 @@ export function regionsOf(study: Study, fields: Fields, thresholds: Threshold[],
       if (!isOn(requirement)) return [];
       const { atMost, atLeast } = thresholds[requirement]!;
       const sides: Side[] = [];
-      if (atMost !== null) sides.push({ requirement, limit: atMost, rings: above(fields.metric(metric, "max", requirement), fields, frame, atMost) });
-      if (atLeast !== null) sides.push({ requirement, limit: atLeast, rings: below(fields.metric(metric, "min", requirement), fields, frame, atLeast) });
+      if (atMost !== null)
+        sides.push({
+          requirement,
+          limit: atMost,
+          rings: above(fields.metric(metric, "max", requirement), fields, frame, atMost),
+        });
+      if (atLeast !== null)
+        sides.push({
+          requirement,
+          limit: atLeast,
+          rings: below(fields.metric(metric, "min", requirement), fields, frame, atLeast),
+        });
       return sides;
     }),
     open: study.requirements.map((_, index) => {

@@ -2,7 +2,7 @@
 import { el } from "../dom";
 import { palette } from "../theme";
 import { fitted } from "./frame";
-import { paintLegend, type Entry } from "./legend";
+import { type Entry, paintLegend } from "./legend";
 import type { Pen } from "./pen";
 import { createSvg } from "./svg";
 
@@ -33,7 +33,11 @@ interface Painter {
 const painters = new WeakMap<Element, Painter>();
 
 /** Has *paint* paint *canvas*, now and then and when it is saved, then with a title and a legend; gives back what paints it. */
-export function paintedBy(canvas: HTMLCanvasElement, paint: (sheet: Sheet) => void, { title = () => "", legend = () => [] }: Partial<Painter> = {}): () => void {
+export function paintedBy(
+  canvas: HTMLCanvasElement,
+  paint: (sheet: Sheet) => void,
+  { title = () => "", legend = () => [] }: Partial<Painter> = {},
+): () => void {
   painters.set(canvas, { paint, title, legend });
   return () => {
     if (canvas.clientWidth && canvas.clientHeight) paint(fit(canvas));
@@ -55,7 +59,13 @@ export function partsIn(box: Element): Part[] {
     const all = [painter];
     layered.set(canvas.parentElement!, all);
     const { clientWidth: width, clientHeight: height } = canvas;
-    parts.push({ title: painter.title(), width, height, legend: painter.legend(), paint: (sheet) => all.forEach(({ paint }) => paint(sheet)) });
+    parts.push({
+      title: painter.title(),
+      width,
+      height,
+      legend: painter.legend(),
+      paint: (sheet) => all.forEach(({ paint }) => paint(sheet)),
+    });
   }
   return parts;
 }
@@ -84,13 +94,22 @@ export function pngOf(parts: Part[], room: number): Promise<Blob> {
   const pen = canvas.getContext("2d")!;
   pen.scale(RATIO, RATIO);
   compose({ pen, width, height }, places);
-  return new Promise((done, failed) => canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error("the picture is too large for this browser")))));
+  return new Promise((done, failed) =>
+    canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error("the picture is too large for this browser")))),
+  );
 }
 
 /** The same as SVG. */
 export function svgOf(parts: Part[], room: number): Blob {
   const { width, height, places } = laidOut(parts, room);
-  const { pen, text } = createSvg(width, height, parts.map(({ title }) => title).filter(Boolean).join(", "));
+  const { pen, text } = createSvg(
+    width,
+    height,
+    parts
+      .map(({ title }) => title)
+      .filter(Boolean)
+      .join(", "),
+  );
   compose({ pen, width, height }, places);
   return new Blob([text()], { type: "image/svg+xml" });
 }
@@ -104,7 +123,8 @@ interface Place {
 function laidOut(parts: Part[], room: number): { width: number; height: number; places: Place[] } {
   const scratch = el("canvas").getContext("2d")!;
   const colours = palette();
-  const heightOf = (part: Part): number => (part.title ? HEAD : 0) + part.height + paintLegend(scratch, part.legend ?? [], part.width, colours);
+  const heightOf = (part: Part): number =>
+    (part.title ? HEAD : 0) + part.height + paintLegend(scratch, part.legend ?? [], part.width, colours);
   let [x, y, row, width] = [0, 0, 0, 0];
   const places = parts.map((part) => {
     if (x && x + part.width > room) [x, y, row] = [0, y + row + GAP, 0];

@@ -69,6 +69,8 @@ export function sorted(codes: Uint8Array, count: number): Int32Array[] {
 
 /** A colour, as `#rrggbb` or `rgb(r,g,b)`, as the four bytes of a pixel. */
 export function packed(colour: string): number {
-  const [red, green, blue] = colour.startsWith("#") ? channels(colour) : (colour.match(/\d+/g)!.map(Number) as [number, number, number]);
+  const [red, green, blue] = colour.startsWith("#")
+    ? channels(colour)
+    : (colour.match(/\d+/g)!.map(Number) as [number, number, number]);
   return ((255 << 24) | (blue << 16) | (green << 8) | red) >>> 0;
 }

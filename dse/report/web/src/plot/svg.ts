@@ -3,7 +3,17 @@ import type { Pen, Ring, Shape } from "./pen";
 
 /** Pixels of a unit, for what is pixels all the same. */
 const DEVICE = 2;
-const START = { fillStyle: "#000", strokeStyle: "#000", globalAlpha: 1, lineWidth: 1, lineCap: "butt", lineJoin: "miter", font: "10px sans-serif", textAlign: "start", textBaseline: "alphabetic" } as const;
+const START = {
+  fillStyle: "#000",
+  strokeStyle: "#000",
+  globalAlpha: 1,
+  lineWidth: 1,
+  lineCap: "butt",
+  lineJoin: "miter",
+  font: "10px sans-serif",
+  textAlign: "start",
+  textBaseline: "alphabetic",
+} as const;
 const STYLE = Object.keys(START) as (keyof typeof START)[];
 
 interface Hidden {
@@ -19,7 +29,11 @@ export function createSvg(width: number, height: number, title: string): { pen: 
   const { pen, drawn } = createPen(width, height, definitions);
   const label = title ? `<title>${escaped(title)}</title>` : "";
   const size = `width="${round(width)}" height="${round(height)}" viewBox="0 0 ${round(width)} ${round(height)}"`;
-  return { pen, text: () => `<svg xmlns="http://www.w3.org/2000/svg" ${size}>${label}<defs>${definitions.join("")}</defs>${drawn()}</svg>\n` };
+  return {
+    pen,
+    text: () =>
+      `<svg xmlns="http://www.w3.org/2000/svg" ${size}>${label}<defs>${definitions.join("")}</defs>${drawn()}</svg>\n`,
+  };
 }
 
 // Definitions are shared by the pens of one document, so that no two have the same id.
@@ -50,7 +64,8 @@ function createPen(width: number, height: number, definitions: string[]): { pen:
   };
   // As on a canvas, what has no place is left out.
   const add = (step: string, ...points: [number, number][]): void => {
-    if (points.flat().every(Number.isFinite)) path += points.map(([x, y], index) => (index ? "L" : step) + place(x, y)).join("");
+    if (points.flat().every(Number.isFinite))
+      path += points.map(([x, y], index) => (index ? "L" : step) + place(x, y)).join("");
   };
   const box = (x: number, y: number, w: number, h: number): string => {
     const before = path;
@@ -60,7 +75,8 @@ function createPen(width: number, height: number, definitions: string[]): { pen:
     path = before;
     return drawn;
   };
-  const ringsOf = (rings: Ring[]): string => rings.map((ring) => `M${ring.map(([x, y]) => place(x, y)).join("L")}Z`).join("");
+  const ringsOf = (rings: Ring[]): string =>
+    rings.map((ring) => `M${ring.map(([x, y]) => place(x, y)).join("L")}Z`).join("");
   const paint = (kind: "fill" | "stroke", style: Pen["fillStyle"]): string => {
     const colour = String(style);
     if (colour.startsWith("url(")) return `${kind}="${colour}"${opacity(kind, pen.globalAlpha)}`;
@@ -69,8 +85,12 @@ function createPen(width: number, height: number, definitions: string[]): { pen:
   };
   const line = (): string => {
     const factor = Math.hypot(hidden.matrix.a, hidden.matrix.b);
-    const dash = hidden.dash.length ? ` stroke-dasharray="${hidden.dash.map((each) => round(each * factor)).join(" ")}"` : "";
-    const ends = (pen.lineCap === "butt" ? "" : ` stroke-linecap="${pen.lineCap}"`) + (pen.lineJoin === "miter" ? "" : ` stroke-linejoin="${pen.lineJoin}"`);
+    const dash = hidden.dash.length
+      ? ` stroke-dasharray="${hidden.dash.map((each) => round(each * factor)).join(" ")}"`
+      : "";
+    const ends =
+      (pen.lineCap === "butt" ? "" : ` stroke-linecap="${pen.lineCap}"`) +
+      (pen.lineJoin === "miter" ? "" : ` stroke-linejoin="${pen.lineJoin}"`);
     return `fill="none" ${paint("stroke", pen.strokeStyle)} stroke-width="${round(pen.lineWidth * factor)}"${ends}${dash}`;
   };
   const outline = (shape: Shape | undefined): string => (shape ? ringsOf(shape.rings) : path);
@@ -78,9 +98,12 @@ function createPen(width: number, height: number, definitions: string[]): { pen:
     const { style, weight, size, family } = fontOf(scratch, pen.font);
     const { a, b, c, d, e, f } = hidden.matrix.translate(x, y + below(scratch, pen.textBaseline));
     const anchor = { center: "middle", right: "end", end: "end", left: "start", start: "start" }[pen.textAlign];
-    const fitted = pen.measureText(text).width > room ? ` textLength="${round(room)}" lengthAdjust="spacingAndGlyphs"` : "";
+    const fitted =
+      pen.measureText(text).width > room ? ` textLength="${round(room)}" lengthAdjust="spacingAndGlyphs"` : "";
     const font = `font-family="${escaped(family)}" font-size="${size}"${weight === "400" ? "" : ` font-weight="${weight}"`}${style === "normal" ? "" : ` font-style="${style}"`}`;
-    put(`<text transform="matrix(${[a, b, c, d].map((each) => Number(each.toFixed(5))).join(" ")} ${round(e)} ${round(f)})" text-anchor="${anchor}" ${font} ${how}${fitted}>${escaped(text)}</text>`);
+    put(
+      `<text transform="matrix(${[a, b, c, d].map((each) => Number(each.toFixed(5))).join(" ")} ${round(e)} ${round(f)})" text-anchor="${anchor}" ${font} ${how}${fitted}>${escaped(text)}</text>`,
+    );
   };
 
   const pen: Pen = {
@@ -140,7 +163,10 @@ function createPen(width: number, height: number, definitions: string[]): { pen:
     clip(shape?: Shape, rule: CanvasFillRule = "nonzero") {
       const inner = hidden.clip ? ` clip-path="url(#${hidden.clip})"` : "";
       const d = outline(shape);
-      hidden = { ...hidden, clip: define((id) => `<clipPath id="${id}"${inner}><path d="${d}" clip-rule="${rule}"/></clipPath>`) };
+      hidden = {
+        ...hidden,
+        clip: define((id) => `<clipPath id="${id}"${inner}><path d="${d}" clip-rule="${rule}"/></clipPath>`),
+      };
     },
     fillRect(x, y, w, h) {
       const d = box(x, y, w, h);
@@ -167,7 +193,9 @@ function createPen(width: number, height: number, definitions: string[]): { pen:
     drawImage(image, x, y, w, h) {
       const { a, d } = hidden.matrix;
       const [left, top] = place(x, y).split(" ");
-      put(`<image x="${left}" y="${top}" width="${round(a * w)}" height="${round(d * h)}" href="${image.toDataURL()}" image-rendering="pixelated"/>`);
+      put(
+        `<image x="${left}" y="${top}" width="${round(a * w)}" height="${round(d * h)}" href="${image.toDataURL()}" image-rendering="pixelated"/>`,
+      );
     },
     tiled(side, draw) {
       const tile = createPen(side, side, definitions);
@@ -192,7 +220,10 @@ function plain(scratch: CanvasRenderingContext2D, colour: string): [string, numb
   return [`#${[red, green, blue].map((each) => each.toString(16).padStart(2, "0")).join("")}`, alpha];
 }
 
-function fontOf(scratch: CanvasRenderingContext2D, font: string): { style: string; weight: string; size: number; family: string } {
+function fontOf(
+  scratch: CanvasRenderingContext2D,
+  font: string,
+): { style: string; weight: string; size: number; family: string } {
   scratch.font = font;
   const [, before, size, family] = /^(.*?)\s*([\d.]+)px\s+(.*)$/.exec(scratch.font)!;
   const weight = /\b(bold|\d{3})\b/.exec(before!)?.[1] ?? "400";
@@ -214,7 +245,10 @@ function round(value: number): string {
 
 // Halves of letters, and signs that no XML may have, are left out.
 function escaped(text: string): string {
-  return text
-    .replace(/[\u0000-\u0008\u000b\u000c\u000e-\u001f\ufffe\uffff]|\p{Cs}/gu, "")
-    .replace(/[&<>"]/g, (sign) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[sign]!);
+  return (
+    text
+      // biome-ignore lint/suspicious/noControlCharactersInRegex: these are what is left out
+      .replace(/[\u0000-\u0008\u000b\u000c\u000e-\u001f\ufffe\uffff]|\p{Cs}/gu, "")
+      .replace(/[&<>"]/g, (sign) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[sign]!)
+  );
 }

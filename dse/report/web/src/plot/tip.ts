@@ -21,9 +21,16 @@ export function moveTip(tip: HTMLElement, store: Store, plot: Plot, run: number)
   const mark = points.judgement.overall[run]!;
   const line = (name: string, value: string, kind = ""): HTMLElement =>
     el("div", { class: "line" }, el("span", {}, name), el("b", { class: kind }, value));
-  const variables = [across, up, ...study.variables.keys()].filter((index, place, all) => all.indexOf(index) === place).slice(0, MOST_LINES);
+  const variables = [across, up, ...study.variables.keys()]
+    .filter((index, place, all) => all.indexOf(index) === place)
+    .slice(0, MOST_LINES);
   tip.replaceChildren(
-    el("div", { class: "head" }, `Run ${study.number[run]}`, el("span", { class: `badge ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`)),
+    el(
+      "div",
+      { class: "head" },
+      `Run ${study.number[run]}`,
+      el("span", { class: `badge ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`),
+    ),
     ...variables.map((index) => {
       const { title, unit, values, text } = study.variables[index]!;
       return line(title, withUnit(text(values[run]!), unit));

@@ -39,6 +39,7 @@ function inside([low, high]: Range, [least, most]: Range): Range {
 }
 
 function partOf(whole: Zoom, shown: Zoom): Zoom | null {
-  const isWhole = (key: "x" | "y"): boolean => shown[key][1] - shown[key][0] >= (1 - 1e-9) * (whole[key][1] - whole[key][0]);
+  const isWhole = (key: "x" | "y"): boolean =>
+    shown[key][1] - shown[key][0] >= (1 - 1e-9) * (whole[key][1] - whole[key][0]);
   return isWhole("x") && isWhole("y") ? null : shown;
 }

@@ -1,5 +1,5 @@
 // What a scene is drawn from: a recorded run, or one that is being driven (stream.ts).
-import { unpack, type Entry } from "../packing";
+import { type Entry, unpack } from "../packing";
 
 export interface Strip {
   left: number[];
@@ -79,7 +79,8 @@ export async function readRecording(): Promise<Recording> {
   };
   const speed = columns.get("host.speed");
   const sums = new Float64Array(read.steps);
-  for (let i = 1; i < read.steps; i++) sums[i] = sums[i - 1]! + (step * ((speed?.[i - 1] ?? 0) + (speed?.[i] ?? 0))) / 2;
+  for (let i = 1; i < read.steps; i++)
+    sums[i] = sums[i - 1]! + (step * ((speed?.[i - 1] ?? 0) + (speed?.[i] ?? 0))) / 2;
   return {
     document: read,
     version: 0,

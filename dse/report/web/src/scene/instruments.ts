@@ -32,7 +32,12 @@ function instrument(source: Source, number: number, jump?: (time: number) => voi
     return Number.isFinite(now) ? `${now.toFixed(Math.abs(now) < 10 ? 2 : 1)} ${unit}` : "\u2013";
   };
   if (items.length) return { element: el("section", {}, heading), show: (time) => (value.textContent = text(time)) };
-  const canvas = el("canvas", { width: 2 * WIDTH, height: 2 * HEIGHT, role: "img", "aria-label": `${title} over time` });
+  const canvas = el("canvas", {
+    width: 2 * WIDTH,
+    height: 2 * HEIGHT,
+    role: "img",
+    "aria-label": `${title} over time`,
+  });
   if (jump) {
     canvas.addEventListener("pointerdown", (event) => {
       const box = canvas.getBoundingClientRect();
@@ -102,7 +107,8 @@ function lines(
     pen.setLineDash(isTarget ? [8, 6] : []);
     pen.beginPath();
     source.each(each, (time, value) => {
-      if (time >= from && Number.isFinite(value)) pen.lineTo(x(time), height - 6 - ((value - low) / (high - low || 1)) * (height - 12));
+      if (time >= from && Number.isFinite(value))
+        pen.lineTo(x(time), height - 6 - ((value - low) / (high - low || 1)) * (height - 12));
     });
     pen.stroke();
   }

@@ -17,7 +17,10 @@ import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 ColorManagement.enabled = false;
 
 // Fog takes exp(-a d), as air does; the one at hand is clear up close and a wall behind.
-ShaderChunk.fog_fragment = ShaderChunk.fog_fragment.replace("- fogDensity * fogDensity * vFogDepth * vFogDepth", "- fogDensity * vFogDepth");
+ShaderChunk.fog_fragment = ShaderChunk.fog_fragment.replace(
+  "- fogDensity * fogDensity * vFogDepth * vFogDepth",
+  "- fogDensity * vFogDepth",
+);
 
 export const LIT = new MeshBasicMaterial({ vertexColors: true, side: DoubleSide });
 
@@ -32,14 +35,17 @@ LIT.onBeforeCompile = (shader) => {
     .replace("#include <project_vertex>", "#include <project_vertex>\nvBefore = (headlampsFrom * mvPosition).xyz;");
   shader.fragmentShader = shader.fragmentShader
     .replace("#include <common>", "#include <common>\nuniform float headlampsLit;\nvarying vec3 vBefore;")
-    .replace("#include <color_fragment>", `#include <color_fragment>
+    .replace(
+      "#include <color_fragment>",
+      `#include <color_fragment>
       if (headlampsLit > 0.0) {
         float ahead = max(vBefore.x, 0.0);
         float side = vBefore.y / (1.2 + 0.2 * ahead);
         float above = max(vBefore.z - 0.4, 0.0);
         float beam = smoothstep(0.0, 5.0, ahead) * exp(-side * side - above) / (1.0 + ahead * ahead / 1600.0);
         diffuseColor.rgb += headlampsLit * beam * vColor * vec3(0.85, 0.82, 0.74);
-      }`);
+      }`,
+    );
 };
 
 const moved = new Matrix4();

@@ -1,5 +1,13 @@
 // Traffic lights with what they show, and the lines to stop at before them.
-import { type BufferGeometry, CircleGeometry, CylinderGeometry, Group, Mesh, MeshBasicMaterial, type Material } from "three";
+import {
+  type BufferGeometry,
+  CircleGeometry,
+  CylinderGeometry,
+  Group,
+  type Material,
+  Mesh,
+  MeshBasicMaterial,
+} from "three";
 import type { Light, Source } from "./data";
 import { box, joined, LIT, painted } from "./light";
 import { laid } from "./road";
@@ -26,10 +34,15 @@ export interface Lights {
 export function buildLights(source: Pick<Source, "document" | "held">): Lights {
   const group = new Group();
   const pole = new CylinderGeometry(0.07, 0.07, HEIGHT - 0.5, 8).rotateX(Math.PI / 2);
-  const body = joined([painted(pole, 0x7a828c, 0, 0, (HEIGHT - 0.5) / 2), box([0.24, 0.42, 1.15], 0x20242a, [0, 0, HEIGHT])]);
+  const body = joined([
+    painted(pole, 0x7a828c, 0, 0, (HEIGHT - 0.5) / 2),
+    box([0.24, 0.42, 1.15], 0x20242a, [0, 0, HEIGHT]),
+  ]);
   const lens = new CircleGeometry(0.145, 16);
   // Lamps are seen through fog and by night, as far as the fog lets anything through.
-  const lamps = LAMPS.map(([on, off]) => [new MeshBasicMaterial({ color: on }), new MeshBasicMaterial({ color: off })] as const);
+  const lamps = LAMPS.map(
+    ([on, off]) => [new MeshBasicMaterial({ color: on }), new MeshBasicMaterial({ color: off })] as const,
+  );
   const shown: { light: Light; lenses: Mesh<BufferGeometry, Material>[] }[] = [];
   for (const light of source.document.lights) {
     const head = new Group();
@@ -66,7 +79,12 @@ function lines(lights: Light[]): Mesh {
   for (const { line, heading } of lights) {
     const first = points.length / 3;
     for (const back of [0, LINE]) {
-      for (const end of [0, 3]) points.push(line[end]! - back * Math.cos(heading), line[end + 1]! - back * Math.sin(heading), line[end + 2]! + 0.05);
+      for (const end of [0, 3])
+        points.push(
+          line[end]! - back * Math.cos(heading),
+          line[end + 1]! - back * Math.sin(heading),
+          line[end + 2]! + 0.05,
+        );
     }
     corners.push(first, first + 1, first + 2, first + 1, first + 3, first + 2);
   }

@@ -5,9 +5,9 @@ import {
   Group,
   Mesh,
   MeshBasicMaterial,
+  type Object3D,
   Shape,
   ShapeGeometry,
-  type Object3D,
 } from "three";
 import type { Document, Strip } from "./data";
 import { LIT, painted } from "./light";
@@ -21,8 +21,20 @@ const GAP = 6;
 
 export function buildRoad(document: Document): Object3D {
   const group = new Group();
-  group.add(surface(document.strips.filter((strip) => strip.isDriven), ASPHALT, 0.02));
-  group.add(surface(document.strips.filter((strip) => !strip.isDriven), VERGE, 0));
+  group.add(
+    surface(
+      document.strips.filter((strip) => strip.isDriven),
+      ASPHALT,
+      0.02,
+    ),
+  );
+  group.add(
+    surface(
+      document.strips.filter((strip) => !strip.isDriven),
+      VERGE,
+      0,
+    ),
+  );
   group.add(markings(document.strips));
   for (const [outline, friction] of document.areas) group.add(slippery(outline, friction));
   return group;
@@ -50,7 +62,13 @@ function surface(strips: Strip[], colour: number, lift: number): Mesh {
 export function laid(points: number[], corners: number[], colour: number): Mesh {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
-  geometry.setAttribute("normal", new Float32BufferAttribute(points.map((_, i) => (i % 3 === 2 ? 1 : 0)), 3));
+  geometry.setAttribute(
+    "normal",
+    new Float32BufferAttribute(
+      points.map((_, i) => (i % 3 === 2 ? 1 : 0)),
+      3,
+    ),
+  );
   geometry.setIndex(corners);
   return new Mesh(painted(geometry, colour), LIT);
 }

@@ -4,7 +4,7 @@ import type { Source } from "./data";
 import { HEADLAMPS, isDrawnByProgram } from "./light";
 import { buildLights } from "./lights";
 import { buildRoad } from "./road";
-import { buildSensing, type Sensing } from "./sensing";
+import { buildSensing, type Sensing } from "./sensors";
 import { buildSurroundings } from "./surroundings";
 import { buildHost, buildOther, Fleet, type Vehicle } from "./vehicles";
 
@@ -24,8 +24,8 @@ const LAMPS = 0.65; // m over the ground
 
 export interface Stage {
   show(time: number, view: View): void;
-  /** In CSS pixels; `fineness` 1 draws each of the screen's. */
-  resize(width: number, height: number, fineness: number): void;
+  /** In CSS pixels; `resolution` 1 draws each of the screen's. */
+  resize(width: number, height: number, resolution: number): void;
   sensing: Sensing;
   /** Gives back what the browser has only few of. */
   close(): void;
@@ -55,8 +55,8 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
       renderer.dispose();
       renderer.forceContextLoss();
     },
-    resize: (width, height, fineness) => {
-      renderer.setPixelRatio(Math.min(devicePixelRatio, 2) * fineness);
+    resize: (width, height, resolution) => {
+      renderer.setPixelRatio(Math.min(devicePixelRatio, 2) * resolution);
       renderer.setSize(width, height, false);
       camera.aspect = width / height;
       camera.updateProjectionMatrix();

@@ -1,8 +1,17 @@
 // Sky, light, fog, rain and snow as the weather of the run has them.
-import { type BufferGeometry, CircleGeometry, Color, FogExp2, Mesh, RingGeometry, type Scene, type Vector3 } from "three";
+import {
+  type BufferGeometry,
+  CircleGeometry,
+  Color,
+  FogExp2,
+  Mesh,
+  RingGeometry,
+  type Scene,
+  type Vector3,
+} from "three";
 import type { Source, Strip } from "./data";
-import { Falling } from "./falling";
 import { joined, LIT, painted } from "./light";
+import { Falling } from "./precipitation";
 
 const DAY = new Color(0xa9c8e8);
 const OVERCAST = new Color(0xa3adb6);
@@ -39,7 +48,10 @@ export function buildSurroundings(scene: Scene, source: Source): Surroundings {
       const haze = source.at("weather.fog", time);
       const air = haze + veil(falls[0], 0.37e-3) + veil(falls[1], 3e-3);
       const dull = Math.min(1, air / 0.0015);
-      const colour = DAY.clone().lerp(OVERCAST, dull).lerp(MIST, Math.min(1, haze / 0.01)).lerp(NIGHT, dark);
+      const colour = DAY.clone()
+        .lerp(OVERCAST, dull)
+        .lerp(MIST, Math.min(1, haze / 0.01))
+        .lerp(NIGHT, dark);
       (scene.background as Color).copy(colour);
       fog.color.copy(colour);
       fog.density = above ? 0 : Math.max(air, CLEAR);
@@ -58,7 +70,9 @@ function veil(rate: number, share: number): number {
 
 function lowestOf(strips: Strip[]): number {
   let lowest = Infinity;
-  for (const { left, right } of strips) for (const border of [left, right]) for (let i = 2; i < border.length; i += 3) lowest = Math.min(lowest, border[i]!);
+  for (const { left, right } of strips)
+    for (const border of [left, right])
+      for (let i = 2; i < border.length; i += 3) lowest = Math.min(lowest, border[i]!);
   return Number.isFinite(lowest) ? lowest : 0;
 }
 

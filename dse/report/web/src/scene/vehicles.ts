@@ -2,11 +2,11 @@
 // A body is one mesh; the wheels, lamps and shades of all of them are drawn at once.
 import {
   BoxGeometry,
+  type BufferGeometry,
   CapsuleGeometry,
   Color,
   CylinderGeometry,
   Euler,
-  type BufferGeometry,
   InstancedMesh,
   Matrix4,
   Mesh,
@@ -60,7 +60,8 @@ export function buildOther(kind: string, id: number, length: number, width: numb
   if (kind === "truck") return truck(colour, length, width, height);
   if (kind === "pedestrian") return vehicle(person(colour, height, 0), [], [], [0.6, 0.6]);
   if (kind === "bicycle" || kind === "motorcycle") return rider(colour, length, height);
-  if (kind === "obstacle") return vehicle([box([length, width, height], 0xe08c3c, [0, 0, height / 2])], [], [], [length, width]);
+  if (kind === "obstacle")
+    return vehicle([box([length, width, height], 0xe08c3c, [0, 0, height / 2])], [], [], [length, width]);
   return car(colour, length, width, height);
 }
 
@@ -78,7 +79,10 @@ function car(colour: number, length: number, width: number, height: number): Veh
     box([0.05, width * 0.7, 0.13], 0xf4f1dc, [length / 2 - 0.02, 0, height * 0.42]),
     box([0.04, 0.5, 0.12], 0xe8e8e8, [-length / 2, 0, height * 0.33]),
   ];
-  return vehicle(parts, fourWheels(length * 0.3, width, radius, 0.24), lampsAt(length, width, height * 0.46), [length, width]);
+  return vehicle(parts, fourWheels(length * 0.3, width, radius, 0.24), lampsAt(length, width, height * 0.46), [
+    length,
+    width,
+  ]);
 }
 
 function truck(colour: number, length: number, width: number, height: number): Vehicle {
@@ -89,12 +93,21 @@ function truck(colour: number, length: number, width: number, height: number): V
     box([0.05, width * 0.9, height * 0.24], GLASS, [length / 2, 0, height * 0.64]),
     box([length * 0.94, width * 0.5, 0.3], 0x3a3d42, [0, 0, 0.75]),
   ];
-  return vehicle(parts, fourWheels(length * 0.36, width, 0.5, 0.3), lampsAt(length, width, height * 0.3), [length, width]);
+  return vehicle(parts, fourWheels(length * 0.36, width, 0.5, 0.3), lampsAt(length, width, height * 0.3), [
+    length,
+    width,
+  ]);
 }
 
 function rider(colour: number, length: number, height: number): Vehicle {
   const parts = [box([length * 0.6, 0.1, 0.12], colour, [0, 0, 0.6]), ...person(colour, height * 0.8, height * 0.2)];
-  const wheels = [1, -1].map((end) => ({ x: end * length * 0.33, y: 0, radius: 0.32, width: 0.08, isSteered: end > 0 }));
+  const wheels = [1, -1].map((end) => ({
+    x: end * length * 0.33,
+    y: 0,
+    radius: 0.32,
+    width: 0.08,
+    isSteered: end > 0,
+  }));
   return vehicle(parts, wheels, [], [length, 0.5]);
 }
 

@@ -2,14 +2,14 @@
 import { addTools, card, el } from "../dom";
 import { createConfigurations } from "../panels/configurations";
 import { createControls } from "../panels/controls";
+import { IN_PRINT, quoted, savingMenu } from "../panels/export";
 import { createSelected } from "../panels/selected";
 import { createSummary } from "../panels/summary";
 import { createTable } from "../panels/table";
 import { createThresholds } from "../panels/thresholds";
-import { IN_PRINT, quoted, savingMenu } from "../panels/saving";
 import { createWaveforms, isKept } from "../panels/waveforms";
 import { plotted } from "../plane/plane";
-import { attachInteraction } from "../plot/interact";
+import { attachInteraction } from "../plot/interaction";
 import { createPlot } from "../plot/plot";
 import { partsIn } from "../plot/sheet";
 import type { State, Store } from "../store";
@@ -32,7 +32,11 @@ export const plotView: View = {
     if (plotted(study)) return column("cockpit", column("look", plotCard(store)), column("beside", ...beside));
     const title = study.variables.length ? "Runs" : "Configurations";
     const list = study.variables.length ? createTable(store) : createConfigurations(store);
-    return column("cockpit", column("look", card("overview", title, createSummary(store), list)), column("beside", ...beside));
+    return column(
+      "cockpit",
+      column("look", card("overview", title, createSummary(store), list)),
+      column("beside", ...beside),
+    );
   },
 };
 
@@ -45,7 +49,9 @@ function wavesCard(store: Store): HTMLElement {
     command: () => {
       const run = store.state.selected;
       const number = run < 0 ? "RUN" : store.study.number[run]!;
-      return isKept(store, run) ? `dse figure DIR --only waveforms --run ${number} --format svg` : `dse replay DIR ${number} --plot run-${number}.svg`;
+      return isKept(store, run)
+        ? `dse figure DIR --only waveforms --run ${number} --format svg`
+        : `dse replay DIR ${number} --plot run-${number}.svg`;
     },
   };
   return addTools(card("waves", "Waveforms", waveforms), pin, savingMenu(store, saved));
@@ -61,7 +67,9 @@ function plotCard(store: Store): HTMLElement {
     const { on, beside } = plot.plane();
     const selected = store.points().first(store.state.selected);
     const away = store.state.selected >= 0 && !on.includes(selected) && !beside.includes(selected);
-    const hint = away ? "The selected run is outside this plane." : `Click a ${store.points().noun}, or move with the arrow keys; with Shift a click pins and a drag brushes.`;
+    const hint = away
+      ? "The selected run is outside this plane."
+      : `Click a ${store.points().noun}, or move with the arrow keys; with Shift a click pins and a drag brushes.`;
     note.textContent = `${plot.plane().note} ${hint}`;
   };
   const saved = {
@@ -70,7 +78,10 @@ function plotCard(store: Store): HTMLElement {
     picture: () => partsIn(plot.surface),
     command: () => {
       const { study, state } = store;
-      const configuration = study.configurations.length > 1 ? ` --configuration ${quoted(study.configurations[state.configuration]!.id)}` : "";
+      const configuration =
+        study.configurations.length > 1
+          ? ` --configuration ${quoted(study.configurations[state.configuration]!.id)}`
+          : "";
       return `dse figure DIR --only constraints --x ${quoted(study.variables[state.x]!.name)} --y ${quoted(study.variables[state.y]!.name)}${configuration} --format svg`;
     },
   };
@@ -78,5 +89,9 @@ function plotCard(store: Store): HTMLElement {
   store.subscribe((_, changed) => {
     if (EXPLAINED.some((key) => changed.has(key))) explain();
   });
-  return addTools(card("constraint", "Constraint plot", createControls(store), createSummary(store), plot.element, note), ...tools, savingMenu(store, saved));
+  return addTools(
+    card("constraint", "Constraint plot", createControls(store), createSummary(store), plot.element, note),
+    ...tools,
+    savingMenu(store, saved),
+  );
 }

@@ -1,7 +1,8 @@
 // The views, in the order of their tabs; the first that suits a study is shown first.
-import { designsView } from "./designs/designs";
+
 import { plotted } from "../plane/plane";
 import { conditionsView } from "./conditions/conditions";
+import { designsView } from "./designs/designs";
 import { figuresView } from "./figures";
 import { overviewView } from "./overview/overview";
 import { plotView } from "./plot";
@@ -14,4 +15,14 @@ import type { View } from "./view";
 const withoutPlane: View = { ...overviewView, suits: (study) => overviewView.suits(study) && !plotted(study) };
 const withPlane: View = { ...overviewView, suits: (study) => overviewView.suits(study) && plotted(study) };
 
-export const VIEWS: readonly View[] = [withoutPlane, plotView, withPlane, designsView, understandingView, conditionsView, runsView, figuresView, studyView];
+export const VIEWS: readonly View[] = [
+  withoutPlane,
+  plotView,
+  withPlane,
+  designsView,
+  understandingView,
+  conditionsView,
+  runsView,
+  figuresView,
+  studyView,
+];

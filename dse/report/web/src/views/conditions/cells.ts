@@ -15,11 +15,19 @@ export interface Cell {
 }
 
 /** Cells row by row, of the runs that are *among*; of *requirement*, or -1 for all together. */
-export function cellsOf(store: Store, x: Levels, y: Levels, requirement: number, among: (run: number) => boolean): Cell[][] {
+export function cellsOf(
+  store: Store,
+  x: Levels,
+  y: Levels,
+  requirement: number,
+  among: (run: number) => boolean,
+): Cell[][] {
   const { study, state } = store;
   const { each, overall } = store.judgement();
   const marks = requirement < 0 ? overall : each[requirement]!;
-  const cells = y.labels.map(() => x.labels.map((): Cell => ({ runs: [], counts: [0, 0, 0, 0], worst: -1, margin: NaN })));
+  const cells = y.labels.map(() =>
+    x.labels.map((): Cell => ({ runs: [], counts: [0, 0, 0, 0], worst: -1, margin: NaN })),
+  );
   for (let run = 0; run < study.size; run++) {
     if (!among(run)) continue;
     const cell = cells[y.of[run]!]![x.of[run]!]!;
@@ -27,7 +35,11 @@ export function cellsOf(store: Store, x: Levels, y: Levels, requirement: number,
     cell.runs.push(run);
     cell.counts[mark]!++;
     const judged = mark === PASS || mark === FAIL;
-    const here = !judged ? NaN : requirement < 0 ? worstMargin(store, run) : margin(study.metrics[study.requirements[requirement]!.metric]!.values[run]!, state.thresholds[requirement]!);
+    const here = !judged
+      ? NaN
+      : requirement < 0
+        ? worstMargin(store, run)
+        : margin(study.metrics[study.requirements[requirement]!.metric]!.values[run]!, state.thresholds[requirement]!);
     if (cell.worst < 0 || here < cell.margin || (Number.isNaN(cell.margin) && !Number.isNaN(here))) {
       cell.worst = run;
       cell.margin = here;

@@ -3,10 +3,10 @@ import { card, choose, el, field } from "../../dom";
 import type { Store } from "../../store";
 import { studyThresholds } from "../../store";
 import type { Study } from "../../study";
-import type { View } from "../view";
 import { isAsStudied } from "../shared/thresholds";
-import { chosenOf, setChosen, type Chosen } from "./chosen";
+import type { View } from "../view";
 import { createMatrix } from "./matrix";
+import { type Chosen, chosenOf, setChosen } from "./selection";
 
 export const conditionsView: View = {
   name: "conditions",
@@ -25,7 +25,8 @@ export const conditionsView: View = {
       const isOther = JSON.stringify(now) !== JSON.stringify(chosen);
       chosen = now;
       if (isOther) show(chosen);
-      if (isOther || ["thresholds", "selected", "configuration", "theme"].some((key) => changed.has(key as never))) draw();
+      if (isOther || ["thresholds", "selected", "configuration", "theme"].some((key) => changed.has(key as never)))
+        draw();
     });
     return el("div", { class: "conditions" }, card("verdicts", "Verdicts over the conditions", element, box));
   },
@@ -39,16 +40,29 @@ export function conditionsOf(study: Study): number[] {
   return conditions.length ? [...conditions, ...of("uncertain")] : [];
 }
 
-function controls(store: Store, conditions: readonly number[]): { element: HTMLElement; show: (chosen: Chosen) => void } {
+function controls(
+  store: Store,
+  conditions: readonly number[],
+): { element: HTMLElement; show: (chosen: Chosen) => void } {
   const { study } = store;
   const options = conditions.map((index): [string, string] => [String(index), study.variables[index]!.title]);
-  const about: [string, string][] = [["-1", "all requirements"], ...study.requirements.map(({ title }, index): [string, string] => [String(index), title])];
+  const about: [string, string][] = [
+    ["-1", "all requirements"],
+    ...study.requirements.map(({ title }, index): [string, string] => [String(index), title]),
+  ];
   const set = (patch: Partial<Chosen>): void => setChosen(store, conditions, patch);
   const start = chosenOf(store, conditions);
   const x = choose(options, "", (value) => set({ x: Number(value) }));
   const y = choose(options, "", (value) => set({ y: Number(value) }));
   const requirement = choose(about, "", (value) => set({ requirement: Number(value) }));
-  const whole = choose([["design", "the selected design"], ["all", "all designs"]], "", (value) => set({ whole: value === "all" }));
+  const whole = choose(
+    [
+      ["design", "the selected design"],
+      ["all", "all designs"],
+    ],
+    "",
+    (value) => set({ whole: value === "all" }),
+  );
   x.id = "conditions-across";
   y.id = "conditions-down";
   requirement.id = "conditions-requirement";
@@ -64,7 +78,9 @@ function controls(store: Store, conditions: readonly number[]): { element: HTMLE
   const row = el("div", { class: "row" }, ...axes, field("Requirement", requirement), field("Of", whole));
   const note = el("p", { class: "hint" });
   const explain = (): void => {
-    note.textContent = isAsStudied(store.state.thresholds, studyThresholds(study)) ? "" : "At the thresholds you have set.";
+    note.textContent = isAsStudied(store.state.thresholds, studyThresholds(study))
+      ? ""
+      : "At the thresholds you have set.";
   };
   explain();
   store.subscribe((_, changed) => {

@@ -5,7 +5,9 @@ import type { Study } from "../../study";
 export function designsOf(study: Study): string[] {
   const decided = study.variables.filter((_, index) => (study.insight?.asked.roles[index] ?? "design") === "design");
   return Array.from({ length: study.size }, (_, run) => {
-    const values = decided.filter(({ lack }) => !lack.includes(study.configuration[run]!)).map(({ values: column }) => column[run]);
+    const values = decided
+      .filter(({ lack }) => !lack.includes(study.configuration[run]!))
+      .map(({ values: column }) => column[run]);
     return [study.configuration[run], ...values].join("|");
   });
 }

@@ -6,11 +6,11 @@ import type { Study } from "../../study";
 import { CLASSES, FAIL, FAILED, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../../verdicts";
 import { SHARE_OF } from "../shared/margins";
 import { openRun } from "../shared/runs";
-import { cellsOf, markOf, type Cell } from "./cells";
-import type { Chosen } from "./chosen";
+import { type Cell, cellsOf, markOf } from "./cells";
 import { designsOf } from "./designs";
-import { createSmall } from "./small";
 import { levelsOf, oneLevel } from "./levels";
+import { createSmall } from "./multiples";
+import type { Chosen } from "./selection";
 
 const keys = new WeakMap<Study, string[]>();
 
@@ -33,19 +33,56 @@ export function createMatrix(store: Store, chosen: Chosen): HTMLElement {
     el(
       "thead",
       {},
-      down && el("tr", {}, el("td", {}), el("th", { scope: "colgroup", colspan: x.labels.length, class: "axis" }, `${across.title} \u2192`)),
-      el("tr", {}, el("th", { scope: "col", class: "axis" }, down ? `${down.title} \u2193` : across.title), ...x.labels.map(head)),
+      down &&
+        el(
+          "tr",
+          {},
+          el("td", {}),
+          el("th", { scope: "colgroup", colspan: x.labels.length, class: "axis" }, `${across.title} \u2192`),
+        ),
+      el(
+        "tr",
+        {},
+        el("th", { scope: "col", class: "axis" }, down ? `${down.title} \u2193` : across.title),
+        ...x.labels.map(head),
+      ),
     ),
     el(
       "tbody",
       {},
-      ...cells.map((row, index) => el("tr", {}, el("th", { scope: "row" }, down ? y.labels[index]! : "verdict"), ...row.map((cell) => cellOf(store, cell, chosen, designs)))),
+      ...cells.map((row, index) =>
+        el(
+          "tr",
+          {},
+          el("th", { scope: "row" }, down ? y.labels[index]! : "verdict"),
+          ...row.map((cell) => cellOf(store, cell, chosen, designs)),
+        ),
+      ),
     ),
   );
   const each = chosen.requirement < 0 && study.requirements.length > 1;
-  const share = (index: number) => (cell: Cell): [number, number] | null => (chosen.whole ? passingDesigns(store, cell, { ...chosen, requirement: index }, designs) : null);
-  const small = each ? [el("h3", { class: "small-head" }, "Requirement by requirement"), el("div", { class: "smalls" }, ...study.requirements.map((_, index) => createSmall(store, x, y, index, among, share(index))))] : [];
-  return el("div", {}, el("p", { class: "headline-small" }, sentence(store, chosen, shown, cells.flat().length, designs)), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Verdict matrix" }, table), legend(), ...small);
+  const share =
+    (index: number) =>
+    (cell: Cell): [number, number] | null =>
+      chosen.whole ? passingDesigns(store, cell, { ...chosen, requirement: index }, designs) : null;
+  const small = each
+    ? [
+        el("h3", { class: "small-head" }, "Requirement by requirement"),
+        el(
+          "div",
+          { class: "smalls" },
+          ...study.requirements.map((_, index) => createSmall(store, x, y, index, among, share(index))),
+        ),
+      ]
+    : [];
+  return el(
+    "div",
+    {},
+    el("p", { class: "headline-small" }, sentence(store, chosen, shown, cells.flat().length, designs)),
+    el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Verdict matrix" }, table),
+    legend(),
+    ...small,
+  );
 }
 
 function cellOf(store: Store, cell: Cell, chosen: Chosen, designs: string[]): HTMLElement {
@@ -53,13 +90,26 @@ function cellOf(store: Store, cell: Cell, chosen: Chosen, designs: string[]): HT
   const { study, state } = store;
   const mark = markOf(cell);
   const unit = chosen.requirement < 0 ? "" : study.metrics[study.requirements[chosen.requirement]!.metric]!.unit;
-  const worst = Number.isNaN(cell.margin) ? "" : chosen.requirement < 0 ? `${cell.margin < 0 ? "\u2212" : "+"}${percent(Math.abs(cell.margin), 1)}` : withUnit(`${cell.margin > 0 ? "+" : ""}${number(cell.margin, 3)}`, unit);
+  const worst = Number.isNaN(cell.margin)
+    ? ""
+    : chosen.requirement < 0
+      ? `${cell.margin < 0 ? "\u2212" : "+"}${percent(Math.abs(cell.margin), 1)}`
+      : withUnit(`${cell.margin > 0 ? "+" : ""}${number(cell.margin, 3)}`, unit);
   const passing = passingDesigns(store, cell, chosen, designs);
-  const head = chosen.whole ? `${passing[0] ? percent(passing[0], passing[1]) : "0\u202f%"} of designs pass` : cell.runs.length > 1 ? `${SIGNS[mark]} ${group(cell.counts[PASS]!)} of ${group(cell.runs.length)} runs pass` : `${SIGNS[mark]} ${WORDS[mark]}`;
+  const head = chosen.whole
+    ? `${passing[0] ? percent(passing[0], passing[1]) : "0\u202f%"} of designs pass`
+    : cell.runs.length > 1
+      ? `${SIGNS[mark]} ${group(cell.counts[PASS]!)} of ${group(cell.runs.length)} runs pass`
+      : `${SIGNS[mark]} ${WORDS[mark]}`;
   const detail = chosen.whole ? `${group(passing[0])} of ${group(passing[1])}` : "";
   const box = el(
     "button",
-    { type: "button", title: `Open run ${study.number[cell.worst]}, the worst here`, class: cell.worst === state.selected ? "here" : "", click: () => openRun(store, cell.worst) },
+    {
+      type: "button",
+      title: `Open run ${study.number[cell.worst]}, the worst here`,
+      class: cell.worst === state.selected ? "here" : "",
+      click: () => openRun(store, cell.worst),
+    },
     el("b", {}, head),
     el("span", {}, [detail, worst && `worst margin ${worst}`].filter(Boolean).join(", ") || otherwise(cell)),
     el("span", { class: "muted" }, `Run ${study.number[cell.worst]}`),
@@ -71,7 +121,12 @@ function cellOf(store: Store, cell: Cell, chosen: Chosen, designs: string[]): HT
 }
 
 function otherwise({ counts }: Cell): string {
-  return [counts[NOT_EXERCISED] ? `${group(counts[NOT_EXERCISED])} not exercised` : "", counts[FAILED] ? `${group(counts[FAILED])} failed to run` : ""].filter(Boolean).join(", ");
+  return [
+    counts[NOT_EXERCISED] ? `${group(counts[NOT_EXERCISED])} not exercised` : "",
+    counts[FAILED] ? `${group(counts[FAILED])} failed to run` : "",
+  ]
+    .filter(Boolean)
+    .join(", ");
 }
 
 // A design passes in a cell if all of its runs there do.
@@ -89,7 +144,8 @@ function passingDesigns(store: Store, cell: Cell, { requirement }: Chosen, desig
 
 function sentence({ study, state }: Store, chosen: Chosen, shown: Cell[], all: number, designs: string[]): string {
   const about = chosen.requirement < 0 ? "all requirements" : study.requirements[chosen.requirement]!.title;
-  if (chosen.whole) return `Shares of ${count(new Set(designs).size, "design")} that meet ${about} in all their runs of a cell.`;
+  if (chosen.whole)
+    return `Shares of ${count(new Set(designs).size, "design")} that meet ${about} in all their runs of a cell.`;
   if (state.selected < 0) return "No run is selected.";
   const met = shown.filter((cell) => markOf(cell) === PASS).length;
   const gaps = all - shown.length;
@@ -100,7 +156,13 @@ function legend(): HTMLElement {
   return el(
     "ul",
     { class: "legend" },
-    ...[PASS, FAIL, NOT_EXERCISED, FAILED].map((mark) => el("li", {}, el("span", { class: `badge ${CLASSES[mark]}` }, SIGNS[mark]), el("span", {}, WORDS[mark]))),
-    el("li", {}, `The margin of all requirements together is the least of theirs, as a share ${SHARE_OF}. A click opens the worst run of a cell.`),
+    ...[PASS, FAIL, NOT_EXERCISED, FAILED].map((mark) =>
+      el("li", {}, el("span", { class: `badge ${CLASSES[mark]}` }, SIGNS[mark]), el("span", {}, WORDS[mark])),
+    ),
+    el(
+      "li",
+      {},
+      `The margin of all requirements together is the least of theirs, as a share ${SHARE_OF}. A click opens the worst run of a cell.`,
+    ),
   );
 }

@@ -2,7 +2,7 @@
 import { el } from "../../dom";
 import type { Configuration, Picture } from "../../study";
 import { seriesColour } from "./colouring";
-import { configurationOf, nameOf, type Model } from "./model";
+import { configurationOf, type Model, nameOf } from "./model";
 
 const BOX = 34;
 const STRETCH = 1.2;
@@ -12,7 +12,13 @@ const LARGEST = 1.2;
 
 export function createArchitectures(model: Model): HTMLElement {
   const box = el("div", { class: "architectures" });
-  const details = el("details", { open: true }, el("summary", {}, "What they are made of"), box, el("p", { class: "hint" }, "Coloured: not the same in all designs compared; dashed: part of the bench."));
+  const details = el(
+    "details",
+    { open: true },
+    el("summary", {}, "What they are made of"),
+    box,
+    el("p", { class: "hint" }, "Coloured: not the same in all designs compared; dashed: part of the bench."),
+  );
   const draw = (): void => {
     const { study } = model.store;
     const shown = model.choices.picked.map((design) => study.configurations[configurationOf(model, design)]!);
@@ -29,11 +35,16 @@ export function createArchitectures(model: Model): HTMLElement {
 
 function figureOf(model: Model, configuration: Configuration, shown: Configuration[]): HTMLElement {
   const { study } = model.store;
-  const names = model.choices.picked.filter((_, index) => shown[index] === configuration).map((design) => nameOf(model, design)).join(", ");
+  const names = model.choices.picked
+    .filter((_, index) => shown[index] === configuration)
+    .map((design) => nameOf(model, design))
+    .join(", ");
   const picture = study.pictures[configuration.picture];
   const others = shown.map((other) => partsOf(study.pictures[other.picture], other));
   const differs = (path: string, component: string): boolean => others.some((parts) => parts.get(path) !== component);
-  const drawn = picture ? draw(picture, configuration, differs, seriesColour(shown.indexOf(configuration))) : el("p", { class: "muted" }, "It hangs together in a way that is not pictured.");
+  const drawn = picture
+    ? draw(picture, configuration, differs, seriesColour(shown.indexOf(configuration)))
+    : el("p", { class: "muted" }, "It hangs together in a way that is not pictured.");
   return el("figure", {}, el("figcaption", {}, el("b", {}, names), el("code", {}, configuration.id)), drawn);
 }
 
@@ -41,18 +52,37 @@ function partsOf(picture: Picture | undefined, { parts }: Configuration): Map<st
   return new Map(picture?.parts.map(([path], index) => [path, parts[index]!]) ?? []);
 }
 
-function draw({ parts, links, width, height }: Picture, configuration: Configuration, differs: (path: string, component: string) => boolean, colour: string): Element {
+function draw(
+  { parts, links, width, height }: Picture,
+  configuration: Configuration,
+  differs: (path: string, component: string) => boolean,
+  colour: string,
+): Element {
   const middles = parts.map(([, , middle]) => middle);
   const top = Math.min(...middles) * STRETCH - BOX / 2 - EDGE;
   const bottom = Math.max(...middles) * STRETCH + BOX / 2 + EDGE;
-  const said = parts.map(([path], index) => `${path}${configuration.parts[index] ? `: ${configuration.parts[index]}` : ""}`).join(", ");
-  const svg = shape("svg", { viewBox: `0 ${top} ${width} ${Math.min(bottom, height * STRETCH + EDGE) - top}`, role: "img", "aria-label": said, class: "architecture" });
+  const said = parts
+    .map(([path], index) => `${path}${configuration.parts[index] ? `: ${configuration.parts[index]}` : ""}`)
+    .join(", ");
+  const svg = shape("svg", {
+    viewBox: `0 ${top} ${width} ${Math.min(bottom, height * STRETCH + EDGE) - top}`,
+    role: "img",
+    "aria-label": said,
+    class: "architecture",
+  });
   svg.style.maxWidth = `${LARGEST * width}px`;
   for (const [a, b] of links) svg.append(shape("path", { class: "link", d: line(parts[a]!, parts[b]!) }));
   parts.forEach(([path, x, middle, wide], index) => {
     const component = configuration.parts[index]!;
     const y = middle * STRETCH;
-    const box = shape("rect", { x, y: y - BOX / 2, width: wide, height: BOX, rx: 4, class: component ? "part" : "part bench" });
+    const box = shape("rect", {
+      x,
+      y: y - BOX / 2,
+      width: wide,
+      height: BOX,
+      rx: 4,
+      class: component ? "part" : "part bench",
+    });
     if (differs(path, component)) {
       box.classList.add("differs");
       box.style.stroke = colour;
@@ -62,7 +92,10 @@ function draw({ parts, links, width, height }: Picture, configuration: Configura
       node.textContent = said.length > CHARACTERS ? `${said.slice(0, CHARACTERS - 1)}\u2026` : said;
       return node;
     };
-    svg.append(box, ...(component ? [text(path, -4, "path"), text(component, 10, "component")] : [text(path, 4, "component")]));
+    svg.append(
+      box,
+      ...(component ? [text(path, -4, "path"), text(component, 10, "component")] : [text(path, 4, "component")]),
+    );
   });
   return svg;
 }
@@ -77,7 +110,10 @@ function line(one: Picture["parts"][number], other: Picture["parts"][number]): s
   return `M${right} ${y0} C${right + bend} ${y0} ${b[1] - bend} ${y1} ${b[1]} ${y1}`;
 }
 
-function shape<K extends keyof SVGElementTagNameMap>(tag: K, attributes: Record<string, string | number>): SVGElementTagNameMap[K] {
+function shape<K extends keyof SVGElementTagNameMap>(
+  tag: K,
+  attributes: Record<string, string | number>,
+): SVGElementTagNameMap[K] {
   const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
   for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, String(value));
   return node;

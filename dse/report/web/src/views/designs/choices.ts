@@ -1,8 +1,8 @@
 // What the reader has chosen among designs, and as settings of the page, which stand in its address.
 // What stands there may be wrong or made up: what does not fit the study is as it was at the start.
 import { columnOf } from "../../columns";
-import type { Study } from "../../study";
 import { groupingOf } from "../../grouping";
+import type { Study } from "../../study";
 import { designColumns } from "./values";
 
 export interface Criterion {
@@ -44,8 +44,15 @@ const KEYS: Keys = ["demand", "criteria", "x", "y", "colour", "points", "picked"
 /** *settings* with all in *choices* that is not as in *start*. */
 export function withChoices(study: Study, settings: Settings, choices: Choices, start: Choices): Settings {
   const others = Object.fromEntries(Object.entries(settings).filter(([key]) => !key.startsWith("designs.")));
-  const told = KEYS.map((key): [string, string, string] => [`designs.${key}`, textOf(study, choices, key), textOf(study, start, key)]);
-  return { ...others, ...Object.fromEntries(told.filter(([, now, then]) => now !== then).map(([key, now]) => [key, now || "none"])) };
+  const told = KEYS.map((key): [string, string, string] => [
+    `designs.${key}`,
+    textOf(study, choices, key),
+    textOf(study, start, key),
+  ]);
+  return {
+    ...others,
+    ...Object.fromEntries(told.filter(([, now, then]) => now !== then).map(([key, now]) => [key, now || "none"])),
+  };
 }
 
 /** What *settings* say that fits the study, else what is in *start*; a value that is as in *last* is the very same. */
@@ -53,7 +60,7 @@ export function readChoices(study: Study, settings: Settings, start: Choices, la
   const read = Object.fromEntries(
     KEYS.map((key) => {
       const given = settings[`designs.${key}`];
-      const value = given === undefined ? start[key] : (valueOf(study, key, given) ?? start[key]);
+      const value = given === undefined ? start[key] : (valueIn(study, key, given) ?? start[key]);
       return [key, JSON.stringify(value) === JSON.stringify(last[key]) ? last[key] : value];
     }),
   );
@@ -63,7 +70,9 @@ export function readChoices(study: Study, settings: Settings, start: Choices, la
 function textOf(study: Study, choices: Choices, key: keyof Choices): string {
   switch (key) {
     case "criteria":
-      return choices.criteria.map(({ column, maximize, weight }) => `${column}:${maximize ? "max" : "min"}:${weight}`).join();
+      return choices.criteria
+        .map(({ column, maximize, weight }) => `${column}:${maximize ? "max" : "min"}:${weight}`)
+        .join();
     case "picked":
       return choices.picked.map((design) => study.number[groupingOf(study).first[design]!]).join();
     case "sort":
@@ -75,7 +84,7 @@ function textOf(study: Study, choices: Choices, key: keyof Choices): string {
   }
 }
 
-function valueOf(study: Study, key: keyof Choices, text: string): Choices[keyof Choices] | null {
+function valueIn(study: Study, key: keyof Choices, text: string): Choices[keyof Choices] | null {
   const runOf = (given: string): number => (/^\d{1,9}$/.test(given) ? study.number.indexOf(Number(given)) : -1);
   const own = designColumns(study).map((column) => column.key);
   switch (key) {
@@ -89,13 +98,21 @@ function valueOf(study: Study, key: keyof Choices, text: string): Choices[keyof 
     case "boxes":
       return own.includes(text) ? text : null;
     case "colour":
-      return text === "verdict" || own.includes(text) || study.configurations.some(({ choices }) => choices.some(([name]) => `place.${name}` === text)) ? text : null;
+      return text === "verdict" ||
+        own.includes(text) ||
+        study.configurations.some(({ choices }) => choices.some(([name]) => `place.${name}` === text))
+        ? text
+        : null;
     case "points":
       return text === "designs" || text === "runs" ? text : null;
     case "among":
       return text === "all" || text === "feasible" ? text : null;
     case "picked": {
-      const runs = text.split(",").slice(0, MOST_COMPARED).map(runOf).filter((run) => run >= 0);
+      const runs = text
+        .split(",")
+        .slice(0, MOST_COMPARED)
+        .map(runOf)
+        .filter((run) => run >= 0);
       return [...new Set(runs.map((run) => groupingOf(study).of[run]!))];
     }
     case "sort": {
@@ -112,7 +129,8 @@ function readCriteria(text: string, known: string[]): Criterion[] | null {
   for (const entry of text.split(",").slice(0, MOST_CRITERIA)) {
     const [column, way, given] = entry.split(":");
     const weight = between(given, MOST_WEIGHT);
-    if (column && known.includes(column) && weight !== null) found.set(column, { column, maximize: way === "max", weight });
+    if (column && known.includes(column) && weight !== null)
+      found.set(column, { column, maximize: way === "max", weight });
   }
   return found.size || text === "none" ? [...found.values()] : null;
 }

@@ -1,16 +1,16 @@
 // The points of the scatter on the canvas: designs or runs, over any two columns.
 import { scaleLinear } from "d3-scale";
 import { columnOf, type Keyed } from "../../columns";
+import type { Grouping } from "../../grouping";
 import { clipTo, type Frame } from "../../plot/frame";
+import type { Pen } from "../../plot/pen";
 import { drawShape, paintShape } from "../../plot/points";
-import { createStamps, packed, sorted, type Places } from "../../plot/stamps";
+import { createStamps, type Places, packed, sorted } from "../../plot/stamps";
+import type { Study } from "../../study";
 import type { Palette } from "../../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../../verdicts";
 import type { Colouring } from "./colouring";
-import type { Grouping } from "../../grouping";
-import type { Study } from "../../study";
 import type { Model } from "./model";
-import type { Pen } from "../../plot/pen";
 
 /** What is drawn: values on both axes, verdicts, and which lie within the brushes (null: all). */
 export interface Cloud {
@@ -35,16 +35,36 @@ export function cloudOf(model: Model): Cloud {
   const { store, choices, grouping } = model;
   if (choices.points === "runs") {
     const [x, y] = [columnOf(store.study, choices.x)!, columnOf(store.study, choices.y)!];
-    return { x, y, marks: store.judgement().overall, within: store.within(), exercised: exercisedOf(store.study, null), run: (point) => point, point: (run) => run };
+    return {
+      x,
+      y,
+      marks: store.judgement().overall,
+      within: store.within(),
+      exercised: exercisedOf(store.study, null),
+      run: (point) => point,
+      point: (run) => run,
+    };
   }
   const { mark, deciding } = model.standing();
-  return { x: model.column(choices.x), y: model.column(choices.y), marks: mark, within: model.within(), exercised: exercisedOf(store.study, grouping), run: (point) => deciding[point] ?? -1, point: (run) => grouping.of[run] ?? -1 };
+  return {
+    x: model.column(choices.x),
+    y: model.column(choices.y),
+    marks: mark,
+    within: model.within(),
+    exercised: exercisedOf(store.study, grouping),
+    run: (point) => deciding[point] ?? -1,
+    point: (run) => grouping.of[run] ?? -1,
+  };
 }
 
 export function cloudFrame(width: number, height: number, { x, y, exercised }: Cloud): Frame {
   const counts = exercised.map((one, point) => (one && Number.isFinite(x.values[point]! + y.values[point]!) ? 1 : 0));
   const frame = { left: 66, right: width - 16, top: 14, bottom: height - 50 };
-  return { ...frame, x: scaleLinear(limits(x.values, counts), [frame.left, frame.right]), y: scaleLinear(limits(y.values, counts), [frame.bottom, frame.top]) };
+  return {
+    ...frame,
+    x: scaleLinear(limits(x.values, counts), [frame.left, frame.right]),
+    y: scaleLinear(limits(y.values, counts), [frame.bottom, frame.top]),
+  };
 }
 
 const known = new WeakMap<Study, Map<Grouping | null, Uint8Array>>();
@@ -60,7 +80,9 @@ function exercisedOf(study: Study, grouping: Grouping | null): Uint8Array {
       for (let run = 0; run < study.size; run++) if (exercised[run]) some[grouping?.of[run] ?? run] = 1;
       return some;
     });
-    found = new Uint8Array(grouping?.size ?? study.size).map((_, point) => (times.every((some) => some[point]) ? 1 : 0));
+    found = new Uint8Array(grouping?.size ?? study.size).map((_, point) =>
+      times.every((some) => some[point]) ? 1 : 0,
+    );
     made.set(grouping, found);
   }
   return found;
@@ -75,7 +97,10 @@ function limits(values: Float64Array, counts: Uint8Array): [number, number] {
     if (value < low) low = value;
     if (value > high) high = value;
   }
-  if (low > high) return counts.includes(1) || !values.some(Number.isFinite) ? [0, 1] : limits(values, new Uint8Array(values.length).fill(1));
+  if (low > high)
+    return counts.includes(1) || !values.some(Number.isFinite)
+      ? [0, 1]
+      : limits(values, new Uint8Array(values.length).fill(1));
   const room = 0.04 * (high - low) || Math.max(1e-9, 0.1 * Math.abs(low)) || 1;
   return [low - room, high + room];
 }
@@ -95,7 +120,14 @@ export function placesOf({ x, y }: Cloud, frame: Frame): Places {
   return { a: line(frame.x, x.values), b: line(frame.y, y.values) };
 }
 
-export function paintCloud(pen: Pen, frame: Frame, cloud: Cloud, places: Places, colouring: Colouring, colours: Palette): void {
+export function paintCloud(
+  pen: Pen,
+  frame: Frame,
+  cloud: Cloud,
+  places: Places,
+  colouring: Colouring,
+  colours: Palette,
+): void {
   pen.save();
   clipTo(pen, frame);
   if (cloud.marks.length > MOST_SHAPES) stamp(pen, cloud, places, colouring, colours);
@@ -103,7 +135,14 @@ export function paintCloud(pen: Pen, frame: Frame, cloud: Cloud, places: Places,
   pen.restore();
 }
 
-function shapes(pen: Pen, frame: Frame, { marks, within }: Cloud, { a, b }: Places, { codes, colours: own }: Colouring, colours: Palette): void {
+function shapes(
+  pen: Pen,
+  frame: Frame,
+  { marks, within }: Cloud,
+  { a, b }: Places,
+  { codes, colours: own }: Colouring,
+  colours: Palette,
+): void {
   const spacing = Math.sqrt(((frame.right - frame.left) * (frame.bottom - frame.top)) / Math.max(1, marks.length));
   const size = Math.min(1.25, Math.max(0.5, spacing / 18));
   for (const inside of [0, 1]) {
@@ -131,14 +170,23 @@ function shapes(pen: Pen, frame: Frame, { marks, within }: Cloud, { a, b }: Plac
   pen.globalAlpha = 1;
 }
 
-function stamp(pen: Pen, { marks, within }: Cloud, places: Places, { codes, colours: own }: Colouring, colours: Palette): void {
+function stamp(
+  pen: Pen,
+  { marks, within }: Cloud,
+  places: Places,
+  { codes, colours: own }: Colouring,
+  colours: Palette,
+): void {
   const stamps = createStamps(pen, marks.length);
   if (!stamps) return;
   const { ratio, side } = stamps;
   const byMark = [colours.pass, colours.ink, colours.muted, colours.broken].map(packed);
   const byCode = own.map(packed);
   const faint = packed(colours.line);
-  const groups = sorted(within ? marks.map((mark, point) => (within[point] ? mark : OUTSIDE + mark)) : marks, 2 * OUTSIDE);
+  const groups = sorted(
+    within ? marks.map((mark, point) => (within[point] ? mark : OUTSIDE + mark)) : marks,
+    2 * OUTSIDE,
+  );
   for (const outside of [OUTSIDE, 0]) {
     for (const mark of ORDER) {
       const edge = mark === PASS ? side + Math.round(ratio) : side;
@@ -151,10 +199,18 @@ function stamp(pen: Pen, { marks, within }: Cloud, places: Places, { codes, colo
 }
 
 /** The front: its points ringed, and if there are two aims and these are the axes, the edge of what it dominates. */
-export function paintFront(pen: Pen, frame: Frame, model: Model, front: Uint8Array, { a, b }: Places, colours: Palette): void {
+export function paintFront(
+  pen: Pen,
+  frame: Frame,
+  model: Model,
+  front: Uint8Array,
+  { a, b }: Places,
+  colours: Palette,
+): void {
   const { choices } = model;
   const on: number[] = [];
-  for (let point = 0; point < front.length; point++) if (front[point] && !Number.isNaN(a[point]! + b[point]!)) on.push(point);
+  for (let point = 0; point < front.length; point++)
+    if (front[point] && !Number.isNaN(a[point]! + b[point]!)) on.push(point);
   pen.save();
   clipTo(pen, frame);
   const across = choices.criteria.find(({ column }) => column === choices.x);

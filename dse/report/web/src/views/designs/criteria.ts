@@ -5,8 +5,8 @@ import { count, group, percent, withUnit } from "../../format";
 import { axisLabel } from "../../study";
 import { PASS } from "../../verdicts";
 import { SHARE_OF } from "../shared/margins";
+import { type Criterion, type Model, nameOf, subscribeCalmly, togglePick } from "./model";
 import { designColumns, senseOf } from "./values";
-import { nameOf, subscribeCalmly, togglePick, type Criterion, type Model } from "./model";
 
 export function createCriteria(model: Model): HTMLElement {
   const demand = createDemand(model);
@@ -32,7 +32,16 @@ export function createCriteria(model: Model): HTMLElement {
 
 function createDemand(model: Model): HTMLElement {
   const reading = el("output", { for: "demand" });
-  const slider = el("input", { id: "demand", type: "range", min: 0, max: 50, step: 1, value: 100 * model.choices.demand, "aria-label": "Margin demanded of every requirement, in percent", input: () => model.set({ demand: Number(slider.value) / 100 }) });
+  const slider = el("input", {
+    id: "demand",
+    type: "range",
+    min: 0,
+    max: 50,
+    step: 1,
+    value: 100 * model.choices.demand,
+    "aria-label": "Margin demanded of every requirement, in percent",
+    input: () => model.set({ demand: Number(slider.value) / 100 }),
+  });
   const show = (): void => {
     const value = Math.round(100 * model.choices.demand);
     slider.value = String(value);
@@ -44,21 +53,48 @@ function createDemand(model: Model): HTMLElement {
   });
   show();
   const hint = `The share that is kept as margin: ${SHARE_OF}.`;
-  return el("div", { class: "demand" }, el("label", { for: "demand", title: hint }, "Margin demanded"), slider, reading);
+  return el(
+    "div",
+    { class: "demand" },
+    el("label", { for: "demand", title: hint }, "Margin demanded"),
+    slider,
+    reading,
+  );
 }
 
 function rows(model: Model): HTMLElement[] {
   const { criteria } = model.choices;
-  const change = (index: number, patch: Partial<Criterion>): void => model.set({ criteria: criteriaWith(model, index, patch) });
+  const change = (index: number, patch: Partial<Criterion>): void =>
+    model.set({ criteria: criteriaWith(model, index, patch) });
   return criteria.map(({ column, maximize, weight }, index) => {
     const { title, unit } = model.column(column);
-    const way = choose([["min", "minimise"], ["max", "maximise"]], maximize ? "max" : "min", (value) => change(index, { maximize: value === "max" }));
+    const way = choose(
+      [
+        ["min", "minimise"],
+        ["max", "maximise"],
+      ],
+      maximize ? "max" : "min",
+      (value) => change(index, { maximize: value === "max" }),
+    );
     way.id = `way-${column}`;
     way.setAttribute("aria-label", `Direction of ${title}`);
-    const slider = el("input", { id: `weight-${column}`, class: "weighing", type: "range", min: 0, max: 10, step: 1, value: weight, "aria-label": `Weight of ${title}`, input: () => {
-      change(index, { weight: Number(slider.value) });
-      slider.closest(".criteria")!.querySelectorAll("output").forEach((output, other) => (output.textContent = share(model, other)));
-    } });
+    const slider = el("input", {
+      id: `weight-${column}`,
+      class: "weighing",
+      type: "range",
+      min: 0,
+      max: 10,
+      step: 1,
+      value: weight,
+      "aria-label": `Weight of ${title}`,
+      input: () => {
+        change(index, { weight: Number(slider.value) });
+        slider
+          .closest(".criteria")!
+          .querySelectorAll("output")
+          .forEach((output, other) => (output.textContent = share(model, other)));
+      },
+    });
     return el(
       "div",
       { class: "criterion" },
@@ -66,7 +102,16 @@ function rows(model: Model): HTMLElement[] {
       way,
       slider,
       el("output", {}, share(model, index)),
-      el("button", { type: "button", class: "drop", "aria-label": `Drop ${title}`, click: () => model.set({ criteria: criteria.filter((_, place) => place !== index) }) }, "\u00d7"),
+      el(
+        "button",
+        {
+          type: "button",
+          class: "drop",
+          "aria-label": `Drop ${title}`,
+          click: () => model.set({ criteria: criteria.filter((_, place) => place !== index) }),
+        },
+        "\u00d7",
+      ),
     );
   });
 }
@@ -83,9 +128,15 @@ function share({ choices }: Model, index: number): string {
 function adder(model: Model): HTMLElement {
   const { criteria } = model.choices;
   const others = designColumns(model.store.study).filter(({ key }) => !criteria.some(({ column }) => column === key));
-  const options: [string, string][] = [["", "add a criterion \u2026"], ...others.map((column): [string, string] => [column.key, axisLabel(column)])];
+  const options: [string, string][] = [
+    ["", "add a criterion \u2026"],
+    ...others.map((column): [string, string] => [column.key, axisLabel(column)]),
+  ];
   const select = choose(options, "", (column) => {
-    if (column) model.set({ criteria: [...model.choices.criteria, { column, maximize: senseOf(model.store, column) === "max", weight: 5 }] });
+    if (column)
+      model.set({
+        criteria: [...model.choices.criteria, { column, maximize: senseOf(model.store, column) === "max", weight: 5 }],
+      });
   });
   select.id = "add-criterion";
   return field("Criteria, with their weight in the score", select);
@@ -97,21 +148,35 @@ function answersOf(model: Model): HTMLElement[] {
   const { mark } = model.standing();
   const within = model.within();
   const feasible: number[] = [];
-  for (let design = 0; design < mark.length; design++) if (mark[design] === PASS && (within?.[design] ?? 1)) feasible.push(design);
+  for (let design = 0; design < mark.length; design++)
+    if (mark[design] === PASS && (within?.[design] ?? 1)) feasible.push(design);
   const margin = choices.demand ? ` with ${Math.round(100 * choices.demand)}\u202f% margin` : "";
   const amongst = within ? " within the brushes" : "";
-  const every = model.store.state.thresholds.some(({ off }) => off) ? "every requirement that is on" : "every requirement";
+  const every = model.store.state.thresholds.some(({ off }) => off)
+    ? "every requirement that is on"
+    : "every requirement";
   const verb = feasible.length === 1 ? "meets" : "meet";
-  const head = el("li", { id: "feasible-designs" }, el("b", {}, group(feasible.length)), ` of ${count(grouping.size, "design")} ${verb} ${every}${margin}${amongst}.`);
+  const head = el(
+    "li",
+    { id: "feasible-designs" },
+    el("b", {}, group(feasible.length)),
+    ` of ${count(grouping.size, "design")} ${verb} ${every}${margin}${amongst}.`,
+  );
   if (!feasible.length) return [head, el("li", { class: "muted" }, "The leader board lists first what misses least.")];
   const best = choices.criteria.flatMap(({ column, maximize }) => {
     const { title, unit, values, text } = model.column(column);
     const design = first(feasible, (one) => (maximize ? -values[one]! : values[one]!));
-    return design < 0 ? [] : [answer(model, design, `${maximize ? "Most" : "Least"} ${title}`, withUnit(text(values[design]!), unit))];
+    return design < 0
+      ? []
+      : [answer(model, design, `${maximize ? "Most" : "Least"} ${title}`, withUnit(text(values[design]!), unit))];
   });
   const scores = model.scores();
   const top = first(feasible, (one) => -scores[one]!);
-  return [head, ...best, ...(top >= 0 && choices.criteria.length > 1 ? [answer(model, top, "Best score", scores[top]!.toFixed(3))] : [])];
+  return [
+    head,
+    ...best,
+    ...(top >= 0 && choices.criteria.length > 1 ? [answer(model, top, "Best score", scores[top]!.toFixed(3))] : []),
+  ];
 }
 
 function answer(model: Model, design: number, what: string, value: string): HTMLElement {
@@ -120,8 +185,21 @@ function answer(model: Model, design: number, what: string, value: string): HTML
     {},
     el("span", { class: "what" }, what),
     el("b", {}, value),
-    el("button", { type: "button", class: "link", click: () => selectRun(model.store, model.standing().deciding[design]!) }, nameOf(model, design)),
-    el("button", { type: "button", class: "link", "aria-label": `Compare ${nameOf(model, design)}`, click: () => togglePick(model, design) }, "compare"),
+    el(
+      "button",
+      { type: "button", class: "link", click: () => selectRun(model.store, model.standing().deciding[design]!) },
+      nameOf(model, design),
+    ),
+    el(
+      "button",
+      {
+        type: "button",
+        class: "link",
+        "aria-label": `Compare ${nameOf(model, design)}`,
+        click: () => togglePick(model, design),
+      },
+      "compare",
+    ),
   );
 }
 

@@ -5,8 +5,17 @@ import { number } from "../../format";
 import { createHeading } from "../../panels/heading";
 import { axisLabel } from "../../study";
 import { CLASSES, PASS, SIGNS, wordFor } from "../../verdicts";
-import { choiceAt, configurationOf, differingPlaces, hasVariable, nameOf, subscribeCalmly, togglePick, type Model } from "./model";
 import { SHARE_OF } from "../shared/margins";
+import {
+  choiceAt,
+  configurationOf,
+  differingPlaces,
+  hasVariable,
+  type Model,
+  nameOf,
+  subscribeCalmly,
+  togglePick,
+} from "./model";
 import { designColumns, place } from "./values";
 
 const ROW = 28;
@@ -27,7 +36,15 @@ export function createLeaderboard(model: Model): HTMLElement {
   const head = el("tr");
   const body = el("tbody");
   const table = el("table", { class: "runs", id: "leaders", "aria-label": "Designs" }, el("thead", {}, head), body);
-  const view = el("div", { class: "view", tabindex: 0, "aria-label": "Leader board; up and down arrows move the selection, space picks for comparison" }, table);
+  const view = el(
+    "div",
+    {
+      class: "view",
+      tabindex: 0,
+      "aria-label": "Leader board; up and down arrows move the selection, space picks for comparison",
+    },
+    table,
+  );
   const note = el("p", { class: "hint", id: "leaders-note" });
   let columns = columnsOf(model);
   let designs = new Int32Array(0);
@@ -36,7 +53,9 @@ export function createLeaderboard(model: Model): HTMLElement {
   const rows = (): void => {
     const start = Math.max(0, Math.floor(view.scrollTop / ROW) - SPARE);
     const end = Math.min(designs.length, Math.ceil((view.scrollTop + view.clientHeight) / ROW) + SPARE);
-    const shown = Array.from(designs.subarray(start, end), (design, index) => rowOf(model, columns, design, start + index));
+    const shown = Array.from(designs.subarray(start, end), (design, index) =>
+      rowOf(model, columns, design, start + index),
+    );
     const focused = (document.activeElement as HTMLElement | null)?.id;
     body.replaceChildren(gap(start, columns.length + 1), ...shown, gap(designs.length - end, columns.length + 1));
     if (focused?.startsWith("pick-")) document.getElementById(focused)?.focus({ preventScroll: true });
@@ -64,7 +83,8 @@ export function createLeaderboard(model: Model): HTMLElement {
     const to = Math.min(designs.length - 1, Math.max(0, at + step));
     selectRun(store, model.standing().deciding[designs[to]!]!);
     const top = to * ROW;
-    if (top < view.scrollTop || top > view.scrollTop + view.clientHeight - 3 * ROW) view.scrollTop = top - view.clientHeight / 2;
+    if (top < view.scrollTop || top > view.scrollTop + view.clientHeight - 3 * ROW)
+      view.scrollTop = top - view.clientHeight / 2;
   });
   new ResizeObserver(rows).observe(view);
   const ordering = ["criteria", "demand", "thresholds", "brushes", "sort"] as const;
@@ -85,13 +105,20 @@ function columnsOf(model: Model): Column[] {
   const scores = model.scores();
   const front = model.front();
   const aims = choices.criteria.map(({ column }) => column);
-  const others = designColumns(study).map(({ key }) => key).filter((key) => !aims.includes(key));
+  const others = designColumns(study)
+    .map(({ key }) => key)
+    .filter((key) => !aims.includes(key));
   const kinds = ["property", "composite", "variable", "metric"];
   others.sort((a, b) => kinds.indexOf(a.split(".")[0]!) - kinds.indexOf(b.split(".")[0]!));
   const numeric = (key: string): Column => {
     const { title, unit, values, text, sense } = model.column(key);
     const judged = key.startsWith("metric.") ? study.requirements.findIndex(({ metric }) => metric === place(key)) : -1;
-    const way = sense === "min" ? "the largest over the conditions" : sense === "max" ? "the smallest over the conditions" : "the mean of its runs";
+    const way =
+      sense === "min"
+        ? "the largest over the conditions"
+        : sense === "max"
+          ? "the smallest over the conditions"
+          : "the mean of its runs";
     const arrow = aims.includes(key) ? (sense === "max" ? " \u2191" : " \u2193") : "";
     return {
       key,
@@ -99,16 +126,65 @@ function columnsOf(model: Model): Column[] {
       hint: key.startsWith("metric.") && model.grouping.size < study.size ? way : "",
       numeric: true,
       value: (design) => (hasVariable(model, key, design) ? values[design]! : NaN),
-      text: (design) => (!hasVariable(model, key, design) || Number.isNaN(values[design]!) ? "\u2013" : text(values[design]!)),
+      text: (design) =>
+        !hasVariable(model, key, design) || Number.isNaN(values[design]!) ? "\u2013" : text(values[design]!),
       ...(judged >= 0 ? { mark: (design: number) => each[judged]![design]! } : {}),
     };
   };
   return [
-    { key: "design", title: "Design", hint: "", numeric: false, value: (design) => design, text: (design) => nameOf(model, design) },
-    ...(aims.length ? [{ key: "score", title: "Score", hint: "TOPSIS: 1 is the best of every criterion among the feasible designs, 0 the worst", numeric: true, value: (design: number) => scores[design]!, text: (design: number) => (Number.isNaN(scores[design]!) ? "\u2013" : scores[design]!.toFixed(3)) }] : []),
-    { key: "verdict", title: "Verdict", hint: "By the number of requirements that are met", numeric: false, value: (design) => missed[design]!, text: (design) => `${SIGNS[mark[design]!]} ${wordFor(mark[design]!, "design")}`, mark: (design) => mark[design]! },
-    ...(study.requirements.length ? [{ key: "slack", title: "Least margin [%]", hint: `Of any requirement that is on, as a share: ${SHARE_OF}`, numeric: true, value: (design: number) => slack[design]!, text: (design: number) => (Number.isNaN(slack[design]!) ? "\u2013" : number(100 * slack[design]!, 3)) }] : []),
-    ...(aims.length > 1 ? [{ key: "front", title: "Front", hint: "On the Pareto front of the criteria, among the feasible designs", numeric: false, value: (design: number) => 1 - front[design]!, text: (design: number) => (front[design] ? "\u25cf" : "") }] : []),
+    {
+      key: "design",
+      title: "Design",
+      hint: "",
+      numeric: false,
+      value: (design) => design,
+      text: (design) => nameOf(model, design),
+    },
+    ...(aims.length
+      ? [
+          {
+            key: "score",
+            title: "Score",
+            hint: "TOPSIS: 1 is the best of every criterion among the feasible designs, 0 the worst",
+            numeric: true,
+            value: (design: number) => scores[design]!,
+            text: (design: number) => (Number.isNaN(scores[design]!) ? "\u2013" : scores[design]!.toFixed(3)),
+          },
+        ]
+      : []),
+    {
+      key: "verdict",
+      title: "Verdict",
+      hint: "By the number of requirements that are met",
+      numeric: false,
+      value: (design) => missed[design]!,
+      text: (design) => `${SIGNS[mark[design]!]} ${wordFor(mark[design]!, "design")}`,
+      mark: (design) => mark[design]!,
+    },
+    ...(study.requirements.length
+      ? [
+          {
+            key: "slack",
+            title: "Least margin [%]",
+            hint: `Of any requirement that is on, as a share: ${SHARE_OF}`,
+            numeric: true,
+            value: (design: number) => slack[design]!,
+            text: (design: number) => (Number.isNaN(slack[design]!) ? "\u2013" : number(100 * slack[design]!, 3)),
+          },
+        ]
+      : []),
+    ...(aims.length > 1
+      ? [
+          {
+            key: "front",
+            title: "Front",
+            hint: "On the Pareto front of the criteria, among the feasible designs",
+            numeric: false,
+            value: (design: number) => 1 - front[design]!,
+            text: (design: number) => (front[design] ? "\u25cf" : ""),
+          },
+        ]
+      : []),
     ...aims.map(numeric),
     ...differingPlaces(store).map((name): Column => {
       const chosen = (design: number): string => choiceAt(store, configurationOf(model, design), name) || "\u2013";
@@ -158,20 +234,31 @@ function drawHead(model: Model, columns: Column[], head: HTMLElement, last: Head
     last.show();
     return last;
   }
-  const focused = (document.activeElement as HTMLElement | null)?.dataset["leader"];
+  const focused = (document.activeElement as HTMLElement | null)?.dataset.leader;
   const cells = columns.map(({ key, title, hint, numeric }) => {
     const arrow = el("span", { class: "arrow", "aria-hidden": "true" });
     const sort = (): void => {
       const { sort: now, criteria } = model.choices;
       // What is better when large is first shown largest first.
-      const largest = key === "score" || key === "slack" || (numeric && criteria.some(({ column, maximize }) => column === key && maximize));
+      const largest =
+        key === "score" ||
+        key === "slack" ||
+        (numeric && criteria.some(({ column, maximize }) => column === key && maximize));
       model.set({ sort: { column: key, descending: now.column === key ? !now.descending : largest } });
     };
     const heading = createHeading(model.store, key);
-    const cell = el("th", { scope: "col", class: numeric ? "numeric" : "" }, el("button", { type: "button", "data-leader": key, title: hint || undefined, click: sort }, title, arrow), heading?.element);
+    const cell = el(
+      "th",
+      { scope: "col", class: numeric ? "numeric" : "" },
+      el("button", { type: "button", "data-leader": key, title: hint || undefined, click: sort }, title, arrow),
+      heading?.element,
+    );
     return { key, arrow, heading, cell };
   });
-  head.replaceChildren(el("th", { scope: "col" }, el("span", { class: "unseen" }, "Compare")), ...cells.map(({ cell }) => cell));
+  head.replaceChildren(
+    el("th", { scope: "col" }, el("span", { class: "unseen" }, "Compare")),
+    ...cells.map(({ cell }) => cell),
+  );
   if (focused) head.querySelector<HTMLElement>(`[data-leader="${CSS.escape(focused)}"]`)?.focus();
   const show = (): void => {
     const { column, descending } = model.choices.sort;
@@ -188,20 +275,42 @@ function drawHead(model: Model, columns: Column[], head: HTMLElement, last: Head
 function rowOf(model: Model, columns: Column[], design: number, index: number): HTMLElement {
   const { store, choices } = model;
   const chosen = store.state.selected >= 0 && model.grouping.of[store.state.selected] === design;
-  const pick = el("input", { id: `pick-${design}`, type: "checkbox", "aria-label": `Compare ${nameOf(model, design)}`, checked: choices.picked.includes(design), click: (event: Event) => event.stopPropagation(), change: () => togglePick(model, design) });
+  const pick = el("input", {
+    id: `pick-${design}`,
+    type: "checkbox",
+    "aria-label": `Compare ${nameOf(model, design)}`,
+    checked: choices.picked.includes(design),
+    click: (event: Event) => event.stopPropagation(),
+    change: () => togglePick(model, design),
+  });
   const cells = columns.map(({ key, numeric, text, mark }) => {
     const kind = mark ? CLASSES[mark(design)]! : "";
     return el("td", { class: `${numeric ? "numeric" : key === "verdict" ? "verdict" : ""} ${kind}` }, text(design));
   });
-  return el("tr", { class: chosen ? "chosen" : "", "aria-selected": String(chosen), "aria-rowindex": index + 2, "data-design": design, click: () => selectRun(store, model.standing().deciding[design]!) }, el("td", {}, pick), ...cells);
+  return el(
+    "tr",
+    {
+      class: chosen ? "chosen" : "",
+      "aria-selected": String(chosen),
+      "aria-rowindex": index + 2,
+      "data-design": design,
+      click: () => selectRun(store, model.standing().deciding[design]!),
+    },
+    el("td", {}, pick),
+    ...cells,
+  );
 }
 
 function noteOf(model: Model, shown: number): string {
   const { grouping, store, choices } = model;
   const several = grouping.size < store.study.size;
   const parts = [
-    choices.criteria.length ? "Feasible designs first. Score: TOPSIS over the feasible designs shown (Hwang and Yoon 1981), criteria in vector normalisation, weights by their share." : "Designs by the number of requirements that they meet, equal ones by their least margin; those that failed to run last. Choose a criterion for a score.",
-    several ? "Values are means over what is uncertain at the worst condition; a design has to meet every requirement in all its runs, and be shown to in one at least." : "",
+    choices.criteria.length
+      ? "Feasible designs first. Score: TOPSIS over the feasible designs shown (Hwang and Yoon 1981), criteria in vector normalisation, weights by their share."
+      : "Designs by the number of requirements that they meet, equal ones by their least margin; those that failed to run last. Choose a criterion for a score.",
+    several
+      ? "Values are means over what is uncertain at the worst condition; a design has to meet every requirement in all its runs, and be shown to in one at least."
+      : "",
     shown < grouping.size ? `${grouping.size - shown} designs are outside the brushes.` : "",
     "A row selects the run that decides; tick up to five to compare.",
   ];

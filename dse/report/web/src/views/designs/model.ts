@@ -1,17 +1,17 @@
 // What the reader has chosen among designs, and what follows from it; the parts of the view draw from here.
 import { columnOf } from "../../columns";
 import { shortened, withUnit } from "../../format";
+import { type Grouping, groupingOf, variablesOf } from "../../grouping";
+import { type Standing, standingOf } from "../../judgement";
 import type { Changed, State, Store } from "../../store";
 import type { Study } from "../../study";
 import { PASS } from "../../verdicts";
-import { MOST_COMPARED, readChoices, withChoices, type Choices, type Criterion } from "./choices";
+import { type Choices, type Criterion, MOST_COMPARED, readChoices, withChoices } from "./choices";
 import { frontOf } from "./front";
-import { groupingOf, variablesOf, type Grouping } from "../../grouping";
-import { standingOf, type Standing } from "../../judging";
 import { topsis } from "./topsis";
-import { aggregated, designColumns, place, senseOf, type DesignColumn, type Sense } from "./values";
+import { aggregated, type DesignColumn, designColumns, place, type Sense, senseOf } from "./values";
 
-export { MOST_COMPARED, type Criterion };
+export { type Criterion, MOST_COMPARED };
 
 type Key = keyof Choices | keyof State;
 export type ChangedKeys = ReadonlySet<Key>;
@@ -59,7 +59,7 @@ export function createModel(store: Store): Model {
   const remembered = new Map<string, { of: readonly unknown[]; value: unknown }>();
   const once = <T>(name: string, of: readonly unknown[], make: () => T): T => {
     const last = remembered.get(name);
-    if (last && last.of.every((one, index) => one === of[index])) return last.value as T;
+    if (last?.of.every((one, index) => one === of[index])) return last.value as T;
     const value = make();
     remembered.set(name, { of, value });
     return value;
@@ -74,17 +74,25 @@ export function createModel(store: Store): Model {
     let found = columns.get(name);
     if (!found) {
       const keyed = columnOf(study, key)!;
-      columns.set(name, (found = { ...keyed, values: aggregated(study, keyed.values, way), sense: way }));
+      found = { ...keyed, values: aggregated(study, keyed.values, way), sense: way };
+      columns.set(name, found);
     }
     return found;
   };
   const standing = (): Standing =>
-    once("standing", [store.state.thresholds, current().demand], () => standingOf(study, store.state.thresholds, current().demand, store.judgement()));
+    once("standing", [store.state.thresholds, current().demand], () =>
+      standingOf(study, store.state.thresholds, current().demand, store.judgement()),
+    );
   const within = (): Uint8Array | null =>
-    once("within", [store.state.brushes, current().criteria], () => (store.state.brushes.length ? brushed(store, grouping, column) : null));
+    once("within", [store.state.brushes, current().criteria], () =>
+      store.state.brushes.length ? brushed(store, grouping, column) : null,
+    );
   const feasible = (): Uint8Array =>
-    once("feasible", [standing(), within()], () => standing().mark.map((mark, design) => (mark === PASS && (within()?.[design] ?? 1) ? 1 : 0)));
-  const aims = () => current().criteria.map(({ column: key, maximize, weight }) => ({ values: column(key).values, maximize, weight }));
+    once("feasible", [standing(), within()], () =>
+      standing().mark.map((mark, design) => (mark === PASS && (within()?.[design] ?? 1) ? 1 : 0)),
+    );
+  const aims = () =>
+    current().criteria.map(({ column: key, maximize, weight }) => ({ values: column(key).values, maximize, weight }));
   return {
     store,
     grouping,
@@ -115,11 +123,13 @@ function brushed(store: Store, { size, of }: Grouping, column: (key: string) => 
     if (!keyed) continue;
     if (own.has(key)) {
       const { values } = column(key);
-      for (let design = 0; design < size; design++) if (!(values[design]! >= low && values[design]! <= high)) mask[design] = 0;
+      for (let design = 0; design < size; design++)
+        if (!(values[design]! >= low && values[design]! <= high)) mask[design] = 0;
       continue;
     }
     const any = new Uint8Array(size);
-    for (let run = 0; run < of.length; run++) if (keyed.values[run]! >= low && keyed.values[run]! <= high) any[of[run]!] = 1;
+    for (let run = 0; run < of.length; run++)
+      if (keyed.values[run]! >= low && keyed.values[run]! <= high) any[of[run]!] = 1;
     for (let design = 0; design < size; design++) mask[design]! &= any[design]!;
   }
   return mask;
@@ -190,8 +200,15 @@ export function nameOf(model: Model, design: number): string {
   const configuration = configurationOf(model, design);
   const chosen = differingPlaces(store).map((name) => choiceAt(store, configuration, name));
   const has = variablesOf(store.study, "design").filter(({ lack }) => !lack.includes(configuration));
-  const values = has.map(({ title, unit, values, text }) => `${title} ${withUnit(text(values[grouping.first[design]!]!), unit)}`);
-  return [...chosen, ...values].filter(Boolean).map((part) => shortened(part, MOST_PART)).join(", ") || store.study.configurations[configuration]!.id;
+  const values = has.map(
+    ({ title, unit, values, text }) => `${title} ${withUnit(text(values[grouping.first[design]!]!), unit)}`,
+  );
+  return (
+    [...chosen, ...values]
+      .filter(Boolean)
+      .map((part) => shortened(part, MOST_PART))
+      .join(", ") || store.study.configurations[configuration]!.id
+  );
 }
 
 /** The choice that *configuration* makes at the place *name*, "" where it has none. */
@@ -208,7 +225,10 @@ const differing = new WeakMap<Study, string[]>();
 /** The places at which configurations choose differently, in the order of the design space. */
 export function differingPlaces({ study }: Store): string[] {
   let found = differing.get(study);
-  if (!found) differing.set(study, (found = placesThatDiffer(study)));
+  if (!found) {
+    found = placesThatDiffer(study);
+    differing.set(study, found);
+  }
   return found;
 }
 
@@ -220,11 +240,18 @@ function placesThatDiffer(study: Study): string[] {
 
 /** Whether the design has the variable of a column; others have a value to stand somewhere. */
 export function hasVariable(model: Model, key: string, design: number): boolean {
-  return !key.startsWith("variable.") || !model.store.study.variables[place(key)]!.lack.includes(configurationOf(model, design));
+  return (
+    !key.startsWith("variable.") ||
+    !model.store.study.variables[place(key)]!.lack.includes(configurationOf(model, design))
+  );
 }
 
 /** Adds a design to those compared, or takes it away; beyond the most, the oldest goes. */
 export function togglePick(model: Model, design: number): void {
   const { picked } = model.choices;
-  model.set({ picked: picked.includes(design) ? picked.filter((one) => one !== design) : [...picked, design].slice(-MOST_COMPARED) });
+  model.set({
+    picked: picked.includes(design)
+      ? picked.filter((one) => one !== design)
+      : [...picked, design].slice(-MOST_COMPARED),
+  });
 }

@@ -2,13 +2,13 @@
 import { selectRun } from "../../actions";
 import { el } from "../../dom";
 import { number, percent, withUnit } from "../../format";
+import { variablesOf } from "../../grouping";
 import { badge } from "../../panels/selected";
 import { CLASSES, FAIL, PASS, SIGNS, WORDS } from "../../verdicts";
-import { variablesOf } from "../../grouping";
 import { scaleOf } from "../shared/margins";
-import { configurationOf, MOST_COMPARED, nameOf, subscribeCalmly, type Model } from "./model";
-import { changesBetween, nearestDesign, type Change } from "./nearest";
-import { short } from "./short";
+import { short } from "./ellipsis";
+import { configurationOf, MOST_COMPARED, type Model, nameOf, subscribeCalmly } from "./model";
+import { type Change, changesBetween, nearestDesign } from "./neighbours";
 
 export function createReasons(model: Model): HTMLElement {
   const box = el("div", { class: "reasons", id: "reasons" });
@@ -54,7 +54,13 @@ function sentences(model: Model, design: number): string[] {
     const mark = each[index]![design]!;
     if (mark === FAIL) {
       const by = margins[index]![design]!;
-      told.push(Number.isNaN(by) ? `\u201c${title}\u201d has no value` : by < 0 ? `\u201c${title}\u201d is missed` : `\u201c${title}\u201d is met, but with less than ${Math.round(100 * choices.demand)}\u202f% margin`);
+      told.push(
+        Number.isNaN(by)
+          ? `\u201c${title}\u201d has no value`
+          : by < 0
+            ? `\u201c${title}\u201d is missed`
+            : `\u201c${title}\u201d is met, but with less than ${Math.round(100 * choices.demand)}\u202f% margin`,
+      );
     } else if (mark !== PASS && !failed) told.push(`no run exercised \u201c${title}\u201d`);
   });
   if (!grouping.whole[design]) told.push("it was not tried at all conditions");
@@ -72,10 +78,23 @@ function requirementTable(model: Model, design: number): HTMLElement {
     const { unit, values, text } = study.metrics[metric]!;
     const run = worst[index]![design]!;
     const by = margins[index]![design]!;
-    const bounds = [threshold.atMost === null ? "" : `\u2264\u202f${number(threshold.atMost)}`, threshold.atLeast === null ? "" : `\u2265\u202f${number(threshold.atLeast)}`].filter(Boolean).join(", ");
+    const bounds = [
+      threshold.atMost === null ? "" : `\u2264\u202f${number(threshold.atMost)}`,
+      threshold.atLeast === null ? "" : `\u2265\u202f${number(threshold.atLeast)}`,
+    ]
+      .filter(Boolean)
+      .join(", ");
     const mark = each[index]![design]!;
     const share = (100 * by) / scaleOf(study, index, threshold);
-    const at = run < 0 || !several ? "" : conditions.map(({ title: name, unit: symbol, values: column, text: shown }) => `${name} ${withUnit(shown(column[run]!), symbol)}`).join(", ");
+    const at =
+      run < 0 || !several
+        ? ""
+        : conditions
+            .map(
+              ({ title: name, unit: symbol, values: column, text: shown }) =>
+                `${name} ${withUnit(shown(column[run]!), symbol)}`,
+            )
+            .join(", ");
     return el(
       "tr",
       { class: threshold.off ? "off" : "" },
@@ -86,8 +105,14 @@ function requirementTable(model: Model, design: number): HTMLElement {
       el("td", { class: `verdict ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`),
     );
   });
-  const head = ["Requirement", several ? "Worst value" : "Value", "Bound", "Margin", "Verdict"].map((text) => el("th", { scope: "col" }, text));
-  return el("div", { class: "scroll" }, el("table", { class: "metrics" }, el("thead", {}, el("tr", {}, ...head)), el("tbody", {}, ...rows)));
+  const head = ["Requirement", several ? "Worst value" : "Value", "Bound", "Margin", "Verdict"].map((text) =>
+    el("th", { scope: "col" }, text),
+  );
+  return el(
+    "div",
+    { class: "scroll" },
+    el("table", { class: "metrics" }, el("thead", {}, el("tr", {}, ...head)), el("tbody", {}, ...rows)),
+  );
 }
 
 /** The nearest feasible design of the same configuration, and if that is another, the nearest of any. */
@@ -99,21 +124,56 @@ function waysOut(model: Model, design: number): HTMLElement[] {
   const any = near >= 0 ? near : nearestDesign(study, grouping, design, among, false);
   const heading = el("h4", {}, "What would have to change");
   const margin = choices.demand ? ` with ${Math.round(100 * choices.demand)}\u202f% margin` : "";
-  if (any < 0) return [heading, el("p", { class: "muted" }, `None of the designs of this study meets every requirement${margin}.`)];
+  if (any < 0)
+    return [
+      heading,
+      el("p", { class: "muted" }, `None of the designs of this study meets every requirement${margin}.`),
+    ];
   const decided = variablesOf(study, "design").some(({ lack }) => !lack.includes(configurationOf(model, design)));
-  const alone = near < 0 && decided && study.configurations.length > 1 ? [el("p", { class: "said" }, "No simulated values of its design variables are enough by themselves.")] : [];
+  const alone =
+    near < 0 && decided && study.configurations.length > 1
+      ? [el("p", { class: "said" }, "No simulated values of its design variables are enough by themselves.")]
+      : [];
   const changes = changesBetween(study, grouping, design, any);
-  const pick = (): void => model.set({ picked: [...new Set([...choices.picked.filter((one) => one !== design && one !== any).slice(-(MOST_COMPARED - 2)), design, any])] });
+  const pick = (): void =>
+    model.set({
+      picked: [
+        ...new Set([
+          ...choices.picked.filter((one) => one !== design && one !== any).slice(-(MOST_COMPARED - 2)),
+          design,
+          any,
+        ]),
+      ],
+    });
   return [
     heading,
     ...alone,
-    el("p", { class: "said" }, near >= 0 ? "The nearest design that is feasible, of the same configuration, is " : "The nearest design that is feasible is ", el("button", { type: "button", class: "link", id: "nearest", click: () => selectRun(store, model.standing().deciding[any]!) }, nameOf(model, any)), ":"),
+    el(
+      "p",
+      { class: "said" },
+      near >= 0
+        ? "The nearest design that is feasible, of the same configuration, is "
+        : "The nearest design that is feasible is ",
+      el(
+        "button",
+        {
+          type: "button",
+          class: "link",
+          id: "nearest",
+          click: () => selectRun(store, model.standing().deciding[any]!),
+        },
+        nameOf(model, any),
+      ),
+      ":",
+    ),
     el("ul", { class: "changes" }, ...changes.map(changeItem)),
     el("button", { type: "button", id: "compare-nearest", click: pick }, "Compare both"),
   ];
 }
 
 function changeItem({ title, from, to, share }: Change): HTMLElement {
-  const way = Number.isNaN(share) ? "" : ` (${share > 0 ? "up" : "down"} by ${percent(Math.abs(share), 1)} of its range)`;
+  const way = Number.isNaN(share)
+    ? ""
+    : ` (${share > 0 ? "up" : "down"} by ${percent(Math.abs(share), 1)} of its range)`;
   return el("li", {}, el("b", {}, short(title)), " ", short(from), " \u2192 ", short(to), way);
 }

@@ -1,20 +1,20 @@
 // Any column over any other: point to see, click to select, drag a rectangle to set everything else back.
 import { selectRun } from "../../actions";
-import { rebrushed } from "../../brushing";
+import { rebrushed } from "../../brush";
 import { columnsOf } from "../../columns";
 import { choose, el, field } from "../../dom";
 import { count, group, number, withUnit } from "../../format";
 import { badge } from "../../panels/selected";
 import { drawAxes, drawGrid, type Frame } from "../../plot/frame";
-import { dotEntry, markEntry, type Entry } from "../../plot/legend";
-import { paintedBy, partsIn, type Part, type Sheet } from "../../plot/sheet";
+import { dotEntry, type Entry, markEntry } from "../../plot/legend";
+import { type Part, paintedBy, partsIn, type Sheet } from "../../plot/sheet";
 import type { Places } from "../../plot/stamps";
 import { axisLabel } from "../../study";
-import type { Mark } from "../../verdicts";
 import { palette } from "../../theme";
-import { cloudFrame, cloudOf, paintCloud, paintFront, placesOf, type Cloud } from "./cloud";
-import { colouringOf, colourOptions, type Colouring } from "./colouring";
-import { isLarge, nameOf, subscribeCalmly, type Model } from "./model";
+import type { Mark } from "../../verdicts";
+import { type Cloud, cloudFrame, cloudOf, paintCloud, paintFront, placesOf } from "./cloud";
+import { type Colouring, colouringOf, colourOptions } from "./colouring";
+import { isLarge, type Model, nameOf, subscribeCalmly } from "./model";
 import { designColumns } from "./values";
 
 const REACH = 22;
@@ -36,7 +36,13 @@ export function createScatter(model: Model): { box: HTMLElement; picture: () => 
   const ground = el("canvas", { "aria-hidden": "true" });
   const overlay = el("canvas", { "aria-hidden": "true" });
   const tip = el("div", { class: "tip", "aria-hidden": "true", hidden: true });
-  const surface = el("div", { class: "plot cloud", id: "cloud", tabindex: 0, role: "application", "aria-roledescription": "scatter plot" }, ground, overlay, tip);
+  const surface = el(
+    "div",
+    { class: "plot cloud", id: "cloud", tabindex: 0, role: "application", "aria-roledescription": "scatter plot" },
+    ground,
+    overlay,
+    tip,
+  );
   const controls = el("div", { class: "row" });
   const legend = el("ul", { class: "legend" });
   const note = el("p", { class: "hint", id: "cloud-note" });
@@ -46,27 +52,35 @@ export function createScatter(model: Model): { box: HTMLElement; picture: () => 
   let hovered = -1;
   let dragged: [number, number, number, number] | null = null;
 
-  const paintGround = paintedBy(ground, ({ pen, width, height }) => {
-    const colours = palette();
-    const cloud = cloudOf(model);
-    const frame = cloudFrame(width, height, cloud);
-    const places = samePlaces(drawn, cloud, frame) ?? placesOf(cloud, frame);
-    const colouring = colouringOf(model, colours);
-    drawn = { cloud, frame, places, colouring };
-    pen.fillStyle = colours.plot;
-    pen.fillRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
-    drawGrid(pen, frame, cloud.x, cloud.y, colours);
-    paintCloud(pen, frame, cloud, places, colouring, colours);
-    if (resting && model.choices.points === "designs" && model.choices.criteria.length > 1) paintFront(pen, frame, model, model.front(), places, colours);
-    drawAxes(pen, frame, cloud.x, cloud.y, colours);
-  }, { legend: () => (drawn ? keyOf(drawn.colouring) : []) });
+  const paintGround = paintedBy(
+    ground,
+    ({ pen, width, height }) => {
+      const colours = palette();
+      const cloud = cloudOf(model);
+      const frame = cloudFrame(width, height, cloud);
+      const places = samePlaces(drawn, cloud, frame) ?? placesOf(cloud, frame);
+      const colouring = colouringOf(model, colours);
+      drawn = { cloud, frame, places, colouring };
+      pen.fillStyle = colours.plot;
+      pen.fillRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
+      drawGrid(pen, frame, cloud.x, cloud.y, colours);
+      paintCloud(pen, frame, cloud, places, colouring, colours);
+      if (resting && model.choices.points === "designs" && model.choices.criteria.length > 1)
+        paintFront(pen, frame, model, model.front(), places, colours);
+      drawAxes(pen, frame, cloud.x, cloud.y, colours);
+    },
+    { legend: () => (drawn ? keyOf(drawn.colouring) : []) },
+  );
   const paint = (): void => {
     paintGround();
     if (!surface.clientWidth || !drawn) return;
     const { cloud, colouring } = drawn;
     legend.replaceChildren(...legendOf(colouring));
     note.textContent = noteOf(model, drawn, resting);
-    surface.setAttribute("aria-label", `${axisLabel(cloud.y)} over ${axisLabel(cloud.x)}. ${note.textContent} Arrow keys select the next point.`);
+    surface.setAttribute(
+      "aria-label",
+      `${axisLabel(cloud.y)} over ${axisLabel(cloud.x)}. ${note.textContent} Arrow keys select the next point.`,
+    );
     mark();
   };
   const mark = paintedBy(overlay, (sheet) => {
@@ -121,7 +135,12 @@ export function createScatter(model: Model): { box: HTMLElement; picture: () => 
     const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
     if (step === undefined) return;
     event.preventDefault();
-    const point = neighbour(drawn, drawn.cloud.point(store.state.selected), event.key === "ArrowUp" || event.key === "ArrowDown" ? "y" : "x", step);
+    const point = neighbour(
+      drawn,
+      drawn.cloud.point(store.state.selected),
+      event.key === "ArrowUp" || event.key === "ArrowDown" ? "y" : "x",
+      step,
+    );
     if (point >= 0) selectRun(store, drawn.cloud.run(point));
   });
   const drawControls = (): void => {
@@ -139,18 +158,28 @@ export function createScatter(model: Model): { box: HTMLElement; picture: () => 
   model.subscribe((changed) => {
     if (isLarge(model) && judging.some((key) => changed.has(key))) resting = false;
     if (["x", "y", "colour", "points", "brushes"].some((key) => changed.has(key as "x"))) drawControls();
-    if (["x", "y", "colour", "points", "criteria", "demand", "thresholds", "brushes", "theme"].some((key) => changed.has(key as "x"))) paint();
+    if (
+      ["x", "y", "colour", "points", "criteria", "demand", "thresholds", "brushes", "theme"].some((key) =>
+        changed.has(key as "x"),
+      )
+    )
+      paint();
     else if (["selected", "hovered", "pins", "picked"].some((key) => changed.has(key as "pins"))) mark();
   });
   new ResizeObserver(paint).observe(surface);
   drawControls();
-  return { box: el("div", {}, el("div", { class: "controls" }, controls), surface, legend, note), picture: () => partsIn(surface) };
+  return {
+    box: el("div", {}, el("div", { class: "controls" }, controls), surface, legend, note),
+    picture: () => partsIn(surface),
+  };
 }
 
 // A slider that moves verdicts moves no point.
 function samePlaces(last: Drawn | null, { x, y }: Cloud, frame: Frame): Places | null {
   if (last?.cloud.x.values !== x.values || last.cloud.y.values !== y.values) return null;
-  return (["left", "right", "top", "bottom"] as const).every((side) => last.frame[side] === frame[side]) ? last.places : null;
+  return (["left", "right", "top", "bottom"] as const).every((side) => last.frame[side] === frame[side])
+    ? last.places
+    : null;
 }
 
 function controlsOf(model: Model): HTMLElement[] {
@@ -165,15 +194,29 @@ function controlsOf(model: Model): HTMLElement[] {
   const colour = choose(colourOptions(model), choices.colour, (value) => model.set({ colour: value }));
   colour.id = "cloud-colour";
   const several = grouping.size < store.study.size;
-  const points = choose([["designs", "a design at its worst condition"], ["runs", "a run"]], choices.points, (value) => {
-    const known = (value === "runs" ? columnsOf(store.study) : designColumns(store.study)).map(({ key }) => key);
-    const keep = (key: string): string => (known.includes(key) ? key : known[0]!);
-    model.set({ points: value as "designs" | "runs", x: keep(choices.x), y: keep(choices.y) });
-  });
+  const points = choose(
+    [
+      ["designs", "a design at its worst condition"],
+      ["runs", "a run"],
+    ],
+    choices.points,
+    (value) => {
+      const known = (value === "runs" ? columnsOf(store.study) : designColumns(store.study)).map(({ key }) => key);
+      const keep = (key: string): string => (known.includes(key) ? key : known[0]!);
+      model.set({ points: value as "designs" | "runs", x: keep(choices.x), y: keep(choices.y) });
+    },
+  );
   points.id = "cloud-points";
   const parts = [axis("x", "Across"), axis("y", "Up"), field("Colour", colour)];
   if (several) parts.push(field("A point is", points));
-  if (store.state.brushes.length) parts.push(el("button", { id: "cloud-clear", type: "button", class: "clear", click: () => clear(model) }, store.state.brushes.length > 1 ? "Clear brushes" : "Clear brush"));
+  if (store.state.brushes.length)
+    parts.push(
+      el(
+        "button",
+        { id: "cloud-clear", type: "button", class: "clear", click: () => clear(model) },
+        store.state.brushes.length > 1 ? "Clear brushes" : "Clear brush",
+      ),
+    );
   return parts;
 }
 
@@ -187,7 +230,9 @@ function isDrag([a, b, c, d]: [number, number, number, number]): boolean {
 
 function brush({ store, choices }: Model, frame: Frame, [a, b, c, d]: [number, number, number, number]): void {
   const across = rebrushed(store.state.brushes, choices.x, [frame.x.invert(a), frame.x.invert(c)]);
-  store.set({ brushes: choices.y === choices.x ? across : rebrushed(across, choices.y, [frame.y.invert(b), frame.y.invert(d)]) });
+  store.set({
+    brushes: choices.y === choices.x ? across : rebrushed(across, choices.y, [frame.y.invert(b), frame.y.invert(d)]),
+  });
 }
 
 function nearest({ cloud, places: { a, b } }: Drawn, x: number, y: number, reach: number): number {
@@ -207,7 +252,8 @@ function nearest({ cloud, places: { a, b } }: Drawn, x: number, y: number, reach
 /** The next point along an axis, those at the same value in their order. */
 function neighbour({ cloud }: Drawn, from: number, axis: "x" | "y", step: number): number {
   const { values } = cloud[axis];
-  const after = (a: number, b: number): boolean => step * (values[a]! - values[b]!) > 0 || (values[a] === values[b] && step * (a - b) > 0);
+  const after = (a: number, b: number): boolean =>
+    step * (values[a]! - values[b]!) > 0 || (values[a] === values[b] && step * (a - b) > 0);
   let best = -1;
   for (let point = 0; point < values.length; point++) {
     if (Number.isNaN(values[point]!) || (cloud.within && !cloud.within[point])) continue;
@@ -216,13 +262,22 @@ function neighbour({ cloud }: Drawn, from: number, axis: "x" | "y", step: number
   return best;
 }
 
-function paintOverlay({ pen }: Sheet, model: Model, { cloud, frame, places }: Drawn, hovered: number, dragged: [number, number, number, number] | null): void {
+function paintOverlay(
+  { pen }: Sheet,
+  model: Model,
+  { cloud, frame, places }: Drawn,
+  hovered: number,
+  dragged: [number, number, number, number] | null,
+): void {
   const colours = palette();
   const { state } = model.store;
   const ring = (point: number, colour: string, width: number): void => {
     const [x, y] = [places.a[point]!, places.b[point]!];
     if (point < 0 || Number.isNaN(x + y)) return;
-    for (const [stroke, wide] of [[colours.plot, width + 3], [colour, width]] as const) {
+    for (const [stroke, wide] of [
+      [colours.plot, width + 3],
+      [colour, width],
+    ] as const) {
       pen.beginPath();
       pen.arc(x, y, 6 + width, 0, 2 * Math.PI);
       pen.strokeStyle = stroke;
@@ -231,15 +286,20 @@ function paintOverlay({ pen }: Sheet, model: Model, { cloud, frame, places }: Dr
     }
   };
   model.choices.picked.forEach((design, index) => {
-    if (model.choices.points === "designs") ring(design, colours.requirements[index % colours.requirements.length]!, 2.4);
+    if (model.choices.points === "designs")
+      ring(design, colours.requirements[index % colours.requirements.length]!, 2.4);
   });
   for (const run of state.pins) ring(cloud.point(run), colours.target, 1.6);
   ring(hovered >= 0 ? hovered : state.hovered >= 0 ? cloud.point(state.hovered) : -1, colours.ink, 1.2);
   if (state.selected >= 0) ring(cloud.point(state.selected), colours.ink, 2.2);
   const box = dragged && isDrag(dragged) ? dragged : brushed(model, frame);
   if (!box) return;
-  const [x0, x1] = [Math.min(box[0], box[2]), Math.max(box[0], box[2])].map((x) => Math.min(frame.right, Math.max(frame.left, x))) as [number, number];
-  const [y0, y1] = [Math.min(box[1], box[3]), Math.max(box[1], box[3])].map((y) => Math.min(frame.bottom, Math.max(frame.top, y))) as [number, number];
+  const [x0, x1] = [Math.min(box[0], box[2]), Math.max(box[0], box[2])].map((x) =>
+    Math.min(frame.right, Math.max(frame.left, x)),
+  ) as [number, number];
+  const [y0, y1] = [Math.min(box[1], box[3]), Math.max(box[1], box[3])].map((y) =>
+    Math.min(frame.bottom, Math.max(frame.top, y)),
+  ) as [number, number];
   pen.strokeStyle = colours.current;
   pen.lineWidth = 1.2;
   pen.setLineDash([4, 3]);
@@ -252,15 +312,22 @@ function brushed({ store, choices }: Model, frame: Frame): [number, number, numb
   const on = (key: string) => store.state.brushes.find(({ column }) => column === key);
   const [x, y] = [on(choices.x), on(choices.y)];
   if (!x && !y) return null;
-  return [x ? frame.x(x.low) : frame.left, y ? frame.y(y.low) : frame.bottom, x ? frame.x(x.high) : frame.right, y ? frame.y(y.high) : frame.top];
+  return [
+    x ? frame.x(x.low) : frame.left,
+    y ? frame.y(y.low) : frame.bottom,
+    x ? frame.x(x.high) : frame.right,
+    y ? frame.y(y.high) : frame.top,
+  ];
 }
 
 function showTip(tip: HTMLElement, surface: HTMLElement, model: Model, { cloud, places }: Drawn, point: number): void {
   tip.hidden = point < 0;
   if (point < 0) return;
   const { store, choices } = model;
-  const line = (name: string, value: string): HTMLElement => el("div", { class: "line" }, el("span", {}, name), el("b", {}, value));
-  const value = ({ title, unit, values, text }: Cloud["x"]): HTMLElement => line(title, withUnit(text(values[point]!), unit));
+  const line = (name: string, value: string): HTMLElement =>
+    el("div", { class: "line" }, el("span", {}, name), el("b", {}, value));
+  const value = ({ title, unit, values, text }: Cloud["x"]): HTMLElement =>
+    line(title, withUnit(text(values[point]!), unit));
   const score = choices.points === "designs" ? model.scores()[point]! : NaN;
   const name = choices.points === "designs" ? nameOf(model, point) : `Run ${store.study.number[point]}`;
   tip.replaceChildren(
@@ -276,7 +343,10 @@ function showTip(tip: HTMLElement, surface: HTMLElement, model: Model, { cloud, 
 }
 
 function legendOf({ codes, colours, names, range, column }: Colouring): HTMLElement[] {
-  if (!codes) return MARKS.map((text, mark) => el("li", {}, el("span", { class: `sign ${["pass", "fail", "open", "broken"][mark]}` }), text));
+  if (!codes)
+    return MARKS.map((text, mark) =>
+      el("li", {}, el("span", { class: `sign ${["pass", "fail", "open", "broken"][mark]}` }), text),
+    );
   const swatch = (colour: string): HTMLElement => {
     const box = el("span", { class: "dot" });
     box.style.background = colour;
@@ -286,7 +356,9 @@ function legendOf({ codes, colours, names, range, column }: Colouring): HTMLElem
   if (!column) return [...names.map((name, code) => el("li", {}, swatch(colours[code]!), name)), filled];
   const ramp = el("span", { class: "ramp" });
   ramp.style.background = `linear-gradient(to right, ${colours.slice(0, -1).join(", ")})`;
-  return range ? [el("li", {}, withUnit(number(range[0]), column.unit), ramp, withUnit(number(range[1]), column.unit)), filled] : [el("li", {}, "no values")];
+  return range
+    ? [el("li", {}, withUnit(number(range[0]), column.unit), ramp, withUnit(number(range[1]), column.unit)), filled]
+    : [el("li", {}, "no values")];
 }
 
 // The same for a picture that is saved.
@@ -296,7 +368,12 @@ function keyOf({ codes, colours, names, range, column }: Colouring): Entry[] {
   if (!column) return [...names.map((name, code) => dotEntry(name, colours[code]!)), filled];
   if (!range) return [];
   const [low, high] = range;
-  return [dotEntry(withUnit(number(low), column.unit), colours[0]!), dotEntry(withUnit(number((low + high) / 2), column.unit), colours[(colours.length - 1) >> 1]!), dotEntry(`${withUnit(number(high), column.unit)} (${column.title})`, colours.at(-2)!), filled];
+  return [
+    dotEntry(withUnit(number(low), column.unit), colours[0]!),
+    dotEntry(withUnit(number((low + high) / 2), column.unit), colours[(colours.length - 1) >> 1]!),
+    dotEntry(`${withUnit(number(high), column.unit)} (${column.title})`, colours.at(-2)!),
+    filled,
+  ];
 }
 
 function noteOf(model: Model, { cloud, places: { a, b } }: Drawn, resting: boolean): string {
@@ -309,15 +386,24 @@ function noteOf(model: Model, { cloud, places: { a, b } }: Drawn, resting: boole
     inside += cloud.within?.[point] ?? 1;
   }
   const noun = choices.points === "designs" ? "design" : "run";
-  const { x: { values: xs }, y: { values: ys } } = cloud;
+  const {
+    x: { values: xs },
+    y: { values: ys },
+  } = cloud;
   const missing = xs.reduce((sum, x, point) => sum + (Number.isFinite(x + ys[point]!) ? 0 : 1), 0);
   const beyond = a.length - shown - missing;
-  const parts = [cloud.within ? `${group(inside)} of ${count(shown, noun)} within the brushes` : count(shown, noun), ...(missing ? [`${group(missing)} without a value on both axes`] : []), ...(beyond ? [`${group(beyond)} that do not exercise every requirement beyond the axes`] : [])];
+  const parts = [
+    cloud.within ? `${group(inside)} of ${count(shown, noun)} within the brushes` : count(shown, noun),
+    ...(missing ? [`${group(missing)} without a value on both axes`] : []),
+    ...(beyond ? [`${group(beyond)} that do not exercise every requirement beyond the axes`] : []),
+  ];
   const told = `${parts.join(", ")}.`;
   const hint = " Click a point, drag a rectangle to brush; Escape clears.";
   if (!resting || choices.points === "runs" || choices.criteria.length < 2) return told + hint;
   const onFront = model.front().reduce((sum, one) => sum + one, 0);
-  const names = choices.criteria.map(({ column, maximize }) => `${model.column(column).title} ${maximize ? "\u2191" : "\u2193"}`).join(", ");
+  const names = choices.criteria
+    .map(({ column, maximize }) => `${model.column(column).title} ${maximize ? "\u2191" : "\u2193"}`)
+    .join(", ");
   const front = onFront ? ` Ringed: the ${onFront} on the Pareto front of ${names}, among feasible designs.` : "";
   return told + front + hint;
 }

@@ -8,7 +8,9 @@ export interface Criterion extends Aim {
 /** The closeness of the points *among*, 0 … 1; NaN of others, where a value is not finite, and where all are alike.
  * Criteria are divided by the square root of their sum of squares (vector normalisation); weights count by their share. */
 export function topsis(criteria: readonly Criterion[], among: Uint8Array): Float64Array {
-  const sound = among.map((one, point) => (one && criteria.every(({ values }) => Number.isFinite(values[point]!)) ? 1 : 0));
+  const sound = among.map((one, point) =>
+    one && criteria.every(({ values }) => Number.isFinite(values[point]!)) ? 1 : 0,
+  );
   const total = criteria.reduce((sum, { weight }) => sum + weight, 0);
   const toBest = new Float64Array(among.length);
   const toWorst = new Float64Array(among.length);
@@ -30,5 +32,7 @@ export function topsis(criteria: readonly Criterion[], among: Uint8Array): Float
       toWorst[point]! += (factor * (values[point]! - worst)) ** 2;
     }
   }
-  return toWorst.map((square, point) => (sound[point] ? Math.sqrt(square) / (Math.sqrt(square) + Math.sqrt(toBest[point]!)) : NaN));
+  return toWorst.map((square, point) =>
+    sound[point] ? Math.sqrt(square) / (Math.sqrt(square) + Math.sqrt(toBest[point]!)) : NaN,
+  );
 }

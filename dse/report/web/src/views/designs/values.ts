@@ -1,8 +1,8 @@
 // What designs come to: the mean over what is uncertain, at the condition where that is worst.
 import { columnsOf, type Keyed } from "../../columns";
+import { type Grouping, groupingOf } from "../../grouping";
 import type { Store } from "../../store";
 import type { Study } from "../../study";
-import { groupingOf, type Grouping } from "../../grouping";
 
 /** Which way a column is better; "" where that is not known. */
 export type Sense = "min" | "max" | "";
@@ -15,7 +15,9 @@ export interface DesignColumn extends Omit<Keyed, "values"> {
 
 /** Columns that a design has a value of: not the conditions it is tried at, nor what is uncertain. */
 export function designColumns(study: Study): Keyed[] {
-  return columnsOf(study).filter(({ key }) => !key.startsWith("variable.") || study.variables[place(key)]!.role === "design");
+  return columnsOf(study).filter(
+    ({ key }) => !key.startsWith("variable.") || study.variables[place(key)]!.role === "design",
+  );
 }
 
 export function place(key: string): number {
@@ -40,11 +42,11 @@ export function aggregated(study: Study, values: Float64Array, sense: Sense): Fl
   const grouping = groupingOf(study);
   if (grouping.size === study.size) return values;
   const found = new Float64Array(grouping.size);
-  for (let design = 0; design < found.length; design++) found[design] = valueOf(grouping, values, sense, design);
+  for (let design = 0; design < found.length; design++) found[design] = worstMean(grouping, values, sense, design);
   return found;
 }
 
-function valueOf({ start, rows, condition }: Grouping, values: Float64Array, sense: Sense, design: number): number {
+function worstMean({ start, rows, condition }: Grouping, values: Float64Array, sense: Sense, design: number): number {
   const end = start[design + 1]!;
   let worst = NaN;
   for (let i = start[design]!; i < end; ) {

@@ -17,8 +17,16 @@ export function createFormulas(study: Study, asked: Asked): HTMLElement {
         ...judged.map((place) => {
           const { title, atLeast, atMost } = study.requirements[place]!;
           const when = asked.exercised[place];
-          const bounds = [atLeast === null ? "" : `at least ${withUnit(number(atLeast), metric.unit)}`, atMost === null ? "" : `at most ${withUnit(number(atMost), metric.unit)}`];
-          return el("div", { class: "bound" }, `${title}: ${bounds.filter(Boolean).join(", ")}`, when ? el("span", {}, "; counts only when ", el("code", {}, when)) : "; counts in every run");
+          const bounds = [
+            atLeast === null ? "" : `at least ${withUnit(number(atLeast), metric.unit)}`,
+            atMost === null ? "" : `at most ${withUnit(number(atMost), metric.unit)}`,
+          ];
+          return el(
+            "div",
+            { class: "bound" },
+            `${title}: ${bounds.filter(Boolean).join(", ")}`,
+            when ? el("span", {}, "; counts only when ", el("code", {}, when)) : "; counts in every run",
+          );
         }),
       ),
     );

@@ -2,11 +2,11 @@
 import { card, el } from "../../dom";
 import { createFacts } from "../../panels/facts";
 import type { View } from "../view";
-import { createAsked } from "./asked";
 import { createConstants } from "./constants";
+import { createFound } from "./findings";
 import { createFormulas } from "./formulas";
-import { createFound } from "./found";
 import { createPicks } from "./picks";
+import { createAsked } from "./question";
 import { createRequirements } from "./requirements";
 import { createSources } from "./sources";
 import { createWarnings } from "./warnings";
@@ -28,8 +28,22 @@ export const overviewView: View = {
       el(
         "div",
         { class: "overview-columns" },
-        el("div", {}, ...requirements, card("picks", "Runs to look at", createPicks(store)), card("found", "What was found", createFound(store))),
-        el("div", {}, card("asked", "What was asked", createAsked(study, asked)), card("measured", "How it was measured", createFormulas(study, asked)), createConstants(asked), card("files", "Files as they were run", createSources(study)), facts),
+        el(
+          "div",
+          {},
+          ...requirements,
+          card("picks", "Runs to look at", createPicks(store)),
+          card("found", "What was found", createFound(store)),
+        ),
+        el(
+          "div",
+          {},
+          card("asked", "What was asked", createAsked(study, asked)),
+          card("measured", "How it was measured", createFormulas(study, asked)),
+          createConstants(asked),
+          card("files", "Files as they were run", createSources(study)),
+          facts,
+        ),
       ),
     );
   },

@@ -1,11 +1,11 @@
 // Runs that are worth a look: the best, the most robust, the nearest to the boundary.
 import { el } from "../../dom";
 import { number, percent, withUnit } from "../../format";
-import { studyThresholds, type Store } from "../../store";
+import { type Store, studyThresholds } from "../../store";
 import type { Study } from "../../study";
-import { PASS, SIGNS, CLASSES, WORDS } from "../../verdicts";
-import { SHARE_OF, worstMargin } from "../shared/margins";
+import { CLASSES, PASS, SIGNS, WORDS } from "../../verdicts";
 import { aimOf } from "../shared/aims";
+import { SHARE_OF, worstMargin } from "../shared/margins";
 import { planeName } from "../shared/planes";
 import { openRun, placeOf, positionOf } from "../shared/runs";
 import { isAsStudied } from "../shared/thresholds";
@@ -27,7 +27,17 @@ export function createPicks(store: Store): HTMLElement {
   const draw = (): void => {
     const found = choices(store);
     const moved = !isAsStudied(store.state.thresholds, studyThresholds(store.study));
-    box.replaceChildren(...(found.length ? found.map((choice) => button(store, choice, moved)) : [el("p", { class: "hint" }, "No run passes: there is nothing to pick. Relax or switch off a requirement to see what comes near.")]));
+    box.replaceChildren(
+      ...(found.length
+        ? found.map((choice) => button(store, choice, moved))
+        : [
+            el(
+              "p",
+              { class: "hint" },
+              "No run passes: there is nothing to pick. Relax or switch off a requirement to see what comes near.",
+            ),
+          ]),
+    );
   };
   draw();
   store.subscribe((_, changed) => {
@@ -42,7 +52,12 @@ function button(store: Store, { name, run, why, stored, design }: Choice, moved:
   return el(
     "button",
     { type: "button", class: `pick${state.selected === run ? " chosen" : ""}`, click: () => openRun(store, run) },
-    el("span", { class: "pick-head" }, el("b", {}, name), !design && el("span", { class: `badge ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`)),
+    el(
+      "span",
+      { class: "pick-head" },
+      el("b", {}, name),
+      !design && el("span", { class: `badge ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`),
+    ),
     el("span", { class: "pick-run" }, `Run ${study.number[run]}`),
     el("span", { class: "pick-why" }, why),
     el("span", { class: "pick-place" }, placeOf(study, run)),
@@ -56,19 +71,45 @@ function choices(store: Store): Choice[] {
 
 function searched(study: Study): Choice[] {
   const { picks, objectives, units, knee } = study.insight!.search!;
-  const shown = objectives.length === 1 ? picks.slice(0, MOST_BEST).map((_, index) => index) : [...new Set([0, knee, picks.length - 1])].filter((index) => index >= 0 && index < picks.length);
-  return shown.map((index) => {
-    const pick = picks[index]!;
-    const values = pick.values.map((value, place) => `${aimOf(objectives[place]!)} ${withUnit(number(value, 4), units[place]!)}`).join(", ");
-    const name = objectives.length === 1 ? (index ? `Best design, place ${index + 1}` : "Best design") : index === knee ? "Knee of the front" : index ? "Other end of the front" : "One end of the front";
-    return { name, run: positionOf(study, pick.run), why: `${values}; shown is its run with the least margin`, stored: true, design: true };
-  }).filter(({ run }) => run >= 0);
+  const shown =
+    objectives.length === 1
+      ? picks.slice(0, MOST_BEST).map((_, index) => index)
+      : [...new Set([0, knee, picks.length - 1])].filter((index) => index >= 0 && index < picks.length);
+  return shown
+    .map((index) => {
+      const pick = picks[index]!;
+      const values = pick.values
+        .map((value, place) => `${aimOf(objectives[place]!)} ${withUnit(number(value, 4), units[place]!)}`)
+        .join(", ");
+      const name =
+        objectives.length === 1
+          ? index
+            ? `Best design, place ${index + 1}`
+            : "Best design"
+          : index === knee
+            ? "Knee of the front"
+            : index
+              ? "Other end of the front"
+              : "One end of the front";
+      return {
+        name,
+        run: positionOf(study, pick.run),
+        why: `${values}; shown is its run with the least margin`,
+        stored: true,
+        design: true,
+      };
+    })
+    .filter(({ run }) => run >= 0);
 }
 
 function byMargin(store: Store): Choice[] {
   const { study } = store;
   if (!study.requirements.length || store.state.thresholds.every(({ off }) => off)) return [];
-  const { judgement: { overall }, runs, deciding } = store.designs();
+  const {
+    judgement: { overall },
+    runs,
+    deciding,
+  } = store.designs();
   let [best, near] = [-1, -1];
   let [most, least] = [-Infinity, Infinity];
   for (const first of runs) {
@@ -87,8 +128,8 @@ function byMargin(store: Store): Choice[] {
 }
 
 function robust(study: Study): Choice[] {
-  return study.insight!.centres
-    .map((centre) => ({
+  return study
+    .insight!.centres.map((centre) => ({
       name: centre.plane.length ? `Most robust in ${planeName(study, centre.plane)}` : "Most robust",
       run: positionOf(study, centre.run),
       why: `where every number changes by up to ${percent(centre.margin, 1)} of its range at once, ${percent(centre.share[0] ?? 0, 1)} of held-out runs pass`,

@@ -4,7 +4,12 @@ import type { Study } from "../../study";
 
 export function createSources(study: Study): HTMLElement {
   const { notes } = study;
-  if (!notes?.sources.length) return el("p", { class: "hint", id: "sources" }, "Its files are not kept with this study: it was made by an earlier version of dse, or of a package. \u2018dse explore\u2019 of the same study keeps them.");
+  if (!notes?.sources.length)
+    return el(
+      "p",
+      { class: "hint", id: "sources" },
+      "Its files are not kept with this study: it was made by an earlier version of dse, or of a package. \u2018dse explore\u2019 of the same study keeps them.",
+    );
   return el(
     "div",
     { id: "sources" },
@@ -17,6 +22,10 @@ export function createSources(study: Study): HTMLElement {
         el("pre", { tabindex: 0, role: "region", "aria-label": `${kind} ${file}`, dir: "ltr" }, text),
       ),
     ),
-    el("p", { class: "hint" }, "As they were when the study was last explored. Components are identified by the hashes of their FMUs, below."),
+    el(
+      "p",
+      { class: "hint" },
+      "As they were when the study was last explored. Components are identified by the hashes of their FMUs, below.",
+    ),
   );
 }

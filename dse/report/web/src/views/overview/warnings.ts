@@ -1,8 +1,8 @@
 // What to know before relying on the numbers: said first, most serious first, and with a way to look.
 import { el } from "../../dom";
 import { count, group, percent } from "../../format";
-import { studyThresholds, type Store } from "../../store";
 import { conditionsInWords, everyCondition } from "../../points";
+import { type Store, studyThresholds } from "../../store";
 import type { Study } from "../../study";
 import { FAILED, NOT_EXERCISED, PASS, tally } from "../../verdicts";
 import { planeName } from "../shared/planes";
@@ -24,10 +24,29 @@ export function createWarnings(store: Store): HTMLElement {
   const list = el("ul", { class: "warning-list", id: "warnings", "aria-live": "polite" });
   const draw = (): void => {
     const found = warnings(store);
-    const shown = found.length ? found : [{ level: "note", text: "Nothing: all runs came to their end, every requirement was exercised in all of them, and no verdict is in doubt." } as Warning];
+    const shown = found.length
+      ? found
+      : [
+          {
+            level: "note",
+            text: "Nothing: all runs came to their end, every requirement was exercised in all of them, and no verdict is in doubt.",
+          } as Warning,
+        ];
     list.replaceChildren(
       ...shown.map(({ level, text, run }) =>
-        el("li", { class: level }, el("span", { class: "sign", "aria-hidden": "true" }, SIGN[level]), el("span", {}, el("span", { class: "unseen" }, `${WORD[level]}: `), text, " ", run !== undefined && runButton(store, run))),
+        el(
+          "li",
+          { class: level },
+          el("span", { class: "sign", "aria-hidden": "true" }, SIGN[level]),
+          el(
+            "span",
+            {},
+            el("span", { class: "unseen" }, `${WORD[level]}: `),
+            text,
+            " ",
+            run !== undefined && runButton(store, run),
+          ),
+        ),
       ),
     );
   };
@@ -40,17 +59,40 @@ export function createWarnings(store: Store): HTMLElement {
 
 function warnings(store: Store): Warning[] {
   const { study } = store;
-  return [...nothingPasses(store), ...failures(study), ...missing(study), ...retried(study), ...notExercised(store), ...doubtful(store), ...uncertain(study), ...atEdge(study), ...moved(store), ...unchecked(study)];
+  return [
+    ...nothingPasses(store),
+    ...failures(study),
+    ...missing(study),
+    ...retried(study),
+    ...notExercised(store),
+    ...doubtful(store),
+    ...uncertain(study),
+    ...atEdge(study),
+    ...moved(store),
+    ...unchecked(study),
+  ];
 }
 
 function nothingPasses(store: Store): Warning[] {
   const { study, state } = store;
   if (!study.size) return [{ level: "bad", text: "There are no runs." }];
-  const { judgement: { overall, each }, noun } = store.designs();
+  const {
+    judgement: { overall, each },
+    noun,
+  } = store.designs();
   if (!study.requirements.length || overall.includes(PASS)) return [];
-  const never = study.requirements.filter((_, index) => !state.thresholds[index]!.off && !each[index]!.includes(PASS)).map(({ title }) => title);
-  const why = never.length ? `No ${noun} meets ${never.join(", nor ")}.` : `Each requirement is met by some ${noun}, but not all by one.`;
-  return [{ level: "bad", text: `No ${noun} meets all requirements${conditionsInWords(study, everyCondition(study))}. ${why}` }];
+  const never = study.requirements
+    .filter((_, index) => !state.thresholds[index]!.off && !each[index]!.includes(PASS))
+    .map(({ title }) => title);
+  const why = never.length
+    ? `No ${noun} meets ${never.join(", nor ")}.`
+    : `Each requirement is met by some ${noun}, but not all by one.`;
+  return [
+    {
+      level: "bad",
+      text: `No ${noun} meets all requirements${conditionsInWords(study, everyCondition(study))}. ${why}`,
+    },
+  ];
 }
 
 function failures(study: Study): Warning[] {
@@ -60,18 +102,33 @@ function failures(study: Study): Warning[] {
   const causes = new Map<string, number>();
   for (const run of failed) {
     // The same cause at another time is the same cause.
-    const cause = (study.problems.get(run) ?? "no reason was given").split("\n")[0]!.replace(/[-+]?\d+(\.\d+)?(e[-+]?\d+)?/gi, "\u2026");
+    const cause = (study.problems.get(run) ?? "no reason was given")
+      .split("\n")[0]!
+      .replace(/[-+]?\d+(\.\d+)?(e[-+]?\d+)?/gi, "\u2026");
     causes.set(cause, (causes.get(cause) ?? 0) + 1);
   }
   const ordered = [...causes].sort((a, b) => b[1] - a[1]);
   const told = ordered.slice(0, MOST_CAUSES).map(([cause, times]) => `${cause.slice(0, 200)} (${group(times)})`);
   const rest = ordered.length > MOST_CAUSES ? `; and ${count(ordered.length - MOST_CAUSES, "other cause")}` : "";
-  return [{ level: "bad", text: `${group(failed.length)} of ${count(study.size, "run")} failed to run: ${told.join("; ")}${rest}.`, run: failed[0]! }];
+  return [
+    {
+      level: "bad",
+      text: `${group(failed.length)} of ${count(study.size, "run")} failed to run: ${told.join("; ")}${rest}.`,
+      run: failed[0]!,
+    },
+  ];
 }
 
 function missing(study: Study): Warning[] {
   const { unfinished } = study.insight!.asked;
-  const open: Warning[] = unfinished ? [{ level: "warn", text: `${count(unfinished, "run")} that the study asked for ${unfinished === 1 ? "is" : "are"} not there: it was stopped, or is still being made.` }] : [];
+  const open: Warning[] = unfinished
+    ? [
+        {
+          level: "warn",
+          text: `${count(unfinished, "run")} that the study asked for ${unfinished === 1 ? "is" : "are"} not there: it was stopped, or is still being made.`,
+        },
+      ]
+    : [];
   return [...open, ...study.missing.map((text): Warning => ({ level: "warn", text: `${text}.` }))];
 }
 
@@ -80,7 +137,10 @@ function retried(study: Study): Warning[] {
   return study.retried.map(({ cause, count: runs, runs: first }) => {
     const numbers = first.join(", ") + (runs > first.length ? ", \u2026" : "");
     const why = cause.split("\n")[0]!.slice(0, 200);
-    return { level: cause.startsWith("stopped") ? "note" : "warn", text: `${count(runs, "run")} (${numbers}) needed more than one try: ${why}.` };
+    return {
+      level: cause.startsWith("stopped") ? "note" : "warn",
+      text: `${count(runs, "run")} (${numbers}) needed more than one try: ${why}.`,
+    };
   });
 }
 
@@ -103,12 +163,18 @@ function doubtful(store: Store): Warning[] {
   const runs = [...marks.keys()].filter((run) => marks[run]);
   if (!runs.length) return [];
   const passing = runs.filter((run) => overall[run] === PASS).length;
-  return [{ level: "warn", text: `The verdict on ${count(runs.length, "run")} is doubtful: finer numerics may change it. ${group(passing)} of them pass.`, run: runs[0]! }];
+  return [
+    {
+      level: "warn",
+      text: `The verdict on ${count(runs.length, "run")} is doubtful: finer numerics may change it. ${group(passing)} of them pass.`,
+      run: runs[0]!,
+    },
+  ];
 }
 
 function uncertain(study: Study): Warning[] {
-  return study.insight!.chances
-    .filter(({ uncertain: share }) => share > UNCERTAIN)
+  return study
+    .insight!.chances.filter(({ uncertain: share }) => share > UNCERTAIN)
     .map(({ plane, requirement, uncertain: share }) => ({
       level: "warn",
       text: `The boundary of \u201c${study.requirements[requirement]!.title}\u201d is uncertain on ${percent(share, 1)} of the plane ${planeName(study, plane)}: 'dse refine DIR --band' writes a study of that part.`,
@@ -126,15 +192,33 @@ function atEdge(study: Study): Warning[] {
     const place = (values[run]! - low) / (high - low);
     return place < 1e-6 ? [`lower end of ${title}`] : place > 1 - 1e-6 ? [`upper end of ${title}`] : [];
   });
-  return ends.length ? [{ level: "warn", text: `The best design is at the ${ends.join(" and the ")}: there may be a better one beyond the range.`, run }] : [];
+  return ends.length
+    ? [
+        {
+          level: "warn",
+          text: `The best design is at the ${ends.join(" and the ")}: there may be a better one beyond the range.`,
+          run,
+        },
+      ]
+    : [];
 }
 
 function moved(store: Store): Warning[] {
   if (isAsStudied(store.state.thresholds, studyThresholds(store.study))) return [];
-  return [{ level: "note", text: "Thresholds are not the study\u2019s own: counts and margins follow them, sentences and stored picks do not." }];
+  return [
+    {
+      level: "note",
+      text: "Thresholds are not the study\u2019s own: counts and margins follow them, sentences and stored picks do not.",
+    },
+  ];
 }
 
 function unchecked(study: Study): Warning[] {
   if (!study.size || study.metrics.some(({ error }) => error)) return [];
-  return [{ level: "note", text: "Numerical error was not checked for these runs. There are no error bars, and doubtful verdicts cannot be flagged." }];
+  return [
+    {
+      level: "note",
+      text: "Numerical error was not checked for these runs. There are no error bars, and doubtful verdicts cannot be flagged.",
+    },
+  ];
 }

@@ -13,12 +13,17 @@ export function scaleOf(study: Study, index: number, { atMost, atLeast }: Thresh
 }
 
 /** The least margin of a run over the requirements that count and that it exercised, as a share; NaN if one is undefined. */
-export function worstMargin({ study, state, judgement }: Pick<Store, "study" | "state" | "judgement">, run: number): number {
+export function worstMargin(
+  { study, state, judgement }: Pick<Store, "study" | "state" | "judgement">,
+  run: number,
+): number {
   const { each } = judgement();
   let worst = Infinity;
   for (const [index, threshold] of state.thresholds.entries()) {
     if (threshold.off || each[index]![run] === NOT_EXERCISED) continue;
-    const here = margin(study.metrics[study.requirements[index]!.metric]!.values[run]!, threshold) / scaleOf(study, index, threshold);
+    const here =
+      margin(study.metrics[study.requirements[index]!.metric]!.values[run]!, threshold) /
+      scaleOf(study, index, threshold);
     if (Number.isNaN(here)) return NaN;
     worst = Math.min(worst, here);
   }
@@ -32,8 +37,11 @@ function medianSize(study: Study, metric: number): number {
   known.set(study, sizes);
   let size = sizes.get(metric);
   if (size === undefined) {
-    const found = study.metrics[metric]!.values.map(Math.abs).filter((value) => Number.isFinite(value) && value > 0).sort();
-    sizes.set(metric, (size = found[found.length >> 1] ?? 1));
+    const found = study.metrics[metric]!.values.map(Math.abs)
+      .filter((value) => Number.isFinite(value) && value > 0)
+      .sort();
+    size = found[found.length >> 1] ?? 1;
+    sizes.set(metric, size);
   }
   return size;
 }

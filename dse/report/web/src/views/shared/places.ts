@@ -25,19 +25,25 @@ export function levelAt({ levels }: FactorAxis, place: number): number {
 }
 
 export function placeText(factor: FactorAxis, place: number): string {
-  return factor.variable < 0 ? factor.labels[levelAt(factor, place)]! : withUnit(number(valueAt(factor, place), 4), factor.unit);
+  return factor.variable < 0
+    ? factor.labels[levelAt(factor, place)]!
+    : withUnit(number(valueAt(factor, place), 4), factor.unit);
 }
 
 /** What a run has of a choice: its configuration's, or the label of a variable that is an enumeration. */
 export function levelOf(study: Study, factor: FactorAxis, run: number): string {
   const variable = labelled(study, factor);
   if (variable) return variable.text(variable.values[run]!);
-  return study.configurations[study.configuration[run]!]!.choices.find(([name]) => name === factor.title)?.[1] ?? "absent";
+  return (
+    study.configurations[study.configuration[run]!]!.choices.find(([name]) => name === factor.title)?.[1] ?? "absent"
+  );
 }
 
 /** The variable that a choice is, if it is no place of the design space. */
 export function labelled(study: Study, factor: FactorAxis): Variable | undefined {
-  return study.variables.find(({ title, labels }) => labels.length > 0 && title === shortened(factor.title, MOST_TITLE));
+  return study.variables.find(
+    ({ title, labels }) => labels.length > 0 && title === shortened(factor.title, MOST_TITLE),
+  );
 }
 
 /** The place of a run on each factor; of no run (-1) the nominal one, or the first level. */

@@ -25,7 +25,11 @@ export function openRun(store: Store, run: number): void {
 }
 
 export function runButton(store: Store, run: number, text = `Run ${store.study.number[run]}`): HTMLElement {
-  return el("button", { type: "button", class: "run-button", title: "Select it and open the plot", click: () => openRun(store, run) }, text);
+  return el(
+    "button",
+    { type: "button", class: "run-button", title: "Select it and open the plot", click: () => openRun(store, run) },
+    text,
+  );
 }
 
 /** Where a run lies: the values of the variables it has. */
@@ -40,6 +44,11 @@ export function placeOf(study: Study, run: number): string {
 /** What was chosen at the places where configurations differ, with the id. */
 export function architectureOf(study: Study, configuration: number): string {
   const { id, choices } = study.configurations[configuration]!;
-  const differing = choices.filter(([place, choice]) => study.configurations.some((other) => (other.choices.find(([name]) => name === place)?.[1] ?? "") !== choice));
-  return [id, ...differing.map(([place, choice]) => `${shortened(place, MOST_NAME)} ${shortened(choice, MOST_NAME)}`)].join(", ");
+  const differing = choices.filter(([place, choice]) =>
+    study.configurations.some((other) => (other.choices.find(([name]) => name === place)?.[1] ?? "") !== choice),
+  );
+  return [
+    id,
+    ...differing.map(([place, choice]) => `${shortened(place, MOST_NAME)} ${shortened(choice, MOST_NAME)}`),
+  ].join(", ");
 }

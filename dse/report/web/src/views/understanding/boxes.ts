@@ -1,8 +1,9 @@
 // Boxes in which all requirements are met, as sentences, and how much may change around the robust centre.
+
+import { rebrushed } from "../../brush";
 import { el } from "../../dom";
 import { group, number, percent, withUnit } from "../../format";
 import type { Box, Centre, Range } from "../../insight";
-import { rebrushed } from "../../brushing";
 import type { Store } from "../../store";
 import { PASS } from "../../verdicts";
 import { planeName } from "../shared/planes";
@@ -13,9 +14,18 @@ export function createBoxes(store: Store): HTMLElement {
   const { boxes, centres } = study.insight!;
   const shows = [...boxes, ...centres].some(({ ranges }) => ranges.length);
   const status = el("p", { class: "hint", id: "brushed", "aria-live": "polite" });
-  const clear = el("button", { type: "button", id: "clear-brushes", click: () => store.set({ brushes: [] }) }, "Show all runs again");
+  const clear = el(
+    "button",
+    { type: "button", id: "clear-brushes", click: () => store.set({ brushes: [] }) },
+    "Show all runs again",
+  );
   const tell = (): void => {
-    const { runs, within: mask, judgement: { overall }, noun } = store.designs();
+    const {
+      runs,
+      within: mask,
+      judgement: { overall },
+      noun,
+    } = store.designs();
     clear.hidden = !mask;
     if (!mask) {
       status.textContent = !shows ? "" : "\u2018Show\u2019 sets back all runs outside of a box, in every view.";
@@ -47,7 +57,10 @@ function sentenceOf({ text }: Box): string {
 }
 
 function centreText({ study, designs }: Store, { run, margin, around, limit, share, ranges }: Centre): string {
-  const parts = ranges.map(({ variable, low, high }) => `${study.variables[variable]!.title} ${number(low, 3)} \u2026 ${withUnit(number(high, 3), study.variables[variable]!.unit)}`);
+  const parts = ranges.map(
+    ({ variable, low, high }) =>
+      `${study.variables[variable]!.title} ${number(low, 3)} \u2026 ${withUnit(number(high, 3), study.variables[variable]!.unit)}`,
+  );
   const { noun } = designs();
   const [value, low, high] = share.map((part) => percent(part ?? 0, 1));
   const end = limit < 0 ? "a range ends there" : `the nearest that does not pass is run ${limit}`;
@@ -58,7 +71,8 @@ function row(store: Store, text: string, plane: number[], ranges: Range[], choic
   const { study } = store;
   const show = (): void => {
     let brushes = store.state.brushes.filter(({ column }) => !column.startsWith("variable."));
-    for (const { variable, low, high } of ranges) brushes = rebrushed(brushes, `variable.${variable}`, widened(low, high));
+    for (const { variable, low, high } of ranges)
+      brushes = rebrushed(brushes, `variable.${variable}`, widened(low, high));
     // Of a plane only its own runs: the others have the held variables elsewhere.
     if (plane.length) {
       study.variables.forEach(({ nominal }, index) => {
@@ -71,8 +85,19 @@ function row(store: Store, text: string, plane: number[], ranges: Range[], choic
   return el(
     "div",
     { class: "box-row" },
-    el("div", {}, plane.length > 0 && el("span", { class: "muted" }, `${planeName(study, plane)}: `), text, choices && ranges.length > 0 ? el("span", { class: "muted" }, ` Choices (${choices}) are not brushed.`) : null),
-    el("div", { class: "box-buttons" }, ranges.length > 0 && el("button", { type: "button", click: show }, "Show"), at >= 0 && runButton(store, at)),
+    el(
+      "div",
+      {},
+      plane.length > 0 && el("span", { class: "muted" }, `${planeName(study, plane)}: `),
+      text,
+      choices && ranges.length > 0 ? el("span", { class: "muted" }, ` Choices (${choices}) are not brushed.`) : null,
+    ),
+    el(
+      "div",
+      { class: "box-buttons" },
+      ranges.length > 0 && el("button", { type: "button", click: show }, "Show"),
+      at >= 0 && runButton(store, at),
+    ),
   );
 }
 

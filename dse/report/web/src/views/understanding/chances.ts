@@ -4,16 +4,16 @@ import { scaleLinear } from "d3-scale";
 import { el } from "../../dom";
 import { group, number, percent, withUnit } from "../../format";
 import type { ChanceMap } from "../../insight";
+import { liesIn } from "../../plane/plane";
 import { clipTo, drawAxes, type Frame } from "../../plot/frame";
+import type { Pen } from "../../plot/pen";
 import type { Sheet } from "../../plot/sheet";
 import type { Store } from "../../store";
-import { liesIn } from "../../plane/plane";
-import { palette, shade, type Palette } from "../../theme";
-import { createPainted } from "../shared/painting";
+import { type Palette, palette, shade } from "../../theme";
+import { createPainted } from "../shared/canvas";
 import { placeAt } from "../shared/places";
 import { planeName } from "../shared/planes";
 import { positionOf } from "../shared/runs";
-import type { Pen } from "../../plot/pen";
 
 const DOUBTFUL = 5;
 const TICKS = 5;
@@ -23,9 +23,21 @@ export function createChances(store: Store): HTMLElement {
   return el(
     "div",
     {},
-    el("p", { class: "hint" }, "Colour is the probability that the requirement is met, by a Gaussian process through the runs at the study\u2019s own thresholds. The boundary itself is drawn in the constraint plot alone, which interpolates between the runs. Dashed: the band in which the verdict is another than the likeliest with more than 5 %. The frame is what may change at once around the robust centre."),
-    el("div", { class: "minis maps" }, ...chances.map((map, index) => chanceFigure(store, map, `chances-${index}`, store.study.requirements[map.requirement]!.title))),
-    ...withheld.filter((text) => text.startsWith("chances of ")).map((text) => el("p", { class: "hint withheld" }, `Withheld: ${text}.`)),
+    el(
+      "p",
+      { class: "hint" },
+      "Colour is the probability that the requirement is met, by a Gaussian process through the runs at the study\u2019s own thresholds. The boundary itself is drawn in the constraint plot alone, which interpolates between the runs. Dashed: the band in which the verdict is another than the likeliest with more than 5 %. The frame is what may change at once around the robust centre.",
+    ),
+    el(
+      "div",
+      { class: "minis maps" },
+      ...chances.map((map, index) =>
+        chanceFigure(store, map, `chances-${index}`, store.study.requirements[map.requirement]!.title),
+      ),
+    ),
+    ...withheld
+      .filter((text) => text.startsWith("chances of "))
+      .map((text) => el("p", { class: "hint withheld" }, `Withheld: ${text}.`)),
   );
 }
 
@@ -36,34 +48,57 @@ export function chanceFigure(store: Store, map: ChanceMap, id: string, title: st
   const { study } = store;
   const reading = el("p", { class: "reading" }, "\u00a0");
   const label = `Probability that ${title} is met over ${planeName(study, map.plane)}; the verdict is in doubt on ${percent(map.uncertain, 1)} of it`;
-  const painted = createPainted(store, "mini map", label, (sheet) => paint(sheet, store, map, over), () => title);
+  const painted = createPainted(
+    store,
+    "mini map",
+    label,
+    (sheet) => paint(sheet, store, map, over),
+    () => title,
+  );
   painted.element.id = id;
   painted.element.addEventListener("pointermove", (event) => {
     const frame = frameOf(painted.canvas.clientWidth, painted.canvas.clientHeight);
     const box = painted.canvas.getBoundingClientRect();
-    reading.textContent = read(map, frame.x.invert(event.clientX - box.left) / (TICKS - 1), frame.y.invert(event.clientY - box.top) / (TICKS - 1));
+    reading.textContent = read(
+      map,
+      frame.x.invert(event.clientX - box.left) / (TICKS - 1),
+      frame.y.invert(event.clientY - box.top) / (TICKS - 1),
+    );
   });
   painted.element.addEventListener("pointerleave", () => (reading.textContent = "\u00a0"));
   store.subscribe((_, changed) => {
     if (changed.has("selected") && painted.element.isConnected) painted.repaint();
   });
-  const held = map.held.map(([variable, value]) => `${study.variables[variable]!.title} ${withUnit(number(value), study.variables[variable]!.unit)}`);
-  const configuration = study.configurations.length > 1 ? ` Configuration ${study.configurations[map.configuration]!.id}.` : "";
-  const from = map.used < map.runs ? `${group(map.used)} drawn from ${group(map.runs)} runs` : `${group(map.runs)} runs`;
+  const held = map.held.map(
+    ([variable, value]) =>
+      `${study.variables[variable]!.title} ${withUnit(number(value), study.variables[variable]!.unit)}`,
+  );
+  const configuration =
+    study.configurations.length > 1 ? ` Configuration ${study.configurations[map.configuration]!.id}.` : "";
+  const from =
+    map.used < map.runs ? `${group(map.used)} drawn from ${group(map.runs)} runs` : `${group(map.runs)} runs`;
   return el(
     "figure",
     {},
     el("figcaption", {}, el("b", {}, title), el("span", {}, `in doubt on ${percent(map.uncertain, 1)} of the plane`)),
     painted.element,
     reading,
-    el("p", { class: "hint" }, `From ${from}.${configuration}${map.conditions > 1 ? ` At the worst of ${map.conditions} conditions.` : ""}${held.length ? ` Held: ${held.join(", ")}.` : ""}`),
+    el(
+      "p",
+      { class: "hint" },
+      `From ${from}.${configuration}${map.conditions > 1 ? ` At the worst of ${map.conditions} conditions.` : ""}${held.length ? ` Held: ${held.join(", ")}.` : ""}`,
+    ),
   );
 }
 
 function frameOf(width: number, height: number): Frame {
   const frame = { left: 66, right: width - 54, top: 10, bottom: height - 50 };
   // The axes count ticks: even places, whatever the scale of the variable is.
-  return { ...frame, x: scaleLinear([0, TICKS - 1], [frame.left, frame.right]), y: scaleLinear([0, TICKS - 1], [frame.bottom, frame.top]) };
+  return {
+    ...frame,
+    x: scaleLinear([0, TICKS - 1], [frame.left, frame.right]),
+    y: scaleLinear([0, TICKS - 1], [frame.bottom, frame.top]),
+  };
 }
 
 function paint({ pen, width, height }: Sheet, store: Store, map: ChanceMap, over?: Over): void {
@@ -91,7 +126,16 @@ function paint({ pen, width, height }: Sheet, store: Store, map: ChanceMap, over
   key(pen, frame, colours);
 }
 
-function line(pen: Pen, values: Uint8Array, size: number, level: number, at: (i: number, j: number) => [number, number], colours: Palette, dash: number[], width: number): void {
+function line(
+  pen: Pen,
+  values: Uint8Array,
+  size: number,
+  level: number,
+  at: (i: number, j: number) => [number, number],
+  colours: Palette,
+  dash: number[],
+  width: number,
+): void {
   pen.beginPath();
   for (const polygon of contours().size([size, size]).contour(Array.from(values), level).coordinates) {
     for (const ring of polygon) {
@@ -102,7 +146,10 @@ function line(pen: Pen, values: Uint8Array, size: number, level: number, at: (i:
       });
     }
   }
-  for (const [colour, thick] of [[colours.plot, width + 2], [colours.ink, width]] as const) {
+  for (const [colour, thick] of [
+    [colours.plot, width + 2],
+    [colours.ink, width],
+  ] as const) {
     pen.strokeStyle = colour;
     pen.lineWidth = thick;
     pen.setLineDash(colour === colours.ink ? dash : []);
@@ -118,19 +165,35 @@ function frameOfCentre(pen: Pen, store: Store, map: ChanceMap, { x, y }: Frame, 
     if (ranges.some((range) => !range)) continue;
     const run = positionOf(study, centre.run);
     if (run < 0 || !inPlane(store, map, run)) continue;
-    const [h, v] = ranges.map((range, axis) => [placeOf(store, map.plane[axis]!, range!.low), placeOf(store, map.plane[axis]!, range!.high)]) as [number[], number[]];
+    const [h, v] = ranges.map((range, axis) => [
+      placeOf(store, map.plane[axis]!, range!.low),
+      placeOf(store, map.plane[axis]!, range!.high),
+    ]) as [number[], number[]];
     pen.strokeStyle = colours.target;
     pen.lineWidth = 2;
     pen.strokeRect(x(h[0]!), y(v[1]!), x(h[1]!) - x(h[0]!), y(v[0]!) - y(v[1]!));
     pen.fillStyle = colours.target;
-    pen.fillRect(x(placeOf(store, map.plane[0], study.variables[map.plane[0]]!.values[run]!)) - 3, y(placeOf(store, map.plane[1], study.variables[map.plane[1]]!.values[run]!)) - 3, 6, 6);
+    pen.fillRect(
+      x(placeOf(store, map.plane[0], study.variables[map.plane[0]]!.values[run]!)) - 3,
+      y(placeOf(store, map.plane[1], study.variables[map.plane[1]]!.values[run]!)) - 3,
+      6,
+      6,
+    );
   }
 }
 
-function cross(pen: Pen, store: Store, map: ChanceMap, { x, y, left, right, top, bottom }: Frame, colours: Palette): void {
+function cross(
+  pen: Pen,
+  store: Store,
+  map: ChanceMap,
+  { x, y, left, right, top, bottom }: Frame,
+  colours: Palette,
+): void {
   const run = store.state.selected;
   if (run < 0 || !inPlane(store, map, run)) return;
-  const [a, b] = map.plane.map((variable) => placeOf(store, variable, store.study.variables[variable]!.values[run]!)) as [number, number];
+  const [a, b] = map.plane.map((variable) =>
+    placeOf(store, variable, store.study.variables[variable]!.values[run]!),
+  ) as [number, number];
   pen.beginPath();
   pen.moveTo(x(a), top);
   pen.lineTo(x(a), bottom);
@@ -155,7 +218,22 @@ function axisOf({ study }: Store, variable: number): { values: number[] } {
 }
 
 function placeOf(store: Store, variable: number, value: number): number {
-  return placeAt({ ...axisOf(store, variable), title: "", unit: "", variable, levels: [], label: "", is_condition: false, labels: [] }, value) * (TICKS - 1);
+  return (
+    placeAt(
+      {
+        ...axisOf(store, variable),
+        title: "",
+        unit: "",
+        variable,
+        levels: [],
+        label: "",
+        is_condition: false,
+        labels: [],
+      },
+      value,
+    ) *
+    (TICKS - 1)
+  );
 }
 
 function ticks(store: Store, map: ChanceMap, axis: 0 | 1): { title: string; unit: string; names: string[] } {

@@ -5,7 +5,7 @@ import type { Part, Response } from "../../insight";
 import { paintChart } from "../../plot/chart";
 import type { Store } from "../../store";
 import { palette } from "../../theme";
-import { createPainted } from "../shared/painting";
+import { createPainted } from "../shared/canvas";
 import { valueAt } from "../shared/places";
 import { createShares } from "./shares";
 
@@ -22,7 +22,11 @@ export function createDependence(store: Store, part: Part, response: Response): 
     ...response.withheld.map((text) => el("p", { class: "hint withheld" }, `Withheld: ${text}.`)),
     ...shares.elements,
     effects.length > 0 && el("h3", { class: "minor" }, "Mean along each, with its 95 % interval"),
-    el("div", { class: "minis" }, ...effects.slice(0, MOST_FACTORS).map((effect) => mini(store, part, response, effect, ends(effects)))),
+    el(
+      "div",
+      { class: "minis" },
+      ...effects.slice(0, MOST_FACTORS).map((effect) => mini(store, part, response, effect, ends(effects))),
+    ),
     hidden > 0 && el("p", { class: "hint" }, `${hidden} factors that matter less are not drawn.`),
   );
 }
@@ -39,7 +43,13 @@ function ends(effects: Response["effects"]): [number, number] {
   return [low - rim, high + rim];
 }
 
-function mini(store: Store, part: Part, response: Response, { factor, places, means }: Response["effects"][number], [low, high]: [number, number]): HTMLElement {
+function mini(
+  store: Store,
+  part: Part,
+  response: Response,
+  { factor, places, means }: Response["effects"][number],
+  [low, high]: [number, number],
+): HTMLElement {
   const axis = part.factors[factor]!;
   const metric = store.study.metrics[response.metric]!;
   const isChoice = axis.variable < 0;
@@ -49,19 +59,33 @@ function mini(store: Store, part: Part, response: Response, { factor, places, me
     name: "effect",
     title: axis.label,
     note: "",
-    x: { title: axis.label, unit: axis.unit, log: false, low: isChoice ? -0.5 : axis.values[0]!, high: isChoice ? axis.levels.length - 0.5 : axis.values.at(-1)!, names: isChoice ? axis.labels : [] },
+    x: {
+      title: axis.label,
+      unit: axis.unit,
+      log: false,
+      low: isChoice ? -0.5 : axis.values[0]!,
+      high: isChoice ? axis.levels.length - 0.5 : axis.values.at(-1)!,
+      names: isChoice ? axis.labels : [],
+    },
     y: { title: metric.title, unit: metric.unit, log: false, low, high, names: [] },
     drawn: [
-      ...(isChoice ? whiskers(at, column(1), column(2)) : [{ kind: "band" as const, label: "", x: at, low: column(1), high: column(2) }]),
-      isChoice ? { kind: "points", label: "", verdict: null, x: at, y: column(0), runs: new Int32Array(at.length) } : { kind: "line", label: "", x: at, y: column(0) },
+      ...(isChoice
+        ? whiskers(at, column(1), column(2))
+        : [{ kind: "band" as const, label: "", x: at, low: column(1), high: column(2) }]),
+      isChoice
+        ? { kind: "points", label: "", verdict: null, x: at, y: column(0), runs: new Int32Array(at.length) }
+        : { kind: "line", label: "", x: at, y: column(0) },
     ],
   };
   const values = means.map((mean, index) => `${mean[0]} at ${isChoice ? axis.labels[index] : at[index]}`).join(", ");
-  return createPainted(store, "mini", `Mean of ${metric.title} along ${axis.label}: ${values}`, (sheet) => paintChart(sheet, chart, palette())).element;
+  return createPainted(store, "mini", `Mean of ${metric.title} along ${axis.label}: ${values}`, (sheet) =>
+    paintChart(sheet, chart, palette()),
+  ).element;
 }
 
 /** Levels have no order: nothing is drawn between them. */
 export function whiskers(at: Float64Array, low: Float64Array, high: Float64Array): Chart["drawn"] {
-  const broken = (values: Float64Array, half = 0): Float64Array => Float64Array.from([...values].flatMap((value) => [value - half, value + half, NaN]));
+  const broken = (values: Float64Array, half = 0): Float64Array =>
+    Float64Array.from([...values].flatMap((value) => [value - half, value + half, NaN]));
   return [{ kind: "band", label: "", x: broken(at, 0.12), low: broken(low), high: broken(high) }];
 }

@@ -1,4 +1,4 @@
-// Formulas made by dse/report/insight/profiles.py, evaluated as `evaluated` there does.
+// Formulas made by dse/report/insight/responses.py, evaluated as by `evaluated` of dse/analysis/radial.py.
 import type { FactorAxis, Part, Profile } from "../../insight";
 import { levelAt } from "../shared/places";
 

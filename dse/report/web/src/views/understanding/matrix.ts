@@ -3,12 +3,12 @@ import { el } from "../../dom";
 import { count, group } from "../../format";
 import { fixedThrough, liesIn, startingPoint } from "../../plane/plane";
 import { paintedBy, type Sheet } from "../../plot/sheet";
-import { everyCondition, pointsOf, type Points } from "../../points";
+import { everyCondition, type Points, pointsOf } from "../../points";
 import type { State, Store } from "../../store";
 import type { Study } from "../../study";
 import { palette } from "../../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../../verdicts";
-import { chooseMatrixVariables, matrixVariables, MOST_VARIABLES } from "./chosen";
+import { chooseMatrixVariables, MOST_VARIABLES, matrixVariables } from "./selection";
 
 const MOST_POINTS = 4000;
 const RIM = 6;
@@ -36,12 +36,16 @@ export function createMatrix(store: Store): HTMLElement {
   const build = (): void => {
     cells = [];
     grid.style.setProperty("--columns", String(shown.length - 1));
-    grid.replaceChildren(...shown.slice(1).flatMap((y, row) => shown.slice(0, -1).map((x, column) => {
-      if (column > row) return el("span", {});
-      const cell = createCell(store, x, y);
-      cells.push(cell);
-      return cell.button;
-    })));
+    grid.replaceChildren(
+      ...shown.slice(1).flatMap((y, row) =>
+        shown.slice(0, -1).map((x, column) => {
+          if (column > row) return el("span", {});
+          const cell = createCell(store, x, y);
+          cells.push(cell);
+          return cell.button;
+        }),
+      ),
+    );
     requestAnimationFrame(paintAll);
   };
   build();
@@ -51,14 +55,21 @@ export function createMatrix(store: Store): HTMLElement {
     if (now.join() !== shown.join()) {
       shown = now;
       build();
-    } else if (grid.isConnected && ["thresholds", "selected", "configuration", "theme", "brushes", "fixed"].some((key) => changed.has(key as keyof State))) paintAll();
+    } else if (
+      grid.isConnected &&
+      ["thresholds", "selected", "configuration", "theme", "brushes", "fixed"].some((key) =>
+        changed.has(key as keyof State),
+      )
+    )
+      paintAll();
   });
   const many = study.variables.length > MOST_VARIABLES;
   return el("div", {}, el("p", { class: "hint" }, note(study)), many && chooser(store), grid);
 }
 
 function note(study: Study): string {
-  if (study.sampler === "scattered") return "Runs of the configuration shown. The other variables differ between them: each picture is a projection, not a plane.";
+  if (study.sampler === "scattered")
+    return "Runs of the configuration shown. The other variables differ between them: each picture is a projection, not a plane.";
   return study.sampler === "sliced"
     ? "Only runs in the plane, all other variables at the values held; runs of other planes are not mixed in."
     : "Only runs in the plane through the selected run; runs elsewhere are not mixed in.";
@@ -66,10 +77,16 @@ function note(study: Study): string {
 
 function chooser(store: Store): HTMLElement {
   const boxes = store.study.variables.map((variable, index) => {
-    const box = el("input", { type: "checkbox", change: () => {
-      const others = matrixVariables(store).filter((each) => each !== index);
-      chooseMatrixVariables(store, (box.checked ? [...others, index] : others).sort((a, b) => a - b));
-    } });
+    const box = el("input", {
+      type: "checkbox",
+      change: () => {
+        const others = matrixVariables(store).filter((each) => each !== index);
+        chooseMatrixVariables(
+          store,
+          (box.checked ? [...others, index] : others).sort((a, b) => a - b),
+        );
+      },
+    });
     return el("label", { class: "check" }, box, variable.title);
   });
   const refresh = (): void => {
@@ -93,13 +110,27 @@ function createCell(store: Store, x: number, y: number): Cell {
   const { variables } = store.study;
   const button = el(
     "button",
-    { type: "button", class: "pair", click: () => store.set({ x, y, view: "plot" }), title: `Open ${variables[x]!.title} \u00d7 ${variables[y]!.title} in the plot` },
+    {
+      type: "button",
+      class: "pair",
+      click: () => store.set({ x, y, view: "plot" }),
+      title: `Open ${variables[x]!.title} \u00d7 ${variables[y]!.title} in the plot`,
+    },
     el("span", { class: "pair-y" }, `\u2191 ${variables[y]!.title}`),
     canvas,
     el("span", { class: "pair-x" }, `\u2192 ${variables[x]!.title}`),
     told,
   );
-  const cell: Cell = { x, y, runs: [], button, told, repaint: paintedBy(canvas, (sheet) => paint(sheet, store, cell), { title: () => `${variables[y]!.title} over ${variables[x]!.title}` }) };
+  const cell: Cell = {
+    x,
+    y,
+    runs: [],
+    button,
+    told,
+    repaint: paintedBy(canvas, (sheet) => paint(sheet, store, cell), {
+      title: () => `${variables[y]!.title} over ${variables[x]!.title}`,
+    }),
+  };
   return cell;
 }
 
@@ -113,10 +144,17 @@ function runsOf(store: Store, x: number, y: number): number[] {
   const { study, state } = store;
   const { configuration, selected } = state;
   const own = study.sampler === "full_factorial" && selected >= 0 && study.configuration[selected] === configuration;
-  const fixed = own ? fixedThrough(study, startingPoint(study), selected) : study.sampler === "sliced" ? startingPoint(study) : state.fixed;
+  const fixed = own
+    ? fixedThrough(study, startingPoint(study), selected)
+    : study.sampler === "sliced"
+      ? startingPoint(study)
+      : state.fixed;
   const found: number[] = [];
   for (const run of judgedOn(store, x, y).runs) {
-    const there = study.sampler === "scattered" ? study.configuration[run] === configuration : liesIn(study, run, { configuration, x, y, fixed });
+    const there =
+      study.sampler === "scattered"
+        ? study.configuration[run] === configuration
+        : liesIn(study, run, { configuration, x, y, fixed });
     if (there) found.push(run);
   }
   return found;
@@ -125,8 +163,12 @@ function runsOf(store: Store, x: number, y: number): number[] {
 function tell(store: Store, cell: Cell): void {
   const { x, y, told } = cell;
   const { study } = store;
-  const { judgement: { overall }, noun } = judgedOn(store, x, y);
-  const runs = (cell.runs = runsOf(store, x, y));
+  const {
+    judgement: { overall },
+    noun,
+  } = judgedOn(store, x, y);
+  const runs = runsOf(store, x, y);
+  cell.runs = runs;
   const passing = runs.filter((run) => overall[run] === PASS).length;
   const together = study.sampler !== "sliced" || study.slices.some((names) => names.includes(x) && names.includes(y));
   told.textContent = together ? `${group(passing)} of ${count(runs.length, noun)} pass` : "not varied together";
@@ -134,7 +176,10 @@ function tell(store: Store, cell: Cell): void {
 
 function paint({ pen, width, height }: Sheet, store: Store, { x, y, runs }: Cell): void {
   const { study, state } = store;
-  const { judgement: { overall }, within: mask } = judgedOn(store, x, y);
+  const {
+    judgement: { overall },
+    within: mask,
+  } = judgedOn(store, x, y);
   const colours = palette();
   const place = (variable: number, run: number, from: number, to: number): number => {
     const { values, low, high } = study.variables[variable]!;
@@ -146,7 +191,12 @@ function paint({ pen, width, height }: Sheet, store: Store, { x, y, runs }: Cell
   pen.fillRect(0, 0, width, height);
   const stride = Math.ceil(runs.length / MOST_POINTS);
   const size = runs.length > 600 ? 2 : 3;
-  const inks = { [FAIL]: colours.line, [NOT_EXERCISED]: colours.muted, [PASS]: colours.pass, [FAILED]: colours.broken } as Record<number, string>;
+  const inks = {
+    [FAIL]: colours.line,
+    [NOT_EXERCISED]: colours.muted,
+    [PASS]: colours.pass,
+    [FAILED]: colours.broken,
+  } as Record<number, string>;
   for (const mark of [FAIL, NOT_EXERCISED, FAILED, PASS]) {
     pen.fillStyle = pen.strokeStyle = mark === FAIL ? colours.ink : inks[mark]!;
     pen.lineWidth = 1;

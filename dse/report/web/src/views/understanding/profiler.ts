@@ -7,13 +7,13 @@ import type { Part, Profile, Response } from "../../insight";
 import { paintChart } from "../../plot/chart";
 import type { Store } from "../../store";
 import { palette } from "../../theme";
-import { createPainted, type Painted } from "../shared/painting";
+import { createPainted, type Painted } from "../shared/canvas";
 import { levelAt, levelOf, placeText, valueAt } from "../shared/places";
 import { planeName } from "../shared/planes";
 import { withLevel } from "./choices";
-import { chooseProfilePlaces, profilePlaces } from "./chosen";
 import { whiskers } from "./dependence";
 import { predict } from "./formula";
+import { chooseProfilePlaces, profilePlaces } from "./selection";
 
 const STEPS = 41;
 const MOST_FACTORS = 12;
@@ -23,35 +23,71 @@ export function createProfiler(store: Store, part: Part, response: Response): HT
   const { study } = store;
   const { profile } = response;
   const metric = study.metrics[response.metric]!;
-  if (!profile) return el("p", { class: "hint" }, `There is no formula for ${metric.title}: ${response.withheld.find((text) => text.startsWith("a formula: "))?.slice(11) ?? "none was made"}.`);
+  if (!profile)
+    return el(
+      "p",
+      { class: "hint" },
+      `There is no formula for ${metric.title}: ${response.withheld.find((text) => text.startsWith("a formula: "))?.slice(11) ?? "none was made"}.`,
+    );
   const value = el("p", { class: "headline-small", id: "prediction", "aria-live": "polite" });
   const nearestText = el("p", { class: "hint", id: "nearest-run" });
   const order = shownFactors(part, response);
-  const controls = order.map((factor) => createControl(store, part, profile, response, factor, () => profilePlaces(store, part), (place) => chooseProfilePlaces(store, moved(store, part, profilePlaces(store, part), factor, place))));
+  const controls = order.map((factor) =>
+    createControl(
+      store,
+      part,
+      profile,
+      response,
+      factor,
+      () => profilePlaces(store, part),
+      (place) => chooseProfilePlaces(store, moved(store, part, profilePlaces(store, part), factor, place)),
+    ),
+  );
   const draw = (): void => {
     const places = profilePlaces(store, part);
     const here = predict(part, profile, places);
-    value.replaceChildren(`${metric.title} `, el("b", {}, withUnit(number(here, 4), metric.unit)), ` \u00b1\u202f${withUnit(number(profile.error, 2), metric.unit)}`);
+    value.replaceChildren(
+      `${metric.title} `,
+      el("b", {}, withUnit(number(here, 4), metric.unit)),
+      ` \u00b1\u202f${withUnit(number(profile.error, 2), metric.unit)}`,
+    );
     const near = nearestRun(store, part, places);
     nearestText.replaceChildren(...nearest(store, near, metric));
     const [low, high] = span(store, part, profile, response, places, order);
     for (const { show } of controls) show(low, high);
   };
-  const select = el("button", { type: "button", id: "profile-nearest", click: () => {
-    const places = profilePlaces(store, part);
-    const run = nearestRun(store, part, places);
-    if (run < 0) return;
-    selectRun(store, run);
-    chooseProfilePlaces(store, places);
-  } }, "Select the nearest run");
+  const select = el(
+    "button",
+    {
+      type: "button",
+      id: "profile-nearest",
+      click: () => {
+        const places = profilePlaces(store, part);
+        const run = nearestRun(store, part, places);
+        if (run < 0) return;
+        selectRun(store, run);
+        chooseProfilePlaces(store, places);
+      },
+    },
+    "Select the nearest run",
+  );
   const box = el(
     "div",
     {},
     el("div", { class: "prediction" }, value, select),
     nearestText,
     el("div", { class: "minis profile" }, ...controls.map(({ element }) => element)),
-    part.factors.length > order.length && el("p", { class: "hint" }, `${part.factors.length - order.length} factors that matter less stay as in the selected run.`),
-    el("p", { class: `hint${profile.explained < POOR ? " poor" : ""}` }, quality(part, profile, study.variables.length ? planeName(study, part.plane) : "")),
+    part.factors.length > order.length &&
+      el(
+        "p",
+        { class: "hint" },
+        `${part.factors.length - order.length} factors that matter less stay as in the selected run.`,
+      ),
+    el(
+      "p",
+      { class: `hint${profile.explained < POOR ? " poor" : ""}` },
+      quality(part, profile, study.variables.length ? planeName(study, part.plane) : ""),
+    ),
   );
   store.subscribe((_, changed) => {
     if (changed.has("selected") || changed.has("thresholds") || changed.has("settings")) draw();
@@ -63,29 +99,51 @@ export function createProfiler(store: Store, part: Part, response: Response): HT
 function quality(part: Part, { error, explained, runs, power }: Profile, plane: string): string {
   const poor = explained < POOR ? "This is a poor formula: do not rely on it. " : "";
   const held = part.plane.length ? ` All else than ${plane} is held at its nominal value.` : "";
-  const together = part.factors.some(({ variable }) => variable < 0) ? " Choices that only go with another one change along with it." : "";
+  const together = part.factors.some(({ variable }) => variable < 0)
+    ? " Choices that only go with another one change along with it."
+    : "";
   return `${poor}The curves are a formula (radial functions, power ${power}), not simulations. Of ${group(runs)} runs that were left out in turn it predicts ${Math.max(0, Math.round(1000 * explained) / 10)}\u202f% of the variance, with a root mean square error of ${number(error, 2)}: the band.${held}${together}`;
 }
 
 function shownFactors(part: Part, { bars }: Response): number[] {
   const share = (factor: number): number => bars.find((bar) => bar.factor === factor)?.share[0] ?? 0;
-  const strongest = part.factors.map((_, index) => index).sort((a, b) => share(b) - share(a)).slice(0, MOST_FACTORS);
+  const strongest = part.factors
+    .map((_, index) => index)
+    .sort((a, b) => share(b) - share(a))
+    .slice(0, MOST_FACTORS);
   return part.factors.length > MOST_FACTORS ? strongest : part.factors.map((_, index) => index);
 }
 
-function curve(store: Store, part: Part, profile: Profile, factor: number, places: number[]): { at: number[]; values: number[] } {
+function curve(
+  store: Store,
+  part: Part,
+  profile: Profile,
+  factor: number,
+  places: number[],
+): { at: number[]; values: number[] } {
   const axis = part.factors[factor]!;
   const isChoice = axis.variable < 0;
-  const at = isChoice ? axis.levels.map((_, level) => (level + 0.5) / axis.levels.length) : Array.from({ length: STEPS }, (_, step) => step / (STEPS - 1));
+  const at = isChoice
+    ? axis.levels.map((_, level) => (level + 0.5) / axis.levels.length)
+    : Array.from({ length: STEPS }, (_, step) => step / (STEPS - 1));
   return { at, values: at.map((place) => predict(part, profile, moved(store, part, places, factor, place))) };
 }
 
 function moved({ study }: Store, part: Part, places: number[], factor: number, place: number): number[] {
   const axis = part.factors[factor]!;
-  return axis.variable < 0 ? withLevel(study, part, places, factor, levelAt(axis, place)) : places.map((each, index) => (index === factor ? place : each));
+  return axis.variable < 0
+    ? withLevel(study, part, places, factor, levelAt(axis, place))
+    : places.map((each, index) => (index === factor ? place : each));
 }
 
-function span(store: Store, part: Part, profile: Profile, { metric }: Response, places: number[], order: number[]): [number, number] {
+function span(
+  store: Store,
+  part: Part,
+  profile: Profile,
+  { metric }: Response,
+  places: number[],
+  order: number[],
+): [number, number] {
   const { study, state } = store;
   const all = order.flatMap((factor) => curve(store, part, profile, factor, places).values);
   for (const [index, requirement] of study.requirements.entries()) {
@@ -102,12 +160,25 @@ interface Control {
   show: (low: number, high: number) => void;
 }
 
-function createControl(store: Store, part: Part, profile: Profile, response: Response, factor: number, places: () => number[], move: (place: number) => void): Control {
+function createControl(
+  store: Store,
+  part: Part,
+  profile: Profile,
+  response: Response,
+  factor: number,
+  places: () => number[],
+  move: (place: number) => void,
+): Control {
   const axis = part.factors[factor]!;
   const metric = store.study.metrics[response.metric]!;
   const isChoice = axis.variable < 0;
   let range: [number, number] = [0, 1];
-  const painted: Painted = createPainted(store, "mini", `${metric.title} along ${axis.label}, as a formula predicts it`, (sheet) => paintChart(sheet, chartOf(), palette()));
+  const painted: Painted = createPainted(
+    store,
+    "mini",
+    `${metric.title} along ${axis.label}, as a formula predicts it`,
+    (sheet) => paintChart(sheet, chartOf(), palette()),
+  );
   const chartOf = (): Chart => {
     const { at, values } = curve(store, part, profile, factor, places());
     const x = Float64Array.from(at, (place, index) => (isChoice ? index : valueAt(axis, place)));
@@ -118,11 +189,20 @@ function createControl(store: Store, part: Part, profile: Profile, response: Res
       name: "profile",
       title: axis.label,
       note: "",
-      x: { title: axis.label, unit: axis.unit, log: false, low: isChoice ? -0.5 : axis.values[0]!, high: isChoice ? axis.levels.length - 0.5 : axis.values.at(-1)!, names: isChoice ? axis.labels : [] },
+      x: {
+        title: axis.label,
+        unit: axis.unit,
+        log: false,
+        low: isChoice ? -0.5 : axis.values[0]!,
+        high: isChoice ? axis.levels.length - 0.5 : axis.values.at(-1)!,
+        names: isChoice ? axis.labels : [],
+      },
       y: { title: metric.title, unit: metric.unit, log: false, low: range[0], high: range[1], names: [] },
       drawn: [
         ...(isChoice ? whiskers(x, below, above) : [{ kind: "band" as const, label: "", x, low: below, high: above }]),
-        isChoice ? { kind: "points", label: "", verdict: null, x, y, runs: new Int32Array(x.length) } : { kind: "line", label: "", x, y },
+        isChoice
+          ? { kind: "points", label: "", verdict: null, x, y, runs: new Int32Array(x.length) }
+          : { kind: "line", label: "", x, y },
         { kind: "rule", label: "", axis: "x", value: isChoice ? levelAt(axis, here) : valueAt(axis, here) },
         ...bounds(store, response),
       ],
@@ -130,12 +210,32 @@ function createControl(store: Store, part: Part, profile: Profile, response: Res
   };
   const text = el("output", {});
   const label = `${axis.label}, where the formula is evaluated`;
-  const slider = isChoice ? null : el("input", { type: "range", min: 0, max: 1, step: 0.005, "aria-label": label, input: () => move(Number((slider as HTMLInputElement).value)) });
-  const select = isChoice ? choose(axis.labels.map((level, index): [string, string] => [String(index), level]), "0", (value) => move((Number(value) + 0.5) / axis.levels.length)) : null;
+  const slider = isChoice
+    ? null
+    : el("input", {
+        type: "range",
+        min: 0,
+        max: 1,
+        step: 0.005,
+        "aria-label": label,
+        input: () => move(Number((slider as HTMLInputElement).value)),
+      });
+  const select = isChoice
+    ? choose(
+        axis.labels.map((level, index): [string, string] => [String(index), level]),
+        "0",
+        (value) => move((Number(value) + 0.5) / axis.levels.length),
+      )
+    : null;
   select?.setAttribute("aria-label", label);
   if (!isChoice) dragged(painted, move);
   return {
-    element: el("div", { class: "profile-cell" }, painted.element, el("div", { class: "profile-control" }, slider ?? select, slider && text)),
+    element: el(
+      "div",
+      { class: "profile-cell" },
+      painted.element,
+      el("div", { class: "profile-control" }, slider ?? select, slider && text),
+    ),
     show(low, high) {
       range = [low, high];
       const place = places()[factor]!;
@@ -170,13 +270,19 @@ function bounds({ study, state }: Store, { metric }: Response): Chart["drawn"] {
   return study.requirements.flatMap((requirement, index) => {
     const { atMost, atLeast, off } = state.thresholds[index]!;
     if (requirement.metric !== metric || off) return [];
-    return [atMost, atLeast].filter((bound) => bound !== null).map((value) => ({ kind: "rule" as const, label: "", axis: "y" as const, value }));
+    return [atMost, atLeast]
+      .filter((bound) => bound !== null)
+      .map((value) => ({ kind: "rule" as const, label: "", axis: "y" as const, value }));
   });
 }
 
 function nearestRun({ study }: Store, part: Part, places: number[]): number {
-  const wanted = part.factors.map((factor, index) => (factor.variable < 0 ? factor.levels[levelAt(factor, places[index]!)]! : valueAt(factor, places[index]!)));
-  const held = part.plane.length ? study.variables.map((_, index) => index).filter((index) => !part.plane.includes(index)) : [];
+  const wanted = part.factors.map((factor, index) =>
+    factor.variable < 0 ? factor.levels[levelAt(factor, places[index]!)]! : valueAt(factor, places[index]!),
+  );
+  const held = part.plane.length
+    ? study.variables.map((_, index) => index).filter((index) => !part.plane.includes(index))
+    : [];
   let [best, least] = [-1, Infinity];
   for (let run = 0; run < study.size; run++) {
     let square = 0;
@@ -200,5 +306,7 @@ function nearestRun({ study }: Store, part: Part, places: number[]): number {
 function nearest({ study }: Store, run: number, metric: Store["study"]["metrics"][number]): (Node | string)[] {
   if (run < 0) return ["There is no run."];
   const there = metric.values[run]!;
-  return [`The nearest run, ${study.number[run]}, was simulated: ${Number.isNaN(there) ? "undefined there" : withUnit(metric.text(there), metric.unit)}.`];
+  return [
+    `The nearest run, ${study.number[run]}, was simulated: ${Number.isNaN(there) ? "undefined there" : withUnit(metric.text(there), metric.unit)}.`,
+  ];
 }

@@ -6,7 +6,10 @@ import type { Estimate, Part, Response } from "../../insight";
 const HARDLY = 0.02;
 
 /** The bars with what there is to say of them, and the factors in their *order*, those that matter most first. */
-export function createShares(part: Part, { bars, together }: Response): { order: number[]; elements: (HTMLElement | false)[] } {
+export function createShares(
+  part: Part,
+  { bars, together }: Response,
+): { order: number[]; elements: (HTMLElement | false)[] } {
   const alone = new Map(bars.map(({ factor, share }) => [factor, share]));
   const totals = new Map((together?.totals ?? []).map(({ factor, share }) => [factor, share]));
   const worth = (factor: number): number => Math.max(alone.get(factor)?.[0] ?? 0, totals.get(factor)?.[0] ?? 0);
@@ -18,14 +21,29 @@ export function createShares(part: Part, { bars, together }: Response): { order:
       "div",
       { class: "bar-row" },
       el("span", { class: "bar-name" }, part.factors[factor]!.label),
-      el("span", { class: "bar-tracks", "aria-hidden": "true" }, own && track(own, "alone"), total && track(total, "total")),
+      el(
+        "span",
+        { class: "bar-tracks", "aria-hidden": "true" },
+        own && track(own, "alone"),
+        total && track(total, "total"),
+      ),
       el("span", { class: "bar-value" }, own && told(own, "by itself"), total && told(total, "in all")),
     );
   };
   const elements = [
-    el("h3", { class: "minor" }, `Share of the variance that each explains by itself${totals.size ? ", and in all with what it does together with others" : ""}, with 95 % intervals`),
+    el(
+      "h3",
+      { class: "minor" },
+      `Share of the variance that each explains by itself${totals.size ? ", and in all with what it does together with others" : ""}, with 95 % intervals`,
+    ),
     el("div", { class: "bars", id: "bars" }, ...order.map(row)),
-    el("p", { class: "hint", id: "together" }, together ? aboutTogether(part, together) : "What the shares leave to 100 % is due to several together, or to chance."),
+    el(
+      "p",
+      { class: "hint", id: "together" },
+      together
+        ? aboutTogether(part, together)
+        : "What the shares leave to 100 % is due to several together, or to chance.",
+    ),
   ];
   return { order, elements };
 }
@@ -33,7 +51,10 @@ export function createShares(part: Part, { bars, together }: Response): { order:
 function aboutTogether({ factors }: Part, { source, pairs }: NonNullable<Response["together"]>): string {
   const named = pairs
     .filter(({ share }) => (share[1] ?? 0) > HARDLY)
-    .map(({ one, other, share }) => `${interval(share)} depends on both ${factors[one]!.label} and ${factors[other]!.label}`);
+    .map(
+      ({ one, other, share }) =>
+        `${interval(share)} depends on both ${factors[one]!.label} and ${factors[other]!.label}`,
+    );
   const depends = named.length ? `Of the variance ${named.join("; ")}. ` : "";
   return `${depends}In all: by ${source}; what that misses is part of the intervals. Factors that go together, as parts of one choice do, have one share in all.`;
 }
@@ -48,7 +69,13 @@ function track([value, low, high]: Estimate, kind: string): HTMLElement {
 }
 
 function told(share: Estimate, what: string): HTMLElement {
-  return el("span", {}, el("b", {}, percent(share[0] ?? 0, 1)), ` ${what} `, el("span", { class: "muted" }, `(${interval(share, false)})`));
+  return el(
+    "span",
+    {},
+    el("b", {}, percent(share[0] ?? 0, 1)),
+    ` ${what} `,
+    el("span", { class: "muted" }, `(${interval(share, false)})`),
+  );
 }
 
 function interval([value, low, high]: Estimate, whole = true): string {

@@ -2,24 +2,24 @@
 import { card, choose, el, field } from "../../dom";
 import { group } from "../../format";
 import type { Part, Response } from "../../insight";
-import { untilDropped, type Store } from "../../store";
+import { withSaving } from "../../panels/export";
 import { plotted } from "../../plane/plane";
-import { withSaving } from "../../panels/saving";
+import { type Store, untilDropped } from "../../store";
 import { planeName } from "../shared/planes";
 import type { View } from "../view";
-import { createAround } from "./around";
 import { createBoxes } from "./boxes";
+import { createAround } from "./centre";
 import { createChances } from "./chances";
-import { chooseMetric, choosePart, subjectOf } from "./chosen";
 import { createDependence } from "./dependence";
 import { createMatrix } from "./matrix";
 import { createProfiler } from "./profiler";
 import { createSearch } from "./search";
+import { chooseMetric, choosePart, subjectOf } from "./selection";
 
 export const understandingView: View = {
   name: "understanding",
   title: "Understanding",
-  suits: ({ insight }) => insight !== null && insight.parts.some(({ factors }) => factors.length > 0),
+  suits: ({ insight }) => insight?.parts.some(({ factors }) => factors.length > 0) ?? false,
   create(store) {
     const { study } = store;
     const { parts, chances, boxes, centres, search } = study.insight!;
@@ -28,17 +28,36 @@ export const understandingView: View = {
     const profiler = el("div", {});
     let subject = subjectOf(store, told);
     let drop = (): void => undefined;
-    const metrics = el("select", { id: "understood-metric", change: () => chooseMetric(store, Number(metrics.value), subject) });
-    const partChoice = choose(told.map((each, index): [string, string] => [String(index), planeName(study, each.plane)]), "0", (value) => choosePart(store, Number(value)));
+    const metrics = el("select", {
+      id: "understood-metric",
+      change: () => chooseMetric(store, Number(metrics.value), subject),
+    });
+    const partChoice = choose(
+      told.map((each, index): [string, string] => [String(index), planeName(study, each.plane)]),
+      "0",
+      (value) => choosePart(store, Number(value)),
+    );
     partChoice.id = "understood-part";
     const note = el("p", { class: "hint" });
-    const controls = el("div", { class: "controls" }, el("div", { class: "row" }, field("Metric", metrics), told.length > 1 && field("Runs in which were varied", partChoice)), note);
+    const controls = el(
+      "div",
+      { class: "controls" },
+      el(
+        "div",
+        { class: "row" },
+        field("Metric", metrics),
+        told.length > 1 && field("Runs in which were varied", partChoice),
+      ),
+      note,
+    );
     const draw = (): void => {
       const { part, response } = subject;
       drop();
       const scope = untilDropped(store);
       drop = scope.drop;
-      metrics.replaceChildren(...part.responses.map((each) => el("option", { value: each.metric }, metricName(store, each))));
+      metrics.replaceChildren(
+        ...part.responses.map((each) => el("option", { value: each.metric }, metricName(store, each))),
+      );
       metrics.value = String(response.metric);
       partChoice.value = String(told.indexOf(part));
       note.textContent = noteOf(part);
@@ -58,10 +77,17 @@ export const understandingView: View = {
       { class: "understanding" },
       withSaving(store, card("dependence", "What a metric depends on", controls, dependence), "effects", "effects"),
       withSaving(store, card("profiler", "What would happen at other values", profiler), "profile", ""),
-      chances.length > 0 && withSaving(store, card("chances", "How sure the boundaries are", createChances(store), createAround(store)), "boundaries", "boundary"),
+      chances.length > 0 &&
+        withSaving(
+          store,
+          card("chances", "How sure the boundaries are", createChances(store), createAround(store)),
+          "boundaries",
+          "boundary",
+        ),
       (boxes.length > 0 || centres.length > 0) && card("boxes", "Where all requirements are met", createBoxes(store)),
       plotted(study) && withSaving(store, card("pairs", "All planes", createMatrix(store)), "planes", "constraints"),
-      search && withSaving(store, card("search", "How the search went", createSearch(store, search)), "search", "search"),
+      search &&
+        withSaving(store, card("search", "How the search went", createSearch(store, search)), "search", "search"),
     );
   },
 };

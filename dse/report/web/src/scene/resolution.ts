@@ -7,7 +7,7 @@ const COARSEST = 0.4;
 const WATCHED = 600; // ms before it is drawn coarser
 const PATIENCE = 1500; // ms before it is drawn finer; doubled each time that this was too fine
 
-export class Fineness {
+export class Resolution {
   value = 1;
   private since = -1;
   private pictures = 0;
@@ -15,7 +15,7 @@ export class Fineness {
   private patience = PATIENCE;
   private grew = false;
 
-  /** A picture came at *now*, *passed* ms after the one before. Whether the next is to be of another fineness. */
+  /** A picture came at *now*, *passed* ms after the one before. Whether the next is to be of another resolution. */
   tell(now: number, passed: number): boolean {
     if (this.since < 0) this.since = now;
     this.pictures++;

@@ -1,27 +1,43 @@
 // What is taken out of the view: pictures, the table of designs, and the commands that make the same.
-import { quoted, savingMenu } from "../../panels/saving";
+
 import { el } from "../../dom";
-import { cell, download } from "../../save";
+import { quoted, savingMenu } from "../../panels/export";
 import type { Part } from "../../plot/sheet";
+import { cell, download } from "../../save";
 import { axisLabel } from "../../study";
-import { wordFor, WORDS } from "../../verdicts";
-import { choiceAt, configurationOf, hasVariable, nameOf, type Model } from "./model";
+import { WORDS, wordFor } from "../../verdicts";
+import { choiceAt, configurationOf, hasVariable, type Model, nameOf } from "./model";
 import { designColumns, place } from "./values";
 
 export function scatterMenu(model: Model, picture: () => Part[]): HTMLElement {
-  return savingMenu(model.store, { name: "designs", picture, purpose: "The designs ranked in the terminal, at the bounds of the study, with DIR the study\u2019s folder:", command: () => rankingCommand(model) });
+  return savingMenu(model.store, {
+    name: "designs",
+    picture,
+    purpose: "The designs ranked in the terminal, at the bounds of the study, with DIR the study\u2019s folder:",
+    command: () => rankingCommand(model),
+  });
 }
 
 export function boardButton(model: Model): HTMLElement {
   const save = (): void => download("designs.csv", new Blob([designsCsv(model)], { type: "text/csv" }));
-  return el("button", { type: "button", id: "save-board", title: "Every design within the brushes, with all digits", click: save }, "Designs (CSV)");
+  return el(
+    "button",
+    { type: "button", id: "save-board", title: "Every design within the brushes, with all digits", click: save },
+    "Designs (CSV)",
+  );
 }
 
 function rankingCommand({ store, choices }: Model): string {
   const { study } = store;
   const names = choices.criteria.map(({ column, maximize }) => {
     const index = place(column);
-    const name = column.startsWith("property.") ? `sum(${study.properties[index]!.name})` : column.startsWith("composite.") ? study.composites[index]!.name : column.startsWith("metric.") ? study.metrics[index]!.name : "";
+    const name = column.startsWith("property.")
+      ? `sum(${study.properties[index]!.name})`
+      : column.startsWith("composite.")
+        ? study.composites[index]!.name
+        : column.startsWith("metric.")
+          ? study.metrics[index]!.name
+          : "";
     return name ? ` ${maximize ? "--maximize" : "--minimize"} ${quoted(name)}` : "";
   });
   const aims = names.filter(Boolean);
@@ -37,8 +53,23 @@ function designsCsv(model: Model): string {
   const within = model.within();
   const places = [...new Set(study.configurations.flatMap(({ choices }) => choices.map(([name]) => name)))];
   const columns = designColumns(study).map(({ key }) => model.column(key));
-  const titles = study.requirements.flatMap(({ title, metric }) => [title, `margin of ${title} [${study.metrics[metric]!.unit || "\u2013"}]`]);
-  const head = ["design", "configuration", "runs", "deciding run", ...places, ...columns.map(axisLabel), ...titles, "least margin [%]", "score", "front", "verdict"];
+  const titles = study.requirements.flatMap(({ title, metric }) => [
+    title,
+    `margin of ${title} [${study.metrics[metric]!.unit || "\u2013"}]`,
+  ]);
+  const head = [
+    "design",
+    "configuration",
+    "runs",
+    "deciding run",
+    ...places,
+    ...columns.map(axisLabel),
+    ...titles,
+    "least margin [%]",
+    "score",
+    "front",
+    "verdict",
+  ];
   const rows = [head.map(cell).join()];
   const exact = (value: number): string => (Number.isNaN(value) ? "" : String(value));
   for (let design = 0; design < grouping.size; design++) {
@@ -60,5 +91,5 @@ function designsCsv(model: Model): string {
       ].join(),
     );
   }
-  return rows.join("\r\n") + "\r\n";
+  return `${rows.join("\r\n")}\r\n`;
 }

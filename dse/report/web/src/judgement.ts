@@ -1,9 +1,10 @@
 // Which designs meet the requirements, and by how much: the rule of dse/exploration/designs.py at the reader's
-// thresholds (both are held to tests/design_cases.py).
+// thresholds (both are tested with tests/design_cases.json).
+
+import { type Grouping, groupingOf } from "./grouping";
 import type { Study } from "./study";
-import { FAIL, FAILED, judge, margin, NOT_EXERCISED, PASS, type Judgement, type Threshold } from "./verdicts";
+import { FAIL, FAILED, type Judgement, judge, margin, NOT_EXERCISED, PASS, type Threshold } from "./verdicts";
 import { scaleOf } from "./views/shared/margins";
-import { groupingOf, type Grouping } from "./grouping";
 
 export interface Standing {
   /** Overall mark of each design; `PASS` is feasible. */
@@ -27,12 +28,22 @@ export function tightened(study: Study, thresholds: Threshold[], demand: number)
   return thresholds.map((threshold, index) => {
     const by = demand * scaleOf(study, index, threshold);
     const { atMost, atLeast } = threshold;
-    return { ...threshold, atMost: atMost === null ? null : atMost - by, atLeast: atLeast === null ? null : atLeast + by };
+    return {
+      ...threshold,
+      atMost: atMost === null ? null : atMost - by,
+      atLeast: atLeast === null ? null : atLeast + by,
+    };
   });
 }
 
 /** Designs at *thresholds*, judged with the share *demand* of margin asked for; *judgement* is that of the runs without it. */
-export function standingOf(study: Study, thresholds: Threshold[], demand: number, judgement: Judgement, grouping = groupingOf(study)): Standing {
+export function standingOf(
+  study: Study,
+  thresholds: Threshold[],
+  demand: number,
+  judgement: Judgement,
+  grouping = groupingOf(study),
+): Standing {
   const { size, start, rows, whole } = grouping;
   const { each } = demand ? judge(study, tightened(study, thresholds, demand)) : judgement;
   const standing: Standing = {
@@ -88,7 +99,14 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
 }
 
 /** One requirement: *marks* are those of the runs. */
-function judgeOne(study: Study, { size, start, rows }: Grouping, threshold: Threshold, index: number, marks: Uint8Array, standing: Standing): void {
+function judgeOne(
+  study: Study,
+  { size, start, rows }: Grouping,
+  threshold: Threshold,
+  index: number,
+  marks: Uint8Array,
+  standing: Standing,
+): void {
   const { values } = study.metrics[study.requirements[index]!.metric]!;
   const [each, margins, worst] = [standing.each[index]!, standing.margins[index]!, standing.worst[index]!];
   for (let design = 0; design < size; design++) {

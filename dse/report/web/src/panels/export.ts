@@ -1,8 +1,8 @@
 // A small menu in a panel's heading: what can be taken out of it, and the command that makes the same.
 import { addTools, el } from "../dom";
 import { createMenu } from "../menu";
+import { type Part, partsIn, pngOf, svgOf } from "../plot/sheet";
 import { copyText, csvOf, download } from "../save";
-import { partsIn, pngOf, svgOf, type Part } from "../plot/sheet";
 import type { Store } from "../store";
 
 export interface Saved {
@@ -19,22 +19,49 @@ export interface Saved {
 export function savingMenu(store: Store, { name, picture, purpose, command }: Saved): HTMLElement {
   const said = el("span", { class: "muted", role: "status" });
   const shown = el("code", { tabindex: 0 }, command());
-  const item = (text: string, title: string, click: () => void): HTMLElement => el("button", { type: "button", title, click }, text);
+  const item = (text: string, title: string, click: () => void): HTMLElement =>
+    el("button", { type: "button", title, click }, text);
   const savePicture = (ending: string, made: (parts: Part[], room: number) => Blob | Promise<Blob>): void => {
     const parts = picture().filter(({ width, height }) => width && height);
-    if (!parts.length) return void (said.textContent = "There is nothing to draw.");
-    void Promise.resolve(made(parts, menu.closest(".card")?.clientWidth ?? 0)).then((blob) => download(`${name}.${ending}`, blob));
+    if (!parts.length) {
+      said.textContent = "There is nothing to draw.";
+      return;
+    }
+    void Promise.resolve(made(parts, menu.closest(".card")?.clientWidth ?? 0)).then((blob) =>
+      download(`${name}.${ending}`, blob),
+    );
   };
   const sheet = el(
     "div",
     {},
     item("Picture (PNG)", "As it is shown now", () => savePicture("png", pngOf)),
     item("Picture (SVG)", "As it is shown now, as lines and text", () => savePicture("svg", svgOf)),
-    item("Runs (CSV)", "Every run within the brushes, with verdicts at the thresholds shown", () => download(`${name}.csv`, new Blob([csvOf(store)], { type: "text/csv" }))),
-    ...(command() ? [el("p", { class: "muted" }, purpose), shown, item("Copy the command", "To the clipboard", () => void copyText(command(), shown).then((done) => (said.textContent = done ? "copied" : "selected: press Ctrl+C")))] : []),
+    item("Runs (CSV)", "Every run within the brushes, with verdicts at the thresholds shown", () =>
+      download(`${name}.csv`, new Blob([csvOf(store)], { type: "text/csv" })),
+    ),
+    ...(command()
+      ? [
+          el("p", { class: "muted" }, purpose),
+          shown,
+          item(
+            "Copy the command",
+            "To the clipboard",
+            () =>
+              void copyText(command(), shown).then(
+                (done) => (said.textContent = done ? "copied" : "selected: press Ctrl+C"),
+              ),
+          ),
+        ]
+      : []),
     said,
   );
-  const menu = createMenu(`save-${name}`, "Save", `Save or copy: ${name}`, sheet, () => (shown.textContent = command()));
+  const menu = createMenu(
+    `save-${name}`,
+    "Save",
+    `Save or copy: ${name}`,
+    sheet,
+    () => (shown.textContent = command()),
+  );
   return menu;
 }
 
@@ -42,7 +69,15 @@ export const IN_PRINT = "In print, as SVG or PDF, with DIR the study\u2019s fold
 
 /** *panel* with a menu that saves all that is painted in it; *figure* draws the same in print, "" if none does. */
 export function withSaving(store: Store, panel: HTMLElement, name: string, figure: string): HTMLElement {
-  return addTools(panel, savingMenu(store, { name, picture: () => partsIn(panel), purpose: IN_PRINT, command: () => figure && `dse figure DIR --only ${figure} --format svg` }));
+  return addTools(
+    panel,
+    savingMenu(store, {
+      name,
+      picture: () => partsIn(panel),
+      purpose: IN_PRINT,
+      command: () => figure && `dse figure DIR --only ${figure} --format svg`,
+    }),
+  );
 }
 
 /** *text* as one word of a shell's command line. */

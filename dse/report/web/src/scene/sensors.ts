@@ -55,7 +55,10 @@ export function buildSensing(source: Source, isFilled: boolean): Sensing {
           const held = (name: string): number => source.held(`sensor.${number}.${i}.${name}`, time);
           if (held("valid") < 0.5) continue;
           const [range, azimuth] = [held("range"), held("azimuth")];
-          marks.setMatrixAt(marks.count++, place.makeTranslation(sensor.mount + range * Math.cos(azimuth), range * Math.sin(azimuth), 1));
+          marks.setMatrixAt(
+            marks.count++,
+            place.makeTranslation(sensor.mount + range * Math.cos(azimuth), range * Math.sin(azimuth), 1),
+          );
         }
         marks.instanceMatrix.needsUpdate = true;
       }
@@ -81,14 +84,24 @@ function rim(mount: number, reach: number, angle: number): number[] {
 
 function filled(points: number[], colour: number): Mesh {
   const corners = Array.from({ length: PIECES }, (_, i) => [0, i + 1, i + 2]).flat();
-  const material = new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.13, side: DoubleSide, depthWrite: false, fog: false });
+  const material = new MeshBasicMaterial({
+    color: colour,
+    transparent: true,
+    opacity: 0.13,
+    side: DoubleSide,
+    depthWrite: false,
+    fog: false,
+  });
   return new Mesh(shape(points, corners), material);
 }
 
 function rays(points: number[], colour: number): LineSegments {
   const corners = Array.from({ length: PIECES }, (_, i) => [i + 1, i + 2]).flat();
   for (let i = 0; i <= RAYS; i++) corners.push(0, 1 + (i * PIECES) / RAYS);
-  return new LineSegments(shape(points, corners), new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.55, depthWrite: false, fog: false }));
+  return new LineSegments(
+    shape(points, corners),
+    new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.55, depthWrite: false, fog: false }),
+  );
 }
 
 function shape(points: number[], corners: number[]): BufferGeometry {

@@ -89,7 +89,9 @@ export function offerAddress(bench: string, chosen: Record<string, string>): str
 }
 
 export function written(chosen: Record<string, string>): string {
-  return Object.entries(chosen).map(([path, name]) => `${path}:${name}`).join(",");
+  return Object.entries(chosen)
+    .map(([path, name]) => `${path}:${name}`)
+    .join(",");
 }
 
 export function readChoices(text: string): Record<string, string> {
@@ -112,15 +114,18 @@ export function connect(token: string, over: (ended: Ended) => void): Promise<Dr
       else reject(new Error(ended.text));
       socket.close();
     };
-    socket.onclose = () => end({ why: "lost", text: "The connection to the drive was lost", drive: null, verdicts: [] });
+    socket.onclose = () =>
+      end({ why: "lost", text: "The connection to the drive was lost", drive: null, verdicts: [] });
     socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => {
       if (typeof data !== "string") {
         if (drive) take(drive, data);
         return;
       }
       const told = JSON.parse(data) as { type: string };
-      if (told.type === "scene") resolve((drive = begun(socket, told as unknown as Scene)));
-      else if (told.type === "ended") end(told as unknown as Ended);
+      if (told.type === "scene") {
+        drive = begun(socket, told as unknown as Scene);
+        resolve(drive);
+      } else if (told.type === "ended") end(told as unknown as Ended);
     };
   });
 }

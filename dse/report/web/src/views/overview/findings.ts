@@ -2,9 +2,9 @@
 import { el } from "../../dom";
 import { group } from "../../format";
 import type { Told } from "../../insight";
-import { studyThresholds, type Store } from "../../store";
-import { isAsStudied } from "../shared/thresholds";
+import { type Store, studyThresholds } from "../../store";
 import { planeName } from "../shared/planes";
+import { isAsStudied } from "../shared/thresholds";
 
 const WITHHELD = "withheld";
 
@@ -13,7 +13,9 @@ export function createFound(store: Store): HTMLElement {
   const { told, withheld, drawn } = study.insight!;
   const note = el("p", { class: "hint", role: "status" });
   const explain = (): void => {
-    note.textContent = isAsStudied(store.state.thresholds, studyThresholds(study)) ? "" : "You have moved thresholds: these sentences are about the study\u2019s own.";
+    note.textContent = isAsStudied(store.state.thresholds, studyThresholds(study))
+      ? ""
+      : "You have moved thresholds: these sentences are about the study\u2019s own.";
   };
   explain();
   store.subscribe((_, changed) => {
@@ -25,16 +27,35 @@ export function createFound(store: Store): HTMLElement {
     planes.set(key, [...(planes.get(key) ?? []), each]);
   }
   const box = el("div", { id: "findings" }, note);
-  if (drawn) box.append(el("p", { class: "hint" }, `Of ${group(drawn)} runs drawn from all ${group(study.size)}: counts are theirs.`));
-  if (!told.length) box.append(el("p", { class: "sentence" }, study.size ? "The bench has no requirements." : "There are no runs yet."));
+  if (drawn)
+    box.append(
+      el("p", { class: "hint" }, `Of ${group(drawn)} runs drawn from all ${group(study.size)}: counts are theirs.`),
+    );
+  if (!told.length)
+    box.append(
+      el("p", { class: "sentence" }, study.size ? "The bench has no requirements." : "There are no runs yet."),
+    );
   for (const those of planes.values()) {
-    if (those[0]!.plane.length) box.append(el("h3", { class: "plane" }, `${planeName(study, those[0]!.plane)}; all else held`));
-    box.append(...topics(those.filter(({ topic }) => topic !== WITHHELD), those[0]!.plane.length ? "h4" : "h3"));
+    if (those[0]!.plane.length)
+      box.append(el("h3", { class: "plane" }, `${planeName(study, those[0]!.plane)}; all else held`));
+    box.append(
+      ...topics(
+        those.filter(({ topic }) => topic !== WITHHELD),
+        those[0]!.plane.length ? "h4" : "h3",
+      ),
+    );
   }
   const silent = [...told.filter(({ topic }) => topic === WITHHELD).map(({ text }) => text), ...withheld];
   if (silent.length) {
     const list = el("ul", { class: "sentences" }, ...[...new Set(silent)].map((text) => el("li", {}, text)));
-    box.append(el("details", { id: "withheld" }, el("summary", {}, `Withheld findings and reasons (${new Set(silent).size})`), list));
+    box.append(
+      el(
+        "details",
+        { id: "withheld" },
+        el("summary", {}, `Withheld findings and reasons (${new Set(silent).size})`),
+        list,
+      ),
+    );
   }
   return box;
 }
@@ -42,6 +63,10 @@ export function createFound(store: Store): HTMLElement {
 function topics(those: Told[], level: "h3" | "h4"): HTMLElement[] {
   return [...new Set(those.map(({ topic }) => topic))].flatMap((topic) => [
     el(level, { class: "minor" }, topic),
-    el("ul", { class: "sentences" }, ...those.filter((each) => each.topic === topic).map(({ text }) => el("li", {}, text))),
+    el(
+      "ul",
+      { class: "sentences" },
+      ...those.filter((each) => each.topic === topic).map(({ text }) => el("li", {}, text)),
+    ),
   ]);
 }

@@ -1,5 +1,13 @@
 // Rain and snow: drops that stand in the world while the eye goes through them, so that they come towards who drives.
-import { BufferGeometry, Float32BufferAttribute, LineBasicMaterial, LineSegments, Points, PointsMaterial, Vector3 } from "three";
+import {
+  BufferGeometry,
+  Float32BufferAttribute,
+  LineBasicMaterial,
+  LineSegments,
+  Points,
+  PointsMaterial,
+  Vector3,
+} from "three";
 
 const MANY = 2000;
 const SPREAD = 22; // m of the cube around the eye that is full of them
@@ -14,14 +22,23 @@ export class Falling {
   private readonly streak = new Vector3();
   private last = 0;
 
-  constructor(private readonly isLong: boolean, private readonly speed: number) {
+  constructor(
+    private readonly isLong: boolean,
+    private readonly speed: number,
+  ) {
     let seed = 1;
-    const next = (): number => (seed = (seed * 16807) % 2147483647) / 2147483647;
+    const next = (): number => {
+      seed = (seed * 16807) % 2147483647;
+      return seed / 2147483647;
+    };
     for (let i = 0; i < this.drops.length; i++) this.drops[i] = next() * SPREAD;
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new Float32BufferAttribute(new Float32Array((isLong ? 6 : 3) * MANY), 3));
     this.mesh = isLong
-      ? new LineSegments(geometry, new LineBasicMaterial({ color: 0xe2eaf2, transparent: true, opacity: 0.5, fog: false }))
+      ? new LineSegments(
+          geometry,
+          new LineBasicMaterial({ color: 0xe2eaf2, transparent: true, opacity: 0.5, fog: false }),
+        )
       : new Points(geometry, new PointsMaterial({ color: 0xffffff, size: 0.09, fog: false }));
     this.mesh.frustumCulled = false;
   }

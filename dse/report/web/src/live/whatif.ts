@@ -2,10 +2,10 @@
 import uPlot from "uplot";
 import { el, field } from "../dom";
 import { number, withUnit } from "../format";
-import { post } from "./asking";
 import type { Store } from "../store";
 import { axisLabel } from "../study";
 import { palette } from "../theme";
+import { post } from "./requests";
 
 interface Waveform {
   title: string;
@@ -32,7 +32,12 @@ interface Tried {
 export type PointedAt = CustomEvent<{ x: number; y: number }>;
 
 const HEIGHT = 190;
-const CLASSES: Record<string, string> = { pass: "pass", fail: "fail", "not exercised": "open", "failed to run": "broken" };
+const CLASSES: Record<string, string> = {
+  pass: "pass",
+  fail: "fail",
+  "not exercised": "open",
+  "failed to run": "broken",
+};
 
 export function createTrying(store: Store, query: string): { button: HTMLElement; panel: HTMLElement } {
   const { study } = store;
@@ -41,16 +46,42 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
   const start = el("button", { type: "submit", id: "try-start" }, "Simulate");
   const title = el("h2", { id: "heading-try" }, "Simulate here");
   const close = el("button", { type: "button", "aria-label": "Close", click: () => toggle(false) }, "\u00d7");
-  const note = el("p", { class: "hint" }, "Click anywhere in the plot, or change the numbers. The run is made with the workspace as it is now; nothing is stored.");
-  const panel = el("aside", { class: "card trying", id: "try", hidden: true, "aria-labelledby": "heading-try" }, el("div", { class: "head" }, title, el("span", { class: "spring" }), close), note, form, result);
-  const button = el("button", { type: "button", id: "try-open", "aria-expanded": "false", "aria-controls": "try", click: () => toggle(panel.hidden) }, "Simulate here");
+  const note = el(
+    "p",
+    { class: "hint" },
+    "Click anywhere in the plot, or change the numbers. The run is made with the workspace as it is now; nothing is stored.",
+  );
+  const panel = el(
+    "aside",
+    { class: "card trying", id: "try", hidden: true, "aria-labelledby": "heading-try" },
+    el("div", { class: "head" }, title, el("span", { class: "spring" }), close),
+    note,
+    form,
+    result,
+  );
+  const button = el(
+    "button",
+    {
+      type: "button",
+      id: "try-open",
+      "aria-expanded": "false",
+      "aria-controls": "try",
+      click: () => toggle(panel.hidden),
+    },
+    "Simulate here",
+  );
   const inputs = study.variables.map(({ name, low, high, labels }) => {
-    if (labels.length) return el("select", { name }, ...labels.map((label, value) => label && el("option", { value }, label)));
+    if (labels.length)
+      return el("select", { name }, ...labels.map((label, value) => label && el("option", { value }, label)));
     const input = el("input", { type: "number", step: "any", required: true, name });
     input.title = `${name}, ${number(low)} \u2026 ${number(high)} in the study`;
     return input;
   });
-  const configuration = el("select", { id: "try-configuration" }, ...study.configurations.map(({ id }) => el("option", { value: id }, id)));
+  const configuration = el(
+    "select",
+    { id: "try-configuration" },
+    ...study.configurations.map(({ id }) => el("option", { value: id }, id)),
+  );
   if (study.configurations.length > 1) form.append(field("Configuration", configuration));
   const fields = study.variables.map((variable, index) => field(axisLabel(variable), inputs[index]!));
   form.append(...fields, start);
@@ -65,8 +96,11 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
 
   const fill = (): void => {
     const { selected, fixed } = store.state;
-    study.variables.forEach(({ values }, index) => put(inputs[index]!, selected < 0 ? fixed[index]! : values[selected]!));
-    configuration.value = study.configurations[selected < 0 ? store.state.configuration : study.configuration[selected]!]?.id ?? "";
+    study.variables.forEach(({ values }, index) =>
+      put(inputs[index]!, selected < 0 ? fixed[index]! : values[selected]!),
+    );
+    configuration.value =
+      study.configurations[selected < 0 ? store.state.configuration : study.configuration[selected]!]?.id ?? "";
     lacking();
   };
 
@@ -124,7 +158,10 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
     // After the run beside it was selected, which the click did, too.
     requestAnimationFrame(() =>
       requestAnimationFrame(() => {
-        const place: [number, number][] = [[store.state.x, x], [store.state.y, y]];
+        const place: [number, number][] = [
+          [store.state.x, x],
+          [store.state.y, y],
+        ];
         for (const [index, value] of place) {
           const variable = study.variables[index]!;
           if (!variable.labels.length) put(inputs[index]!, rounded(value, variable));
@@ -148,7 +185,10 @@ function rounded(value: number, { low, high }: { low: number; high: number }): n
 /** Nothing has run yet: what is there now is not what the study was made with. */
 function asking(changed: string[], anyway: () => void): HTMLElement[] {
   const what = `Not simulated: the workspace has changed since the study was made (${changed.join(", ")}).`;
-  return [el("p", { class: "problem", role: "alert" }, what), el("button", { type: "button", id: "try-anyway", click: anyway }, "Simulate anyway")];
+  return [
+    el("p", { class: "problem", role: "alert" }, what),
+    el("button", { type: "button", id: "try-anyway", click: anyway }, "Simulate anyway"),
+  ];
 }
 
 function shown(tried: Tried, seconds: number, plots: (() => void)[]): HTMLElement[] {
@@ -164,7 +204,12 @@ function shown(tried: Tried, seconds: number, plots: (() => void)[]): HTMLElemen
   if (judged.length) parts.push(listed(judged, "try-metrics"));
   for (const figure of tried.figures) parts.push(drawing(figure, plots));
   const others = listed(rest, "try-others");
-  if (rest.length) parts.push(judged.length ? el("details", { class: "others" }, el("summary", {}, `${rest.length} metrics without a requirement`), others) : others);
+  if (rest.length)
+    parts.push(
+      judged.length
+        ? el("details", { class: "others" }, el("summary", {}, `${rest.length} metrics without a requirement`), others)
+        : others,
+    );
   return [...parts, el("p", { class: "hint" }, `simulated in ${withUnit(number(seconds, 2), "s")}; not stored`)];
 }
 
@@ -173,8 +218,20 @@ function listed(metrics: Tried["metrics"], id: string): HTMLElement {
   const heads = ["Metric", "Value", ...(isJudged ? ["Required", "Margin", "Verdict"] : [])];
   const body = el("tbody");
   for (const [title, value, requirement, bound, margin, verdict] of metrics) {
-    const judged = [el("td", {}, bound), el("td", {}, margin), el("td", { class: `verdict ${CLASSES[verdict] ?? ""}` }, verdict)];
-    body.append(el("tr", { class: requirement && "judged", title: requirement }, el("th", { scope: "row" }, title), el("td", {}, value), ...(isJudged ? judged : [])));
+    const judged = [
+      el("td", {}, bound),
+      el("td", {}, margin),
+      el("td", { class: `verdict ${CLASSES[verdict] ?? ""}` }, verdict),
+    ];
+    body.append(
+      el(
+        "tr",
+        { class: requirement && "judged", title: requirement },
+        el("th", { scope: "row" }, title),
+        el("td", {}, value),
+        ...(isJudged ? judged : []),
+      ),
+    );
   }
   const head = el("thead", {}, el("tr", {}, ...heads.map((text) => el("th", { scope: "col" }, text))));
   return el("div", { class: "scroll" }, el("table", { class: "metrics", id }, head, body));
@@ -184,7 +241,12 @@ function drawing(figure: Waveform, plots: (() => void)[]): HTMLElement {
   const holder = el("div", { class: "trace", role: "img", "aria-label": `${figure.title} of the point simulated` });
   plots.push(() => {
     const colours = palette();
-    const axis = { stroke: colours.ink, font: `12px ${colours.font}`, grid: { stroke: colours.line, width: 1 }, ticks: { stroke: colours.line, width: 1, size: 5 } };
+    const axis = {
+      stroke: colours.ink,
+      font: `12px ${colours.font}`,
+      grid: { stroke: colours.line, width: 1 },
+      ticks: { stroke: colours.line, width: 1, size: 5 },
+    };
     const values = (_: uPlot, ticks: number[]): string[] => ticks.map((tick) => number(tick, 6));
     const series: uPlot.Series[] = [{}, { stroke: colours.current, width: 2, points: { show: false } }];
     if (figure.targets) series.push({ stroke: colours.target, width: 1.6, dash: [7, 5], points: { show: false } });
@@ -205,6 +267,20 @@ function drawing(figure: Waveform, plots: (() => void)[]): HTMLElement {
       holder,
     );
   });
-  const keys = [figure.targets && el("span", { class: "of target" }, figure.target), el("span", { class: "of current" }, figure.current)];
-  return el("figure", {}, el("figcaption", {}, el("b", {}, figure.title), el("span", {}, `${withUnit("", figure.unit).trim() || "\u2013"} over time [s]`), ...keys), holder);
+  const keys = [
+    figure.targets && el("span", { class: "of target" }, figure.target),
+    el("span", { class: "of current" }, figure.current),
+  ];
+  return el(
+    "figure",
+    {},
+    el(
+      "figcaption",
+      {},
+      el("b", {}, figure.title),
+      el("span", {}, `${withUnit("", figure.unit).trim() || "\u2013"} over time [s]`),
+      ...keys,
+    ),
+    holder,
+  );
 }

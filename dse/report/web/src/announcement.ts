@@ -27,7 +27,9 @@ function sentence(store: Store): string {
   const share = `${inWords(store)}.`;
   const run = state.selected;
   if (run < 0) return share;
-  const place = study.variables.map(({ title, unit, values, text }) => `${title} ${withUnit(text(values[run]!), unit)}`);
+  const place = study.variables.map(
+    ({ title, unit, values, text }) => `${title} ${withUnit(text(values[run]!), unit)}`,
+  );
   const failing = study.requirements.filter((_, index) => each[index]![run] === FAIL).map(({ title }) => title);
   const why = failing.length ? ` (${failing.join(", ")})` : "";
   return `Run ${study.number[run]}${place.length ? `, ${place.join(", ")}` : ""}: ${WORDS[overall[run]!]}${why}. ${share}`;

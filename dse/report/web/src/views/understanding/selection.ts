@@ -35,19 +35,29 @@ export function chooseMetric(store: Store, metric: number, { part }: Subject): v
 /** Where the formula is asked: where the reader moved it since the run was selected, else at that run. */
 export function profilePlaces({ study, state }: Store, part: Part): number[] {
   const [run, ...places] = (state.settings[PLACES] ?? "").split(":").map(Number);
-  const fits = run === (study.number[state.selected] ?? -1) && places.length === part.factors.length && places.every((place) => place >= 0 && place <= 1);
+  const fits =
+    run === (study.number[state.selected] ?? -1) &&
+    places.length === part.factors.length &&
+    places.every((place) => place >= 0 && place <= 1);
   return fits ? places : placesOf(study, part.factors, state.selected);
 }
 
 export function chooseProfilePlaces(store: Store, places: readonly number[]): void {
   const { study, state } = store;
   // Finer than a pixel of any screen.
-  setSetting(store, PLACES, [study.number[state.selected] ?? -1, ...places.map((place) => Number(place.toFixed(5)))].join(":"));
+  setSetting(
+    store,
+    PLACES,
+    [study.number[state.selected] ?? -1, ...places.map((place) => Number(place.toFixed(5)))].join(":"),
+  );
 }
 
 /** Variables of which all planes are drawn, MOST_VARIABLES at most. */
 export function matrixVariables({ study, state }: Store): number[] {
-  const given = (state.settings[PLANES] ?? "").split(",").filter((text) => /^\d{1,4}$/.test(text)).map(Number);
+  const given = (state.settings[PLANES] ?? "")
+    .split(",")
+    .filter((text) => /^\d{1,4}$/.test(text))
+    .map(Number);
   const known = [...new Set(given)].filter((index) => index < study.variables.length).slice(0, MOST_VARIABLES);
   return known.length < 2 ? firstVariables(study) : known.sort((a, b) => a - b);
 }

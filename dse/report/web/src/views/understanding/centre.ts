@@ -3,8 +3,8 @@ import { el } from "../../dom";
 import { number, withUnit } from "../../format";
 import type { Around } from "../../insight";
 import type { Store } from "../../store";
-import { positionOf, runButton } from "../shared/runs";
 import { placeText } from "../shared/places";
+import { positionOf, runButton } from "../shared/runs";
 import { chanceFigure } from "./chances";
 
 /** Nothing where no robust centre can be told. */
@@ -15,22 +15,37 @@ export function createAround(store: Store): HTMLElement | false {
     "div",
     { id: "around" },
     el("h3", { class: "minor" }, "Around the robust centre, all requirements together"),
-    el("p", { class: "hint" }, "Colour is the least that the probability of meeting all can be. The ellipse is the largest one around the centre without a place where that is less than 95 %, all else as in that run; requirements that no run fails count as met."),
+    el(
+      "p",
+      { class: "hint" },
+      "Colour is the least that the probability of meeting all can be. The ellipse is the largest one around the centre without a place where that is less than 95 %, all else as in that run; requirements that no run fails count as met.",
+    ),
     el("div", { class: "minis maps" }, ...around.map((each, index) => figure(store, each, index))),
   );
 }
 
 function figure(store: Store, each: Around, index: number): HTMLElement {
-  const drawn = chanceFigure(store, each.map, `around-${index}`, `All requirements around run ${each.run}`, (pen, at, colours) => {
-    pen.beginPath();
-    each.outline.forEach(([across, up], corner) => (corner ? pen.lineTo(...at(across, up)) : pen.moveTo(...at(across, up))));
-    if (each.outline.length) pen.lineTo(...at(...each.outline[0]!));
-    for (const [colour, width] of [[colours.plot, 4], [colours.target, 2]] as const) {
-      pen.strokeStyle = colour;
-      pen.lineWidth = width;
-      pen.stroke();
-    }
-  });
+  const drawn = chanceFigure(
+    store,
+    each.map,
+    `around-${index}`,
+    `All requirements around run ${each.run}`,
+    (pen, at, colours) => {
+      pen.beginPath();
+      each.outline.forEach(([across, up], corner) =>
+        corner ? pen.lineTo(...at(across, up)) : pen.moveTo(...at(across, up)),
+      );
+      if (each.outline.length) pen.lineTo(...at(...each.outline[0]!));
+      for (const [colour, width] of [
+        [colours.plot, 4],
+        [colours.target, 2],
+      ] as const) {
+        pen.strokeStyle = colour;
+        pen.lineWidth = width;
+        pen.stroke();
+      }
+    },
+  );
   const at = positionOf(store.study, each.run);
   drawn.append(el("p", { class: "hint" }, textOf(store, each), " ", at >= 0 && runButton(store, at)));
   return drawn;
@@ -44,7 +59,9 @@ function textOf({ study }: Store, { map, outline }: Around): string {
     const ends = [Math.min(...places), Math.max(...places)];
     const factor = factors.find((each) => each.variable === variable);
     const { title, unit, low, high } = study.variables[variable]!;
-    const [from, to] = ends.map((place) => (factor ? placeText(factor, place) : withUnit(number(low + place * (high - low), 4), unit)));
+    const [from, to] = ends.map((place) =>
+      factor ? placeText(factor, place) : withUnit(number(low + place * (high - low), 4), unit),
+    );
     return `${title} from ${from} to ${to}`;
   });
   return `The ellipse reaches along ${reach.join(", along ")}.`;

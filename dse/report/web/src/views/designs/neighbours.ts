@@ -1,6 +1,7 @@
 // The design nearest to one that is out, among those that are not.
+
+import { type Grouping, variablesOf } from "../../grouping";
 import type { Study } from "../../study";
-import { variablesOf, type Grouping } from "../../grouping";
 
 export interface Change {
   title: string;
@@ -12,7 +13,13 @@ export interface Change {
 
 /** The one *among*, 1 for each, with the fewest changed choices, then the shortest way in the design variables, each in
  * units of its range; -1 if there is none. *stay* admits no other configuration. */
-export function nearestDesign(study: Study, { size, first }: Grouping, design: number, among: Uint8Array, stay: boolean): number {
+export function nearestDesign(
+  study: Study,
+  { size, first }: Grouping,
+  design: number,
+  among: Uint8Array,
+  stay: boolean,
+): number {
   const run = first[design]!;
   const variables = variablesOf(study, "design");
   const own = study.configuration[run]!;
@@ -42,12 +49,22 @@ export function changesBetween(study: Study, { first }: Grouping, from: number, 
   const [a, b] = [first[from]!, first[to]!];
   const [own, other] = [study.configuration[a]!, study.configuration[b]!];
   const chosen = [own, other].map((configuration) => new Map(study.configurations[configuration]!.choices));
-  const choices = changedPlaces(study, own, other).map((name): Change => ({ title: name, from: chosen[0]!.get(name) ?? "\u2013", to: chosen[1]!.get(name) ?? "\u2013", share: NaN }));
+  const choices = changedPlaces(study, own, other).map(
+    (name): Change => ({
+      title: name,
+      from: chosen[0]!.get(name) ?? "\u2013",
+      to: chosen[1]!.get(name) ?? "\u2013",
+      share: NaN,
+    }),
+  );
   const variables = variablesOf(study, "design").flatMap(({ title, unit, values, text, low, high, lack }): Change[] => {
     const [had, has] = [!lack.includes(own), !lack.includes(other)];
     if ((!had && !has) || (had && has && values[a] === values[b])) return [];
-    const say = (known: boolean, run: number): string => (known ? `${text(values[run]!)}${unit ? `\u202f${unit}` : ""}` : "\u2013");
-    return [{ title, from: say(had, a), to: say(has, b), share: had && has ? (values[b]! - values[a]!) / (high - low) : NaN }];
+    const say = (known: boolean, run: number): string =>
+      known ? `${text(values[run]!)}${unit ? `\u202f${unit}` : ""}` : "\u2013";
+    return [
+      { title, from: say(had, a), to: say(has, b), share: had && has ? (values[b]! - values[a]!) / (high - low) : NaN },
+    ];
   });
   variables.sort((p, q) => Math.abs(q.share) - Math.abs(p.share));
   return [...choices, ...variables];
@@ -55,6 +72,9 @@ export function changesBetween(study: Study, { first }: Grouping, from: number, 
 
 function changedPlaces(study: Study, one: number, other: number): string[] {
   if (one === other) return [];
-  const [a, b] = [one, other].map((configuration) => new Map(study.configurations[configuration]!.choices)) as [Map<string, string>, Map<string, string>];
+  const [a, b] = [one, other].map((configuration) => new Map(study.configurations[configuration]!.choices)) as [
+    Map<string, string>,
+    Map<string, string>,
+  ];
   return [...new Set([...a.keys(), ...b.keys()])].filter((name) => a.get(name) !== b.get(name));
 }

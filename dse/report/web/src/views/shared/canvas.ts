@@ -10,7 +10,13 @@ export interface Painted {
 }
 
 /** A box of *kind* with a canvas in it, read out as *label*. */
-export function createPainted(store: Store, kind: string, label: string, paint: (sheet: Sheet) => void, title: () => string = () => ""): Painted {
+export function createPainted(
+  store: Store,
+  kind: string,
+  label: string,
+  paint: (sheet: Sheet) => void,
+  title: () => string = () => "",
+): Painted {
   const canvas = el("canvas", { "aria-hidden": "true" });
   const element = el("div", { class: kind, role: "img", "aria-label": label }, canvas);
   const repaint = paintedBy(canvas, paint, { title });

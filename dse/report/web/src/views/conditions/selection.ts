@@ -12,7 +12,12 @@ export interface Chosen {
   whole: boolean;
 }
 
-const [ACROSS, DOWN, REQUIREMENT, OF] = ["conditions.across", "conditions.down", "conditions.requirement", "conditions.of"];
+const [ACROSS, DOWN, REQUIREMENT, OF] = [
+  "conditions.across",
+  "conditions.down",
+  "conditions.requirement",
+  "conditions.of",
+];
 
 export function chosenOf({ study, state }: Store, conditions: readonly number[]): Chosen {
   const given = (key: string): number => Number(state.settings[key] ?? NaN);

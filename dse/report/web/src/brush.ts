@@ -22,15 +22,17 @@ export function maskOf(study: Study, brushes: readonly Brush[]): Uint8Array | nu
 }
 
 // A hand aims at three digits; six are enough. Rounding outwards keeps what it caught.
-function rounded(value: number, outwards: (value: number) => number): number {
-  if (value === 0 || !Number.isFinite(value)) return value;
+function rounded(value: number, outwards: -1 | 1): number {
+  const nearest = Number(value.toPrecision(6));
+  if (nearest === value || Math.sign(nearest - value) === outwards) return nearest;
   const unit = 10 ** (Math.floor(Math.log10(Math.abs(value))) - 5);
-  const text = Number((outwards(value / unit) * unit).toPrecision(6));
-  return outwards === Math.floor ? Math.min(text, value) : Math.max(text, value);
+  return Number((nearest + outwards * unit).toPrecision(6));
 }
 
 /** *brushes* with the one on *column* replaced, or taken away where there is no *range*. */
 export function rebrushed(brushes: readonly Brush[], column: string, range: readonly [number, number] | null): Brush[] {
   const others = brushes.filter((brush) => brush.column !== column);
-  return range ? [...others, { column, low: rounded(Math.min(...range), Math.floor), high: rounded(Math.max(...range), Math.ceil) }] : others;
+  return range
+    ? [...others, { column, low: rounded(Math.min(...range), -1), high: rounded(Math.max(...range), 1) }]
+    : others;
 }

@@ -1,14 +1,14 @@
 // Pointing, clicking, dragging, the wheel and keys on the constraint plot.
 import { selectRun, togglePin } from "../actions";
-import { rebrushed } from "../brushing";
+import { rebrushed } from "../brush";
 import { shownRuns } from "../counts";
 import { el } from "../dom";
 import { isKept } from "../panels/waveforms";
 import type { Store } from "../store";
-import { moveTip } from "./tip";
 import type { Frame } from "./frame";
 import type { Plot } from "./plot";
 import { placeOf } from "./points";
+import { moveTip } from "./tip";
 import { movedBy, wholeOf, zoomedBy } from "./zoom";
 
 const REACH = 18;
@@ -39,7 +39,17 @@ export function attachInteraction(store: Store, plot: Plot): HTMLElement[] {
   const box = el("div", { class: "rubber", "aria-hidden": "true", hidden: true });
   const { surface } = plot;
   surface.append(box, tip);
-  const brush = el("button", { id: "brush", type: "button", "aria-pressed": "false", title: "Dragging brushes a rectangle (also: drag with Shift, or along an axis)", click: () => setBrushing(brush.getAttribute("aria-pressed") !== "true") }, "Brush");
+  const brush = el(
+    "button",
+    {
+      id: "brush",
+      type: "button",
+      "aria-pressed": "false",
+      title: "Dragging brushes a rectangle (also: drag with Shift, or along an axis)",
+      click: () => setBrushing(brush.getAttribute("aria-pressed") !== "true"),
+    },
+    "Brush",
+  );
   const setBrushing = (on: boolean): void => brush.setAttribute("aria-pressed", String(on));
   let drag: Drag | null = null;
 
@@ -55,7 +65,9 @@ export function attachInteraction(store: Store, plot: Plot): HTMLElement[] {
     const frame = plot.frame();
     if (!frame) return;
     const whole = wholeOf(store.study, plot.plane());
-    store.set({ zoom: zoomedBy(whole, store.state.zoom ?? whole, factor, [frame.x.invert(place[0]), frame.y.invert(place[1])]) });
+    store.set({
+      zoom: zoomedBy(whole, store.state.zoom ?? whole, factor, [frame.x.invert(place[0]), frame.y.invert(place[1])]),
+    });
   };
   const move = (dx: number, dy: number): void => {
     const whole = wholeOf(store.study, plot.plane());
@@ -83,7 +95,11 @@ export function attachInteraction(store: Store, plot: Plot): HTMLElement[] {
     drag.moved ||= Math.hypot(place[0] - drag.from[0], place[1] - drag.from[1]) > STILL;
     if (!drag.moved) return;
     point(-1);
-    if (drag.kind === "pan") move((drag.last[0] - place[0]) / (frame.right - frame.left), (place[1] - drag.last[1]) / (frame.bottom - frame.top));
+    if (drag.kind === "pan")
+      move(
+        (drag.last[0] - place[0]) / (frame.right - frame.left),
+        (place[1] - drag.last[1]) / (frame.bottom - frame.top),
+      );
     else showBox(box, frame, drag.kind, drag.from, place);
     drag.last = place;
   });
@@ -131,8 +147,11 @@ export function attachInteraction(store: Store, plot: Plot): HTMLElement[] {
     else return;
     event.preventDefault();
   });
-  const tool = (id: string, text: string, title: string, click: () => void): HTMLButtonElement => el("button", { id, type: "button", title, "aria-label": title, click }, text);
-  const all = tool("zoom-all", "Whole plane", "Show the whole plane (double click, or key 0)", () => store.set({ zoom: null }));
+  const tool = (id: string, text: string, title: string, click: () => void): HTMLButtonElement =>
+    el("button", { id, type: "button", title, "aria-label": title, click }, text);
+  const all = tool("zoom-all", "Whole plane", "Show the whole plane (double click, or key 0)", () =>
+    store.set({ zoom: null }),
+  );
   const enable = (): void => {
     all.disabled = !store.state.zoom;
   };
@@ -150,8 +169,14 @@ export function attachInteraction(store: Store, plot: Plot): HTMLElement[] {
 
 function showBox(box: HTMLElement, frame: Frame, kind: Drag["kind"], from: Place, to: Place): void {
   const { left, right, top, bottom } = frame;
-  const [x0, x1] = kind === "y" ? [left, right] : [clamp(Math.min(from[0], to[0]), left, right), clamp(Math.max(from[0], to[0]), left, right)];
-  const [y0, y1] = kind === "x" ? [top, bottom] : [clamp(Math.min(from[1], to[1]), top, bottom), clamp(Math.max(from[1], to[1]), top, bottom)];
+  const [x0, x1] =
+    kind === "y"
+      ? [left, right]
+      : [clamp(Math.min(from[0], to[0]), left, right), clamp(Math.max(from[0], to[0]), left, right)];
+  const [y0, y1] =
+    kind === "x"
+      ? [top, bottom]
+      : [clamp(Math.min(from[1], to[1]), top, bottom), clamp(Math.max(from[1], to[1]), top, bottom)];
   box.hidden = false;
   box.style.left = `${x0}px`;
   box.style.top = `${y0}px`;
@@ -163,8 +188,16 @@ function brushTo({ state, set }: Store, plot: Plot, { from, kind }: Drag, to: Pl
   const { left, right, top, bottom, x, y } = plot.frame()!;
   const plane = plot.plane();
   let { brushes } = state;
-  if (kind !== "y") brushes = rebrushed(brushes, `variable.${plane.x}`, [x.invert(clamp(from[0], left, right)), x.invert(clamp(to[0], left, right))]);
-  if (kind !== "x") brushes = rebrushed(brushes, `variable.${plane.y}`, [y.invert(clamp(from[1], top, bottom)), y.invert(clamp(to[1], top, bottom))]);
+  if (kind !== "y")
+    brushes = rebrushed(brushes, `variable.${plane.x}`, [
+      x.invert(clamp(from[0], left, right)),
+      x.invert(clamp(to[0], left, right)),
+    ]);
+  if (kind !== "x")
+    brushes = rebrushed(brushes, `variable.${plane.y}`, [
+      y.invert(clamp(from[1], top, bottom)),
+      y.invert(clamp(to[1], top, bottom)),
+    ]);
   set({ brushes });
 }
 
@@ -189,7 +222,8 @@ function near(store: Store, plot: Plot, place: Place): number {
 
 function nearest(store: Store, plot: Plot, [x, y]: Place, reach: number, suits: (run: number) => boolean): number {
   const frame = plot.frame();
-  if (!frame || x < frame.left - reach || x > frame.right + reach || y < frame.top - reach || y > frame.bottom + reach) return -1;
+  if (!frame || x < frame.left - reach || x > frame.right + reach || y < frame.top - reach || y > frame.bottom + reach)
+    return -1;
   const { study } = store;
   const plane = plot.plane();
   const [xs, ys] = [study.variables[plane.x]!.values, study.variables[plane.y]!.values];
