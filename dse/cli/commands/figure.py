@@ -53,26 +53,29 @@ def figure(
     scene: Annotated[
         int | None, typer.Option("--scene", metavar="RUN", min=0, help="This run in three dimensions instead.")
     ] = None,
-    at: Annotated[str, typer.Option("--at", metavar="TIME", help="With --scene: when, or when a film begins.")] = "0 s",
-    until: Annotated[str | None, typer.Option("--until", metavar="TIME", help="When a film ends.")] = None,
+    at: Annotated[
+        str, typer.Option("--at", metavar="TIME", help="With --scene: the time, or the start of a film.")
+    ] = "0 s",
+    until: Annotated[str | None, typer.Option("--until", metavar="TIME", help="End of a film.")] = None,
     frames: Annotated[
-        float | None, typer.Option("--frames", metavar="RATE", min=0.1, max=120, help="A film: so many a second.")
+        float | None,
+        typer.Option("--frames", metavar="RATE", min=0.1, max=120, help="A film with this many frames per second."),
     ] = None,
     camera: Annotated[str, typer.Option("--view", help="Camera of --scene: chase, driver, top or side.")] = "chase",
     size: Annotated[str, typer.Option("--size", metavar="WxH", help="Pixels of --scene.")] = "1280x720",
 ) -> None:
-    """Draw the constraint plot, the waveforms and all other figures for print; or a road; or a run as it looked.
+    """Draw the constraint plot, the waveforms and all other figures for print; or a road; or a scene of a run.
 
     PNG, SVG or PDF. The paper's figures 6 and 7 are 'constraints' and 'waveforms'.
 
     Without --x and --y one constraint plot is drawn for each slice of the study. Without --run the waveforms are those
     of the run nearest the bounds of all requirements among those that pass.
 
-    A road is drawn as a map to scale, with lanes, slippery patches, lights, height, bank and curvature along the way;
-    --drive adds paths that were driven.
+    A road is drawn as a map to scale, with lanes, slippery patches, lights, height, bank and curvature along the road;
+    --drive adds driven paths.
 
-    --scene is a moment of a run in three dimensions as PNG. With --frames it is a film: WebP, GIF, with ffmpeg MP4
-    or WebM, or a folder of numbered PNG files, as -o says. A Chromium draws; the run is simulated once more.
+    --scene draws a moment of a run in three dimensions as PNG. With --frames it is a film: WebP, GIF, with ffmpeg MP4
+    or WebM, or a folder of numbered PNG files, by the ending of -o. It needs a Chromium; the run is simulated again.
     """
     from dataclasses import replace
 
