@@ -146,10 +146,10 @@ MISTAKES = {
     "steps again": (World(repeats="anew"), "repeats an answer", "got another answer"),
     "mute": (World(repeats="never"), "repeats an answer", "was not answered"),
     "dies": (World(dies_at=4), "answers every step", "no answer that can be used"),
-    "takes all": (World(is_strict=False), "ignores what it must", "was answered"),
+    "takes all": (World(is_strict=False), "ignores invalid packets", "was answered"),
     "not busy": (World(says_busy=False), "answers BUSY to a second client", "was not answered"),
-    "never ends": (World(ends=False), "ends and starts anew", "no second session could be started"),
-    "answers END": (World(answers_end=True), "ends and starts anew", "END was answered"),
+    "never ends": (World(ends=False), "ends and restarts", "no second session could be started"),
+    "answers END": (World(answers_end=True), "ends and restarts", "END was answered"),
     "ends": (World(flags=lambda is_start: ANSWER | (START if is_start else END)), "flags", "ended the session by"),
 }
 

@@ -136,7 +136,7 @@ def test_a_client_that_comes_late_has_as_much_time_for_its_steps(monkeypatch):
 
 
 def test_a_client_that_never_asks_again_is_told():
-    assert "although the last was not answered" in checked_client(resends=False)["sends again what was not answered"]
+    assert "although the last one was not answered" in checked_client(resends=False)["repeats unanswered requests"]
 
 
 def test_a_client_whose_time_stands_is_told():

@@ -210,9 +210,9 @@ def test_a_drive_that_dies_says_so_in_words_and_the_page_can_go_on(opened):
 
 
 def test_a_server_that_refuses_a_drive_is_heard(opened):
-    it = opened(CAR, FakeDrives(refuses="8 drives are on already"))
+    it = opened(CAR, FakeDrives(refuses="8 drives are already running"))
     it.page.click("button.go:not([disabled])")
-    it.page.get_by_text("That did not work: 8 drives are on already").wait_for()
+    it.page.get_by_text("That did not work: 8 drives are already running").wait_for()
     it.page.wait_for_selector("button.go:not([disabled])")
 
 
