@@ -76,7 +76,7 @@ def test_stopping_says_what_came_of_it(opened, workshop: Path, monkeypatch: pyte
     page = opened("/study/out/second/")
     page.route("**/stop?*", lambda route: route.fulfill(status=200, content_type="application/json", body="{}"))
     page.click("#live-stop")
-    page.wait_for_function("document.getElementById('live-said').textContent.includes('what is finished is stored')")
+    page.wait_for_function("document.getElementById('live-said').textContent.includes('finished runs are stored')")
 
 
 def test_a_file_has_nothing_of_the_server(workshop: Path, browser: Browser, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ const { benches } = JSON.parse(document.getElementById("document")!.textContent!
 startTheme();
 const order = ordered();
 if (benches.length) choose();
-else page.replaceChildren(el("p", { class: "problem" }, "There is no road to drive on: no bench has a component that implements the interface 'driver'."));
+else page.replaceChildren(el("p", { class: "problem" }, "No bench can be driven: no bench has a component that implements the interface 'driver'."));
 window.addEventListener("hashchange", () => {
   if (!page.querySelector(".dealership")) return;
   Object.assign(order, ordered(), { driver: order.driver });

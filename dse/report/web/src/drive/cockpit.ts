@@ -158,7 +158,7 @@ function buildTuning(drive: Drive): HTMLElement {
 function buildHelp(): HTMLDialogElement {
   const rows = KEYS.map(([key, what]) => el("div", {}, el("dt", {}, key), el("dd", {}, what)));
   const dialog = el("dialog", { class: "help", "aria-label": "Keys" }, el("h2", {}, "Keys"), el("dl", {}, ...rows),
-    el("p", { class: "muted" }, `Gamepad: triggers for the pedals, left stick to steer, A cruise control, B gap (${GAPS.join(", ")}), bumpers for the set speed. Hands off the wheel leave it to lane keeping, if the car has it.`),
+    el("p", { class: "muted" }, `Gamepad: triggers for the pedals, left stick to steer, A cruise control, B gap (${GAPS.join(", ")}), bumpers for the set speed. With hands off the wheel, lane keeping steers, if the car has it.`),
     el("button", { type: "button", click: () => dialog.close() }, "Resume"));
   return dialog;
 }

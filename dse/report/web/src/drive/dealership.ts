@@ -30,7 +30,7 @@ export function showDealership(page: HTMLElement, benches: Bench[], order: Order
     await go(order);
   }) }, "Drive");
   const rest = el("button", { type: "button", click: () => void run(fill) }, "Choose the rest for me");
-  const none = el("button", { type: "button", click: () => void choose({}) }, "Begin again");
+  const none = el("button", { type: "button", click: () => void choose({}) }, "Start over");
   let offer: Offer | null = null;
   let asked = 0;
 
@@ -46,7 +46,7 @@ export function showDealership(page: HTMLElement, benches: Bench[], order: Order
     try {
       await what();
     } catch (error) {
-      problem.textContent = `That did not work: ${(error as Error).message}.`;
+      problem.textContent = `The request failed: ${(error as Error).message}.`;
     }
     draw();
   };
@@ -73,7 +73,7 @@ export function showDealership(page: HTMLElement, benches: Bench[], order: Order
     if (!offer) return;
     const focused = (document.activeElement as HTMLElement | null)?.dataset["choice"];
     about.textContent = offer.title;
-    left.replaceChildren(el("b", {}, grouped(offer.left)), offer.left === "1" ? " car is left of " : " cars are left of ", grouped(offer.total));
+    left.replaceChildren(el("b", {}, grouped(offer.left)), offer.left === "1" ? " possible car of " : " possible cars of ", grouped(offer.total));
     totals.replaceChildren(...offer.totals.map(({ title, unit, low, high }) => el("div", {}, el("dt", {}, title), el("dd", {}, range(low, high, unit)))));
     points.replaceChildren(...offer.conflict.map((text) => el("p", { class: "problem" }, text)), ...offer.points.map((point) => drawPoint(offer!, point, pick)));
     if (focused) points.querySelector<HTMLElement>(`[data-choice="${CSS.escape(focused)}"]`)?.focus();
@@ -104,7 +104,7 @@ export function address({ bench, chosen }: Order): string {
 
 function drawPoint(offer: Offer, point: Point, pick: (point: Point, alternative: Alternative) => void): HTMLElement {
   const has = point.chosen ?? point.implied;
-  const state = point.chosen ? "" : point.implied ? "follows from the rest" : "open";
+  const state = point.chosen ? "" : point.implied ? "implied by other choices" : "open";
   return el("section", { class: "card point", "aria-label": point.title },
     el("h2", {}, point.title, state ? el("span", { class: `state ${has ? "" : "open"}` }, state) : null),
     el("div", { class: "alternatives", role: "group", "aria-label": point.title }, ...point.alternatives.map((each) => drawAlternative(offer, point, each, has === each.name, () => pick(point, each)))));
@@ -114,15 +114,15 @@ function drawAlternative(offer: Offer, point: Point, each: Alternative, isTaken:
   const names = each.rules_out.map(({ path, name }) => titleOf(offer, path, name));
   const more = names.length > MOST_NAMES ? ` and ${names.length - MOST_NAMES} more` : "";
   const note = each.is_possible
-    ? names.length && !isTaken ? `rules out ${names.slice(0, MOST_NAMES).join(", ")}${more}` : ""
-    : each.because.join("; ") || "not with the rest";
+    ? names.length && !isTaken ? `excludes ${names.slice(0, MOST_NAMES).join(", ")}${more}` : ""
+    : each.because.join("; ") || "not possible with the other choices";
   return el("button", {
     type: "button",
     class: `alternative${each.is_possible ? "" : " out"}`,
     "data-choice": `${point.path}:${each.name}`,
     "aria-pressed": String(isTaken),
     "aria-disabled": each.is_possible ? undefined : "true",
-    title: names.length > MOST_NAMES && each.is_possible ? `rules out ${names.join(", ")}` : undefined,
+    title: names.length > MOST_NAMES && each.is_possible ? `excludes ${names.join(", ")}` : undefined,
     click: () => { if (each.is_possible) pick(); },
   }, el("span", { class: "name" }, each.title || each.name), note ? el("span", { class: "note" }, note) : null);
 }

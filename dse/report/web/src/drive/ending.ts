@@ -26,7 +26,7 @@ interface Board {
 
 const AGAIN = 2000; // ms between two looks for a drive that is not on its board yet
 const LOOKS = 60;
-const HEADS = { finished: "The drive is over", crashed: "The drive broke down", limit: "The drive was ended", lost: "The drive broke off" };
+const HEADS = { finished: "The drive is over", crashed: "The simulation failed", limit: "The drive was stopped", lost: "The connection was lost" };
 
 export function showEnding(page: HTMLElement, ended: Ended, again: () => void, others: () => void): void {
   const verdicts = ended.verdicts.map(({ title, verdict }) =>

@@ -39,7 +39,7 @@ export function buildGauges(drive: Drive): Gauges {
   const wheel = el("span", { class: "fill" });
   const inputs = el("div", { class: "inputs", "aria-hidden": "true" },
     el("span", { class: "rail" }, pedals[0]), el("span", { class: "rail" }, pedals[1]), el("span", { class: "rail wheel" }, wheel));
-  const pace = el("p", { class: "pace", title: "Time of the drive; steps that came too late; by how much the last one did; from a key to its effect" });
+  const pace = el("p", { class: "pace", title: "Time of the drive; late steps; delay of the last step; latency from a key to its effect" });
   let last = 0;
 
   return {

@@ -41,7 +41,7 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
   const start = el("button", { type: "submit", id: "try-start" }, "Simulate");
   const title = el("h2", { id: "heading-try" }, "Simulate here");
   const close = el("button", { type: "button", "aria-label": "Close", click: () => toggle(false) }, "\u00d7");
-  const note = el("p", { class: "hint" }, "Click anywhere in the plot, or change the numbers. The run is made with the workspace as it is now; nothing is stored.");
+  const note = el("p", { class: "hint" }, "Click anywhere in the plot, or change the numbers. The run uses the current workspace; nothing is stored.");
   const panel = el("aside", { class: "card trying", id: "try", hidden: true, "aria-labelledby": "heading-try" }, el("div", { class: "head" }, title, el("span", { class: "spring" }), close), note, form, result);
   const button = el("button", { type: "button", id: "try-open", "aria-expanded": "false", "aria-controls": "try", click: () => toggle(panel.hidden) }, "Simulate here");
   const inputs = study.variables.map(({ name, low, high, labels }) => {
@@ -154,7 +154,7 @@ function asking(changed: string[], anyway: () => void): HTMLElement[] {
 function shown(tried: Tried, seconds: number, plots: (() => void)[]): HTMLElement[] {
   const parts: HTMLElement[] = [];
   if (tried.changed.length) {
-    const what = `The workspace has changed since the study was made (${tried.changed.join(", ")}): this is no run of the study.`;
+    const what = `The workspace has changed since the study was made (${tried.changed.join(", ")}): this is not a run of the study.`;
     parts.push(el("p", { class: "problem" }, what));
   }
   if (!tried.done) return [...parts, el("p", { class: "problem" }, `The run failed: ${tried.problem}`)];

@@ -103,7 +103,7 @@ function answersOf(model: Model): HTMLElement[] {
   const every = model.store.state.thresholds.some(({ off }) => off) ? "every requirement that is on" : "every requirement";
   const verb = feasible.length === 1 ? "meets" : "meet";
   const head = el("li", { id: "feasible-designs" }, el("b", {}, group(feasible.length)), ` of ${count(grouping.size, "design")} ${verb} ${every}${margin}${amongst}.`);
-  if (!feasible.length) return [head, el("li", { class: "muted" }, "The leader board lists first what misses least.")];
+  if (!feasible.length) return [head, el("li", { class: "muted" }, "The leader board first lists the designs that miss the requirements by the least.")];
   const best = choices.criteria.flatMap(({ column, maximize }) => {
     const { title, unit, values, text } = model.column(column);
     const design = first(feasible, (one) => (maximize ? -values[one]! : values[one]!));

@@ -44,7 +44,7 @@ function absentOf({ absent, steps }: Funnel): HTMLElement[] {
   const because = new Map(steps.map((step) => [step.constraint, step.because]));
   const items = absent.map(({ place, choice, constraints }) => {
     const why = constraints.map((name) => (because.get(name) ? `${name} (${because.get(name)})` : name)).join(" and ");
-    return el("li", {}, el("b", {}, `${place} = ${choice}`), why ? ` appears in no valid configuration because of ${why}.` : " appears in no valid configuration: other choices rule it out, whatever the constraints.");
+    return el("li", {}, el("b", {}, `${place} = ${choice}`), why ? ` appears in no valid configuration because of ${why}.` : " appears in no valid configuration: other choices exclude it, independent of the constraints.");
   });
-  return [el("h4", {}, "What no design can have"), el("ul", { class: "changes", id: "absent" }, ...items)];
+  return [el("h4", {}, "Alternatives in no valid design"), el("ul", { class: "changes", id: "absent" }, ...items)];
 }

@@ -57,7 +57,7 @@ function sentences(model: Model, design: number): string[] {
       told.push(Number.isNaN(by) ? `\u201c${title}\u201d has no value` : by < 0 ? `\u201c${title}\u201d is missed` : `\u201c${title}\u201d is met, but with less than ${Math.round(100 * choices.demand)}\u202f% margin`);
     } else if (mark !== PASS && !failed) told.push(`no run exercised \u201c${title}\u201d`);
   });
-  if (!grouping.whole[design]) told.push("it was not tried at all conditions");
+  if (!grouping.whole[design]) told.push("it was not run at all conditions");
   return told;
 }
 
@@ -101,7 +101,7 @@ function waysOut(model: Model, design: number): HTMLElement[] {
   const margin = choices.demand ? ` with ${Math.round(100 * choices.demand)}\u202f% margin` : "";
   if (any < 0) return [heading, el("p", { class: "muted" }, `None of the designs of this study meets every requirement${margin}.`)];
   const decided = variablesOf(study, "design").some(({ lack }) => !lack.includes(configurationOf(model, design)));
-  const alone = near < 0 && decided && study.configurations.length > 1 ? [el("p", { class: "said" }, "No simulated values of its design variables are enough by themselves.")] : [];
+  const alone = near < 0 && decided && study.configurations.length > 1 ? [el("p", { class: "said" }, "No simulated values of its design variables are sufficient on their own.")] : [];
   const changes = changesBetween(study, grouping, design, any);
   const pick = (): void => model.set({ picked: [...new Set([...choices.picked.filter((one) => one !== design && one !== any).slice(-(MOST_COMPARED - 2)), design, any])] });
   return [

@@ -27,7 +27,7 @@ export function createPicks(store: Store): HTMLElement {
   const draw = (): void => {
     const found = choices(store);
     const moved = !isAsStudied(store.state.thresholds, studyThresholds(store.study));
-    box.replaceChildren(...(found.length ? found.map((choice) => button(store, choice, moved)) : [el("p", { class: "hint" }, "No run passes: there is nothing to pick. Relax or switch off a requirement to see what comes near.")]));
+    box.replaceChildren(...(found.length ? found.map((choice) => button(store, choice, moved)) : [el("p", { class: "hint" }, "No run passes: there is nothing to pick. Relax or switch off a requirement to see which runs come close.")]));
   };
   draw();
   store.subscribe((_, changed) => {

@@ -24,7 +24,7 @@ export function createWarnings(store: Store): HTMLElement {
   const list = el("ul", { class: "warning-list", id: "warnings", "aria-live": "polite" });
   const draw = (): void => {
     const found = warnings(store);
-    const shown = found.length ? found : [{ level: "note", text: "Nothing: all runs came to their end, every requirement was exercised in all of them, and no verdict is in doubt." } as Warning];
+    const shown = found.length ? found : [{ level: "note", text: "Nothing: all runs finished, every requirement was exercised in all of them, and no verdict is doubtful." } as Warning];
     list.replaceChildren(
       ...shown.map(({ level, text, run }) =>
         el("li", { class: level }, el("span", { class: "sign", "aria-hidden": "true" }, SIGN[level]), el("span", {}, el("span", { class: "unseen" }, `${WORD[level]}: `), text, " ", run !== undefined && runButton(store, run))),
@@ -49,7 +49,7 @@ function nothingPasses(store: Store): Warning[] {
   const { judgement: { overall, each }, noun } = store.designs();
   if (!study.requirements.length || overall.includes(PASS)) return [];
   const never = study.requirements.filter((_, index) => !state.thresholds[index]!.off && !each[index]!.includes(PASS)).map(({ title }) => title);
-  const why = never.length ? `No ${noun} meets ${never.join(", nor ")}.` : `Each requirement is met by some ${noun}, but not all by one.`;
+  const why = never.length ? `No ${noun} meets ${never.join(", nor ")}.` : `Each requirement is met by some ${noun}, but no ${noun} meets all of them.`;
   return [{ level: "bad", text: `No ${noun} meets all requirements${conditionsInWords(study, everyCondition(study))}. ${why}` }];
 }
 
