@@ -140,11 +140,11 @@ def test_a_client_that_never_asks_again_is_told():
 
 
 def test_a_client_whose_time_stands_is_told():
-    assert "is not after that before" in checked_client(time_of=lambda step: 0.5)["time advances"]
+    assert "is not later than that of the one before" in checked_client(time_of=lambda step: 0.5)["time advances"]
 
 
 def test_a_client_that_goes_without_a_word_is_told():
-    assert "no END came" in checked_client(patience=0.2, ends=False)["sends END"]
+    assert "no END arrived" in checked_client(patience=0.2, ends=False)["sends END"]
 
 
 # ---- record and show ----

@@ -132,7 +132,7 @@ def write_world(layout: WorldLayout, folder: Path) -> tuple[Path, Path]:
         folder / "interfaces.yaml": write_interfaces([interface]),
     }
     there = (path for path in texts if path.exists())
-    raise_if_any(Problem("the file is there already", Location(str(path)), "nothing is overwritten") for path in there)
+    raise_if_any(Problem("the file already exists", Location(str(path)), "nothing is overwritten") for path in there)
     folder.mkdir(parents=True, exist_ok=True)
     for path, text in texts.items():
         path.write_text(text, encoding="utf-8")

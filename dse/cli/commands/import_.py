@@ -204,7 +204,7 @@ def _files(space: DesignSpace, folder: Path) -> dict[Path, str]:
         folder / "designs" / f"{space.name}.yaml": write_design(space),
     }
     raise_if_any(
-        Problem("the file is there already", Location(str(path)), "move it away; nothing is overwritten")
+        Problem("the file already exists", Location(str(path)), "move it away; nothing is overwritten")
         for path in files
         if path.exists()
     )

@@ -49,7 +49,7 @@ def refine(
         typer.echo(text, nl=False)
         return
     if target.exists():
-        raise typer.BadParameter(f"'{target}' is there already", param_hint="--output")
+        raise typer.BadParameter(f"'{target}' already exists", param_hint="--output")
     make_folder(target.parent)
     write_whole(target, text)
     say(f"{target}: dse explore {name}")
