@@ -202,7 +202,7 @@ def _shard(text: str | None) -> str | None:
     """Refuse what is not I/N."""
     found = re.fullmatch(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})", text or "1/1")
     if found is None or int(found[1]) > int(found[2]):
-        raise typer.BadParameter(f"'{text}' is no I/N with 1 <= I <= N, as '3/8'", param_hint="--shard")
+        raise typer.BadParameter(f"'{text}' is not I/N with 1 <= I <= N, as '3/8'", param_hint="--shard")
     return text
 
 

@@ -178,8 +178,6 @@ def check_client(
         if world.is_withheld:
             world.findings.wrong(RESENDS, "an unanswered request was not repeated", world.sequence)
     elif world.sequence < _EVERY:
-        world.findings.wrong(
-            COUNTS, f"only {world.sequence} steps: at least {_EVERY} are needed", world.sequence
-        )
+        world.findings.wrong(COUNTS, f"only {world.sequence} steps: at least {_EVERY} are needed", world.sequence)
     spent = time.perf_counter() - began if began else 0.0
     return Checked(world.findings.listed(), Latencies((), 0, spent), sum(world.ignored.values()), world.steps)

@@ -55,7 +55,7 @@ def test_what_is_no_point_is_refused_by_name(results: dse.Results, folder: Path)
         try_point(results.definition, "nothing", {}, workspace=folder)
     with pytest.raises(DseError, match=r"there is no value for 'controller\.kd_speed'"):
         try_point(results.definition, name, {"controller.kp_speed": 1.0}, workspace=folder)
-    with pytest.raises(DseError, match="'chassis' is no design variable"):
+    with pytest.raises(DseError, match="'chassis' is not a design variable"):
         try_point(results.definition, name, {**shown(results, 0), "chassis": 1.0}, workspace=folder)
 
 

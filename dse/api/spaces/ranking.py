@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Ranking(Sequence["Ranked"]):
-    """What is best under *aims*, best first, or a Pareto set, ascending by the first of them.
+    """The best under *aims*, best first, or a Pareto set, ascending by the first aim.
 
     Each entry has ``id``, ``choices`` and ``values``, exact and in SI, one for each aim.
     """

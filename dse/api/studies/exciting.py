@@ -21,7 +21,7 @@ _USUAL = {Kind.REAL: (-10.0, 10.0), Kind.INTEGER: (0.0, 10.0), Kind.BOOLEAN: (0.
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of a *file*, by heading or number from 1; what it holds is told by the file, else SI."""
+    """A column of a *file*, by heading or number from 1, in the unit that the file states, else in SI."""
 
     file: Path
     column: str | int

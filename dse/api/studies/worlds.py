@@ -66,7 +66,7 @@ def world_at(address: str, parts: tuple[str, ...] | None = None, *, wait: float 
     """
     found = _ADDRESS.fullmatch(address)
     if found is None or not 1 <= int(found["port"]) <= 65535:
-        raise fail(f"'{address}' is no HOST:PORT", Location("--world"), "as '127.0.0.1:5005'")
+        raise fail(f"'{address}' is not a HOST:PORT", Location("--world"), "as '127.0.0.1:5005'")
     return WorldPlace(UdpSource(int(found["port"]), found["host"].strip("[]"), wait=wait), parts)
 
 

@@ -86,7 +86,7 @@ def enumerate_(
             say(f"{target}: {written:,} configuration{'' if written == 1 else 's'}")
         elif output is not ListingFormat.TABLE:
             if output is ListingFormat.PARQUET and sys.stdout.isatty():
-                raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")
+                raise typer.BadParameter("parquet is not text: name a file with -o", param_hint="--format")
             part.write(output.value, blocks, sys.stdout.buffer)
         else:
             _table(part.sheet(), next(blocks))

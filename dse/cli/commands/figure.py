@@ -151,7 +151,7 @@ def _draw_scene(
     (at, until), (view, size) = times, seen
     sides = size.lower().split("x")
     if len(sides) != 2 or not all(side.isascii() and side.isdecimal() and len(side) < 6 for side in sides):
-        raise typer.BadParameter(f"'{size}' is no size, as 1280x720", param_hint="--size")
+        raise typer.BadParameter(f"'{size}' is not a size, as 1280x720", param_hint="--size")
     end = None if until is None else _moment("--until", until)
     shot = Shot(_moment("--at", at), end, rate, view, (int(sides[0]), int(sides[1])))
     place = target or folder / "figures" / (f"run_{run}.png" if rate is None else f"run_{run}.webp")
@@ -170,7 +170,7 @@ def _moment(option: str, text: str) -> float:
     except UnitError as error:
         raise typer.BadParameter(str(error), param_hint=option) from None
     if quantity.unit.symbol and quantity.unit.dimension != parse_unit("s").dimension:
-        raise typer.BadParameter(f"'{text}' is no time", param_hint=option)
+        raise typer.BadParameter(f"'{text}' is not a time", param_hint=option)
     if quantity.si < 0:
         raise typer.BadParameter(f"'{text}' is before the run", param_hint=option)
     return float(quantity.si)

@@ -50,6 +50,6 @@ def results(
         make_folder(target.parent)
         write_whole(target, data)
     elif output is Table.PARQUET and sys.stdout.isatty():
-        raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")
+        raise typer.BadParameter("parquet is not text: name a file with -o", param_hint="--format")
     else:
         sys.stdout.buffer.write(data)

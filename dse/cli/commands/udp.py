@@ -248,7 +248,7 @@ def _layout(component: str | None, file: Path | None, out: int | None, back: int
 def _address(text: str, name: str) -> tuple[str, int]:
     host, _, port = text.rpartition(":")
     if not host or not port.isdecimal() or not 0 < int(port) <= _PORTS:
-        raise typer.BadParameter(f"'{text}' is no HOST:PORT, as 127.0.0.1:5005", param_hint=name)
+        raise typer.BadParameter(f"'{text}' is not a HOST:PORT, as 127.0.0.1:5005", param_hint=name)
     return host.strip("[]"), int(port)
 
 

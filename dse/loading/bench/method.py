@@ -175,7 +175,7 @@ def _bond(entry: Entry, section: BondSection, components: Candidates, problems: 
             dimensions.append(_output(signal, components, entry[key].where).unit.dimension)
     if len(dimensions) == 2 and multiply(*dimensions) != read_unit("W", entry.key).dimension:
         found = describe(multiply(*dimensions)) if multiply(*dimensions) != DIMENSIONLESS.dimension else "no unit"
-        what = f"'{section.effort}' times '{section.flow}' is no power: it is {found}"
+        what = f"'{section.effort}' times '{section.flow}' is not a power: it is {found}"
         problems.add(what, entry.key, "name an effort and the flow that goes with it")
     return Bond(entry.name, section.effort, section.flow)
 
@@ -185,5 +185,5 @@ def _output(signal: str, components: Candidates, where: Location) -> Type:
     types_of(signal, components, where)
     known = outputs(components[place])
     if port not in known:
-        raise fail(f"'{signal}' is no output", where, closest(port, known))
+        raise fail(f"'{signal}' is not an output", where, closest(port, known))
     return known[port]

@@ -68,7 +68,7 @@ def _memory(entry: Entry, raw: Raw, problems: Problems) -> float:
     try:
         value = read_number(raw, byte, entry.where) / float(byte.factor)  # the registry counts in bits
     except DseError:
-        problems.add(f"'memory' is no amount of memory: '{raw}'", entry.where, "write it as '4 GB'")
+        problems.add(f"'memory' is not an amount of memory: '{raw}'", entry.where, "write it as '4 GB'")
         return _LEAST_MEMORY
     if value < _LEAST_MEMORY:
         shown = raw if isinstance(raw, str) and not raw[-1:].isdigit() else f"{raw} B"

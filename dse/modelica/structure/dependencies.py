@@ -81,7 +81,7 @@ def refuse_uncertain(flat: FlatModel, states: Sequence[Symbol], reach: Reach) ->
     """
     names = {state.name for state in states if not state.order}
     hint = "prefer it as a state by stateSelect"
-    what = "reinit of '{}', which is no state: its value follows from other states"
+    what = "reinit of '{}', which is not a state: its value follows from other states"
     problems = [
         Problem(what.format(one.state), one.where, hint) for one in flat.reinitializations if one.state not in names
     ]

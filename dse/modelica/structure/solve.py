@@ -156,7 +156,7 @@ def _jumps(flat: FlatModel, chains: Sequence[Sequence[Row]]) -> list[str]:
         if causes:
             place = f"{chain[0].where}: " if chain[0].where else ""
             what = f"{place}{chain[0]} joins states and depends on {listed(causes)}"
-            notes.append(f"{what}: at its events what is no state jumps, without an impulse on the states")
+            notes.append(f"{what}: at its events what is not a state jumps, without an impulse on the states")
     return notes
 
 

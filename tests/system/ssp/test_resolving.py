@@ -495,7 +495,7 @@ def test_an_array_takes_the_size_of_its_structural_parameter_and_all_its_values(
         ("r String some", "a value of the type String cannot be given to real"),
         ("s Real 1", "a value of the type Real cannot be given to String"),
         ("x Binary 0", "'0' is no sequence of hexadecimal digits"),
-        ("r Real fast", "'fast' is no Real"),
+        ("r Real fast", "'fast' is not of the type Real"),
     ],
 )
 def test_values_of_other_types_are_refused_where_they_stand(tmp_path, value, expected):
@@ -675,7 +675,7 @@ def test_values_of_an_array_that_nothing_arrives_at_keep_what_they_are_given(tmp
 def test_a_start_value_is_finite(tmp_path, number):
     given = bindings(binding(parameter_set(f"k Real {number}")))
     (found,) = problems(tmp_path, description(elements(component("gain", "input u", more=given))), REAL)
-    assert f"gain.k: '{number}' is no number that an FMU can begin with" in found
+    assert f"gain.k: '{number}' is not a number that an FMU can begin with" in found
 
 
 @pytest.mark.parametrize(
