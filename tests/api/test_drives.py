@@ -103,9 +103,9 @@ def test_equal_drives_are_one_and_others_are_not(configuration, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"bench": "../../etc/passwd"}, "no name of a bench"),
-        ({"bench": "<script>"}, "no name of a bench"),
-        ({"which": "a/b"}, "no name of a configuration"),
+        ({"bench": "../../etc/passwd"}, "not a name of a bench"),
+        ({"bench": "<script>"}, "not a name of a bench"),
+        ({"which": "a/b"}, "not a name of a configuration"),
         ({"driver": "two\nlines"}, "not a driver's name"),
         ({"driver": ""}, "not a driver's name"),
         ({"driver": "x" * 61}, "not a driver's name"),
@@ -162,11 +162,11 @@ def test_no_value_in_a_head_is_more_than_damage(tmp_path):
         (COLUMNS, {**HEAD, "pace": []}, "damaged"),
         (COLUMNS, {**HEAD, "step": "fast"}, "damaged"),
         (COLUMNS, {**HEAD, "settings": {"a": [1]}}, "damaged"),
-        (COLUMNS, {**HEAD, "bench": "../x"}, "no name of a bench"),
+        (COLUMNS, {**HEAD, "bench": "../x"}, "not a name of a bench"),
         ({"time": [0.0, 0.01], "brake": ["a", "b"]}, HEAD, "other columns"),
         ({"brake": [0.0, 0.01], "time": [0.0, 0.0]}, HEAD, "other columns"),
         ({"time": [0.0, 0.01], "brake": [0.0, None]}, HEAD, "without a value"),
-        ({"time": [0.0, 0.01], "brake": [0.0, float("inf")]}, HEAD, "no number in row 2"),
+        ({"time": [0.0, 0.01], "brake": [0.0, float("inf")]}, HEAD, "not a number in row 2"),
         ({"time": np.zeros(500_000), "brake": np.zeros(500_000)}, HEAD, "too large"),
     ],
 )

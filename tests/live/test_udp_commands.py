@@ -67,7 +67,7 @@ def test_check_tells_what_is_wrong_and_ends_with_3(dse):
     ("words", "said"),
     [
         (("check", "--out", "1", "--back", "1"), "give either HOST:PORT of a world, or --listen"),
-        (("check", "localhost", "--out", "1"), "'localhost' is no HOST:PORT"),
+        (("check", "localhost", "--out", "1"), "'localhost' is not a HOST:PORT"),
         (("check", "127.0.0.1:5005"), "define the values"),
         (("check", "127.0.0.1:5005", "--out", "8001"), "8001 values: a packet has 8000 at most"),
         (("check", "no.such.host.invalid:5005", "--out", "1"), "no.such.host.invalid:5005"),

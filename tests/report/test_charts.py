@@ -157,12 +157,12 @@ LOG = Axis("f", "Hz", log=True)
         (chart(Line(floats(1), floats(1), label=3)), "the label is not text"),
         (chart("a line"), "not one of Line, Steps, Points, Bars, Band, Rule"),
         (chart(x=Axis(None)), "must be texts"),
-        (chart(x="time"), "axis x: something of type str is no Axis"),
+        (chart(x="time"), "axis x: something of type str is not an Axis"),
         (chart(x=Axis("t", low=2.0, high=1.0)), "low (2) must be below high (1)"),
         (chart(x=Axis("t", high=np.inf)), "must be finite"),
         (chart(name="a/b"), "not made of letters"),
         (chart(name=""), "not made of letters"),
-        ("chart", "something of type str is no Chart"),
+        ("chart", "something of type str is not a Chart"),
     ],
 )
 def test_what_cannot_be_drawn_is_refused_in_words(wrong, words):

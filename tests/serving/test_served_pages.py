@@ -98,7 +98,7 @@ def test_two_studies_are_ticked_and_compared(opened) -> None:
     page.check('input[value="out/second"]')
     page.click("button[type=submit]")
     page.wait_for_selector("h3")
-    assert "1 verdicts on them are others" in page.inner_text("main")
+    assert "1 of their verdicts differ" in page.inner_text("main")
     page.click("summary")
     assert "2 → 2" not in page.inner_text("details")
     assert "1 → 1" in page.inner_text("details")
