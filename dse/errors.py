@@ -23,7 +23,7 @@ class Location:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One thing that is wrong: where it stands, what it is and how to mend it."""
+    """One error: where it is, what it is and how to correct it."""
 
     what: str
     where: Location | None = None
@@ -35,7 +35,7 @@ class Problem:
 
 
 class DseError(Exception):
-    """The user's input cannot be used; carries every problem found, once each, in file order."""
+    """The user's input cannot be used; contains every problem found, once each, in file order."""
 
     def __init__(self, *problems: Problem) -> None:
         super().__init__(*problems)

@@ -56,11 +56,11 @@ def read_noun(data: Any, shape: Any, at: str) -> Any:
         return read_noun(data, next(argument for argument in arguments if argument is not NoneType), at)
     if origin is tuple:
         if not isinstance(data, list):
-            raise ValueError(f"{at} is no list")
+            raise ValueError(f"{at} is not a list")
         return tuple(read_noun(entry, arguments[0], f"{at}[{number}]") for number, entry in enumerate(data))
     if origin is Mapping or is_dataclass(shape):
         if not isinstance(data, Mapping):
-            raise ValueError(f"{at} is no object")
+            raise ValueError(f"{at} is not an object")
         if origin is Mapping:
             return {key: read_noun(entry, arguments[1], f"{at}.{key[:80]}") for key, entry in data.items()}
         return _noun(data, shape, at)
@@ -99,7 +99,7 @@ def _finite(text: str) -> float:
 
 
 def _refused(name: str) -> float:
-    raise ValueError(f"{name} is no number")
+    raise ValueError(f"{name} is not a number")
 
 
 def _check_depth(data: Any) -> None:

@@ -50,7 +50,7 @@ def _tree(message: object, blobs: bytearray) -> object:
         return [_tree(each, blobs) for each in message]
     if is_dataclass(message) and not isinstance(message, type):
         return {type(message).__name__: [_tree(getattr(message, field.name), blobs) for field in fields(message)]}
-    raise TypeError(f"{type(message).__name__} is no part of a message")
+    raise TypeError(f"{type(message).__name__} is not a part of a message")
 
 
 def _kept(content: bytes, blobs: bytearray) -> list[int]:

@@ -81,7 +81,7 @@ def test_every_nasty_text_is_read_or_refused(text: str) -> None:
 @pytest.mark.parametrize(
     ("data", "wrong"),
     [
-        ([], "x is no object"),
+        ([], "x is not an object"),
         ({"number": 1.0}, "x has no 'count'"),
         ({"number": True, "count": 1}, "x.number is true"),
         ({"number": "1", "count": 1}, 'x.number is "1"'),

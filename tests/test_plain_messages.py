@@ -72,5 +72,5 @@ def test_only_what_was_named_is_made(message: object) -> None:
 
 
 def test_nothing_else_is_packed() -> None:
-    with pytest.raises(TypeError, match="object is no part of a message"):
+    with pytest.raises(TypeError, match="object is not a part of a message"):
         packed({"a": [object()]})

@@ -22,9 +22,9 @@ _STUDY = ".pet.yaml"
 
 
 def open(path: str | Path = ".") -> Workspace:  # noqa: A001  # dse.open(".") reads as it should
-    """The workspace *path* lies in: the nearest folder upwards that holds ``components/``.
+    """The workspace that contains *path*: the nearest folder upwards with ``components/``.
 
-    Nothing is read before it is asked for. Raises DseError if there is none.
+    Nothing is read before it is needed. Raises DseError if there is none.
     """
     return Workspace(Files.around(Path(path)))
 
@@ -41,11 +41,11 @@ class Workspace:
 
     @property
     def root(self) -> Path:
-        """The folder that holds ``components/``, ``designs/`` and ``testbenches/``."""
+        """The folder with ``components/``, ``designs/`` and ``testbenches/``."""
         return self.files.root
 
     def check(self) -> tuple[Problem, ...]:
-        """All that is wrong with the files, as they are now; empty if nothing is. See ``dse check``."""
+        """All errors in the current files; empty if there are none. See ``dse check``."""
         from dse.testbench import check_workspace
 
         return tuple(check_workspace(Files(self.root))[0])

@@ -64,7 +64,7 @@ FolderOrRoad = Annotated[
         help="A study folder, or the name of a study; or a road: its name, its YAML file, or an OpenDRIVE file.",
     ),
 ]
-SI = Annotated[bool, typer.Option("--si", help="Write numbers in SI, not in the units that are shown.")]
+SI = Annotated[bool, typer.Option("--si", help="Write numbers in SI units, not in display units.")]
 
 
 def units_word(si: bool) -> str:
@@ -75,7 +75,8 @@ def units_word(si: bool) -> str:
 Format = Annotated[Output, typer.Option("--format", help="For a person, or for a program.")]
 Workers = Annotated[int, typer.Option("--workers", "-j", min=0, help="Worker processes; 0: one for each processor.")]
 Threads = Annotated[
-    int, typer.Option("--threads", "-t", min=1, help="Runs at once in a worker, where FMUs support it (dse probe).")
+    int,
+    typer.Option("--threads", "-t", min=1, help="Simultaneous runs in a worker, if the FMUs support it (dse probe)."),
 ]
 NewFolder = Annotated[
     Path | None,
@@ -83,11 +84,11 @@ NewFolder = Annotated[
         "--output",
         "-o",
         metavar="DIR",
-        help="The study folder to create or resume; else out/NAME in the workspace.",
+        help="The study folder to create or resume; default: out/NAME in the workspace.",
     ),
 ]
 Fresh = Annotated[
-    bool, typer.Option("--fresh", help="Throw away what the folder holds and simulate every run, made before or not.")
+    bool, typer.Option("--fresh", help="Delete the folder's contents and simulate all runs, also those made before.")
 ]
 RetryFailed = Annotated[
     bool, typer.Option("--retry-failed", help="Simulate runs again that failed or were not reproducible.")
@@ -97,7 +98,7 @@ DryRun = Annotated[
 ]
 Settings = Annotated[
     list[str],
-    typer.Option("--set", metavar="NAME=VALUE", help="Another parameter value, as 'controller.kp_speed=1.2'."),
+    typer.Option("--set", metavar="NAME=VALUE", help="Set a parameter, as 'controller.kp_speed=1.2'."),
 ]
 Configuration = Annotated[
     str | None, typer.Option("--configuration", "-c", metavar="ID", help="A configuration's id, or a start of it.")
@@ -138,9 +139,7 @@ Fuse = Annotated[
 ]
 World = Annotated[
     str | None,
-    typer.Option(
-        "--world", metavar="HOST:PORT", help="Half of the bench is simulated there, by 'dse world BENCH', not here."
-    ),
+    typer.Option("--world", metavar="HOST:PORT", help="Simulate half of the bench there, by 'dse world BENCH'."),
 ]
 
 
@@ -162,7 +161,7 @@ Parts = Annotated[
         "--parts",
         metavar="PART,…",
         callback=_parts,
-        help="The parts of the world's half; else the bench's test components.",
+        help="The parts of the world's half; default: the bench's test components.",
     ),
 ]
 
@@ -190,22 +189,20 @@ Listen = Annotated[
 ServerPort = Annotated[int, typer.Option("--port", min=0, max=65535, help="The port; 0: any free one.")]
 Minimize = Annotated[
     list[str] | None,
-    typer.Option("--minimize", metavar="VALUE", help="What to make small, as 'sum(cost)'."),
+    typer.Option("--minimize", metavar="VALUE", help="Value to minimize, as 'sum(cost)'."),
 ]
 Maximize = Annotated[
     list[str] | None,
-    typer.Option("--maximize", metavar="VALUE", help="What to make large, as 'sum(power) / sum(mass)'."),
+    typer.Option("--maximize", metavar="VALUE", help="Value to maximize, as 'sum(power) / sum(mass)'."),
 ]
-Gate = Annotated[
-    bool, typer.Option("--gate", help="Exit with 3 also if a requirement failed or is doubtful, not only a run.")
-]
+Gate = Annotated[bool, typer.Option("--gate", help="Exit with 3 also if a requirement failed or is doubtful.")]
 
 
 def _shard(text: str | None) -> str | None:
     """Refuse what is not I/N."""
     found = re.fullmatch(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})", text or "1/1")
     if found is None or int(found[1]) > int(found[2]):
-        raise typer.BadParameter(f"'{text}' is no I/N with 1 <= I <= N, as '3/8'", param_hint="--shard")
+        raise typer.BadParameter(f"'{text}' is not I/N with 1 <= I <= N, as '3/8'", param_hint="--shard")
     return text
 
 
@@ -236,14 +233,14 @@ Where = Annotated[
         "--where",
         metavar="CONDITION",
         callback=_condition,
-        help="Only those that meet it, as 'sensor is lidar_905nm'.",
+        help="Only those that meet this condition, as 'sensor is lidar_905nm'.",
     ),
 ]
 Choose = Annotated[
     list[str],
-    typer.Option("--choose", metavar="PLACE=CHOICE", help="What is chosen where, as 'sensor=lidar_905nm'."),
+    typer.Option("--choose", metavar="PLACE=CHOICE", help="Choose an alternative at a place, as 'sensor=lidar_905nm'."),
 ]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Where random draws start; the same seed, the same draws.")]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of random draws; the same seed gives the same draws.")]
 
 
 def _sandbox(asked: bool) -> bool:
@@ -256,7 +253,7 @@ def _sandbox(asked: bool) -> bool:
     return asked
 
 
-Strict = Annotated[bool, typer.Option("--strict", help="Refuse what would be ignored.")]
+Strict = Annotated[bool, typer.Option("--strict", help="Treat content that would be ignored as an error.")]
 Sandbox = Annotated[
     bool,
     typer.Option("--sandbox", callback=_sandbox, help="Keep FMUs from the network, and from files (Linux)."),

@@ -131,7 +131,7 @@ def seconds(option: str, text: str | None) -> float | None:
     except UnitError as error:
         raise typer.BadParameter(str(error), param_hint=option) from None
     if quantity.unit.symbol and quantity.unit.dimension != parse_unit("s").dimension:
-        raise typer.BadParameter(f"'{text}' is no time", param_hint=option)
+        raise typer.BadParameter(f"'{text}' is not a time", param_hint=option)
     if quantity.si <= 0:
         raise typer.BadParameter(f"'{text}' is not positive", param_hint=option)
     return float(quantity.si)

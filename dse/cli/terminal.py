@@ -158,5 +158,5 @@ def read_size(text: str) -> float:
     """The bytes that *text* means (``500 MB``). Raises BadParameter."""
     found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?B)\s*", text)
     if found is None:
-        raise typer.BadParameter(f"'{text}' is no amount of memory; write it as '500 MB'")
+        raise typer.BadParameter(f"'{text}' is not an amount of memory; write it as '500 MB'")
     return float(found[1]) * _SIZES[found[2]]

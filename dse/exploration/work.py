@@ -45,7 +45,7 @@ class Runner(Protocol):
         """How many more runs this process may make of the configuration; None for any number."""
 
     def run(self, request: RunRequest, *, keep: bool) -> Run:
-        """The run of *request*, with waveforms only if *keep*; a run that fails is a result."""
+        """The run of *request*, with waveforms only if *keep*; a failed run is a result, too."""
 
     def close(self) -> None:
         """Free what the simulation holds."""

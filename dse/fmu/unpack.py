@@ -180,7 +180,7 @@ def _partner(folder: Path, where: Location) -> Host:
         return Host()
     module = named.read_text("utf-8", "replace")
     if not re.fullmatch(r"dse(\.[a-z_]+)+", module, re.ASCII):
-        raise fail(f"'{module[:80]}' in {PARTNER} is no module of dse", where, "build the FMU again")
+        raise fail(f"'{module[:80]}' in {PARTNER} is not a module of dse", where, "build the FMU again")
     return Host((sys.executable, "-P", "-m", module, str((folder / PARTNER).parent.absolute())))
 
 

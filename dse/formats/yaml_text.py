@@ -93,7 +93,7 @@ def write_value(value: float | int | bool | str, unit: Unit, where: Location | N
     for number in (*shorter, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
         if math.isfinite(number) and float(Fraction(repr(number)) * unit.factor + unit.offset) == value:
             return repr(number)
-    raise fail(f"{value} in SI is no floating-point number of {unit}", where, "give it in an SI unit")
+    raise fail(f"{value} in SI is not a floating-point number of {unit}", where, "give it in an SI unit")
 
 
 def write_name(name: str) -> str:

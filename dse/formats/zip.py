@@ -109,7 +109,7 @@ def _left_out(entries: list[zipfile.ZipInfo]) -> Iterator[tuple[zipfile.ZipInfo,
         name = _name(entry)
         key = str(PurePosixPath(name)).casefold()
         if name == "./":
-            yield entry, "the entry './' is no file"
+            yield entry, "the entry './' is not a file"
         elif key in files and key.startswith("extra/") and not name.endswith("/"):
             yield entry, f"the path '{name}' is there twice, the first is taken"
         elif not name.endswith("/"):

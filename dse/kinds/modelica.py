@@ -37,7 +37,7 @@ class ModelicaKind(ComponentKind[ModelicaSection, ModelicaSource]):
         if section.model is None:
             raise place.missing("model", "model: Package.Model")
         if not _CLASS.fullmatch(section.model):
-            what = f"'{section.model}' is no name of a Modelica class"
+            what = f"'{section.model}' is not a name of a Modelica class"
             raise fail(what, place.at("model"), "model: Package.Model")
         if not section.files and not section.modelica_path:
             raise place.missing("files", "files: [model.mo], or a folder with a package.mo")

@@ -131,7 +131,7 @@ def _check_demand(path: Path) -> None:
 
     root = read_xml_file(path, shown(path))
     if root.tag != "routes":
-        raise fail(f"<{root.tag}> is no demand of SUMO", root.where, "a .rou.xml begins with <routes>")
+        raise fail(f"<{root.tag}> is not a demand of SUMO", root.where, "a .rou.xml begins with <routes>")
 
 
 KIND = SumoKind()

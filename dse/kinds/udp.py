@@ -55,7 +55,7 @@ class UdpKind(ComponentKind[UdpSection, UdpSource]):
             raise fail(f"a {role} has no '{other}'", place.at(other), hint)
         host = getattr(section, key) or _LOOPBACK
         if not _ADDRESS.fullmatch(host):
-            raise fail(f"'{host}' is no address", place.at(key), f"{key}: 192.168.1.20")
+            raise fail(f"'{host}' is not an address", place.at(key), f"{key}: 192.168.1.20")
         timeout = _seconds(section.timeout, place, "timeout", 5.0)
         wait = _seconds(section.wait, place, "wait", timeout)
         return UdpSource(section.port, host, role, mode, timeout, wait, where=place.entry.key)

@@ -16,7 +16,7 @@ from dse.live.packet import Flag, Packet, pack, unpack
 from dse.live.packet_mistakes import explain
 
 STARTS, BYTES, FLAGS, COUNTS = "sends START", "bytes of its packets", "flags", "sequence counts"
-TIME, RESENDS, SAME, ENDS = "time advances", "sends again what was not answered", "sends the same again", "sends END"
+TIME, RESENDS, SAME, ENDS = "time advances", "repeats unanswered requests", "repeats the same bytes", "sends END"
 NAMES = (STARTS, BYTES, FLAGS, COUNTS, TIME, RESENDS, SAME, ENDS)
 _EVERY = 10
 """Of so many requests the first try of one is left without an answer, and before that of another comes rubbish."""
@@ -76,7 +76,7 @@ class _World:
             busy = Packet(packet.session, packet.sequence, Flag.ANSWER | Flag.BUSY, 0.0, (0.0,) * self.back)
             self._send(pack(busy), sender)
         elif not self.session and not packet.flags & Flag.END:
-            self.findings.wrong(STARTS, "a request came before any START", packet.sequence)
+            self.findings.wrong(STARTS, "a request arrived before any START", packet.sequence)
 
     def _next(self, packet: Packet, data: bytes) -> None:
         is_start = packet.sequence == 0
@@ -84,10 +84,16 @@ class _World:
         self.findings.right(COUNTS)
         self.findings.judge(FLAGS, _flags(packet, is_start=is_start), packet.sequence)
         if self.is_withheld:
-            self.findings.wrong(RESENDS, "the next request came although the last was not answered", packet.sequence)
+            self.findings.wrong(
+                RESENDS, "the next request arrived although the last one was not answered", packet.sequence
+            )
             self.is_withheld = False
         # The first step begins where START stood; each other one goes on.
-        said = "" if packet.sequence < 2 or packet.time > self.time else "a request's time is not after that before"
+        said = (
+            ""
+            if packet.sequence < 2 or packet.time > self.time
+            else "the time of a request is not later than that of the one before"
+        )
         self.findings.judge(TIME, said, packet.sequence)
         self.sequence, self.time, self.request = packet.sequence, packet.time, data
         flags = Flag.ANSWER | (Flag.START if is_start else Flag(0))
@@ -165,13 +171,13 @@ def check_client(
         if world.session and sender == world.sender:
             heard_at = time.monotonic()
     if not world.session:
-        world.findings.wrong(STARTS, f"no START came that can be used in {wait:g} s", 0)
+        world.findings.wrong(STARTS, f"no valid START arrived in {wait:g} s", 0)
     elif not world.has_ended:
-        said = f"no END came: nothing was heard for {patience:g} s (send END when the run is over)"
+        said = f"no END arrived: nothing was received for {patience:g} s (send END when the run is over)"
         world.findings.wrong(ENDS, said, world.sequence)
         if world.is_withheld:
-            world.findings.wrong(RESENDS, "a request that was not answered did not come again", world.sequence)
+            world.findings.wrong(RESENDS, "an unanswered request was not repeated", world.sequence)
     elif world.sequence < _EVERY:
-        world.findings.wrong(COUNTS, f"only {world.sequence} steps: {_EVERY} at least show something", world.sequence)
+        world.findings.wrong(COUNTS, f"only {world.sequence} steps: at least {_EVERY} are needed", world.sequence)
     spent = time.perf_counter() - began if began else 0.0
     return Checked(world.findings.listed(), Latencies((), 0, spent), sum(world.ignored.values()), world.steps)

@@ -60,7 +60,7 @@ def _check_head(line: str, path: Path) -> None:
     except ValueError:
         told = None
     if not isinstance(told, dict) or told.get("format") != _FORMAT:
-        raise fail("this is no recording", Location(shown(path), 1), "'dse udp record' writes one")
+        raise fail("this is not a recording", Location(shown(path), 1), "'dse udp record' writes one")
 
 
 def _datagram(line: str, where: Location) -> Datagram:
@@ -69,7 +69,7 @@ def _datagram(line: str, where: Location) -> Datagram:
         way, time = told["way"], float(told["time"])
         made = Datagram(time, {"out": False, "back": True}[way], str(told["from"]), bytes.fromhex(told["data"]))
     except (ValueError, KeyError, TypeError) as error:
-        raise fail("this is no datagram of a recording", where) from error
+        raise fail("this is not a datagram of a recording", where) from error
     return made
 
 

@@ -172,6 +172,6 @@ def _si(type_: Type) -> Type:
 def _refusals(bench: TestBench) -> Iterator[Problem]:
     simulation, what = bench.simulation, f"bench '{bench.name}' cannot be driven: "
     if simulation.method.adaptive is not None:
-        yield Problem(f"{what}its steps may have to be made again, and time cannot", simulation.where)
+        yield Problem(f"{what}its steps may have to be repeated, which is impossible in real time", simulation.where)
     if simulation.check_step:
-        yield Problem(f"{what}with check_step a run is made twice", simulation.where)
+        yield Problem(f"{what}with check_step, a run is simulated twice", simulation.where)

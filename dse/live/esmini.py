@@ -102,11 +102,11 @@ def pack_message(message: DriverMessage) -> bytes:
         mode = next(mode for mode, (kind, _) in _PAYLOADS.items() if isinstance(message.payload, kind))
         values = astuple(message.payload)
         if not all(map(isfinite, values)):
-            raise PacketError(f"a number of {message.payload} is none")
+            raise PacketError(f"a number of {message.payload} is invalid")
         body = _PAYLOADS[mode][1].pack(*values)
     for name, number in (("object", message.object_id), ("frame", message.frame)):
         if not 0 <= number < 2**32:
-            raise PacketError(f"{name} {number} is no uint32")
+            raise PacketError(f"{name} {number} is not a uint32")
     return _HEAD.pack(VERSION, mode, message.object_id, message.frame) + body
 
 
@@ -127,7 +127,7 @@ def unpack_message(data: bytes) -> DriverMessage:
         raise PacketError(f"{len(data)} bytes: a message of {name} has {_HEAD.size + layout.size}")
     values = layout.unpack_from(data, _HEAD.size)
     if not all(map(isfinite, values)):
-        raise PacketError("a number of the message is none")
+        raise PacketError("a number of the message is invalid")
     return DriverMessage(object_id, frame, kind(*values))
 
 

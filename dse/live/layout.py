@@ -106,7 +106,7 @@ def _signals(entry: Entry) -> list[Signal]:
 def _signal(text: object, entry: Entry) -> Signal:
     matched = _SIGNAL.fullmatch(text) if isinstance(text, str) else None
     if matched is None:
-        raise fail(f"'{text}' is no name of a signal", entry.where, _HINT)
+        raise fail(f"'{text}' is not the name of a signal", entry.where, _HINT)
     return Signal(matched["name"], matched["unit"] or "")
 
 

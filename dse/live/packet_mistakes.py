@@ -73,7 +73,7 @@ def _causes(data: bytes, count: int, wanted: Packet | None) -> Iterator[str]:
     yield from (mistake.said for mistake in _MISTAKES if _is(mistake, data, count, wanted))
     size = size_of(count)
     if len(data) > size and len(data) % size == 0 and data[size : size + 4] == _MAGIC:
-        yield f"{len(data) // size} packets came in one datagram: send each by itself"
+        yield f"{len(data) // size} packets arrived in one datagram: send each one separately"
     counted = _other_count(data, count, wanted)
     floats = next((mistake.said for mistake in _FLOATS if _is(mistake, data, count, wanted)), "")
     if floats or counted:

@@ -62,7 +62,7 @@ def _types(drive: Drive, bench: TestBench, configuration: Configuration, where: 
     return {name: replace(known[name], unit=coherent(known[name].unit)) for name in drive.inputs}
 
 
-_ANOTHER = "the bench or the design is not what it was when it was driven"
+_ANOTHER = "the bench or the design has changed since the drive"
 
 
 def _misfits(drive: Drive, bench: TestBench, configuration: Configuration, where: Location) -> Iterator[Problem]:

@@ -196,7 +196,7 @@ class Session:
         if heard and now - began > patience.start + stop + patience.slack:
             return Why.LIMIT, f"the drive of {stop:g} s took more than {now - began:.0f} s"
         if heard and now - heard > patience.step + (patience.start if self._wants_end.is_set() else 0.0):
-            return Why.CRASHED, f"nothing has moved for {now - heard:.0f} s"
+            return Why.CRASHED, f"no progress for {now - heard:.0f} s"
         if not heard and now - began > patience.start:
             return Why.CRASHED, f"it did not begin within {patience.start:g} s"
         return None

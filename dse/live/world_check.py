@@ -12,8 +12,8 @@ from dse.live.packet_mistakes import explain
 
 ANSWERS, BYTES, SESSION, SEQUENCE = "answers a START", "bytes of its packets", "session", "sequence"
 FLAGS, TIME, REPEATS_START, STEPS = "flags", "time", "repeats the answer to START", "answers every step"
-REPEATS, IGNORES = "repeats an answer", "ignores what it must"
-BUSY, ENDS = "answers BUSY to a second client", "ends and starts anew"
+REPEATS, IGNORES = "repeats an answer", "ignores invalid packets"
+BUSY, ENDS = "answers BUSY to a second client", "ends and restarts"
 NAMES = (ANSWERS, BYTES, SESSION, SEQUENCE, FLAGS, TIME, REPEATS_START, STEPS, REPEATS, IGNORES, BUSY, ENDS)
 _SILENCE = 0.05
 """Seconds in which a world has to say nothing, at least."""
@@ -157,8 +157,8 @@ def _starts(client: _Client) -> bool:
         first = client.ask(start)
     except _Silent:
         nobody = "no process listens at this address and port (the system refuses the datagrams)"
-        heard = "what came could not be used as an answer: see the other checks"
-        waited = f"nothing was heard in {client.trial.patience:g} s"
+        heard = "what was received is not a valid answer: see the other checks"
+        waited = f"nothing was received in {client.trial.patience:g} s"
         is_told = any(check.is_right is False for check in client.findings.listed())
         client.findings.wrong(ANSWERS, heard if is_told else nobody if client.line.refused else waited, 0)
         return False
@@ -174,11 +174,11 @@ def _asks_again(client: _Client, packet: Packet, first: bytes, name: str) -> Non
     client.line.send(pack(packet))
     again = client.hear(client.trial.patience, awaited=first)
     if again is None:
-        said = "a request that came again was not answered: its first answer may be lost; keep it and send it again"
+        said = "a repeated request was not answered: its first answer may be lost; keep the answer and send it again"
     elif again == first:
         said = ""
     else:
-        said = "a request that came again got another answer: keep the last answer and send it again, without a step"
+        said = "a repeated request got a different answer: keep the last answer and send it again, without a step"
         said = explain(again, client.trial.back) or said
     client.findings.judge(name, said, packet.sequence)
 
@@ -187,7 +187,7 @@ def _steps(client: _Client) -> Latencies:
     began = client.line.now()
     client.timings = Timings()
     for sequence in range(1, client.trial.steps + 1):
-        _step(client, sequence, "no answer that can be used came to the step's request")
+        _step(client, sequence, "no valid answer to the step's request arrived")
     client.findings.right(STEPS)
     spent, timings = client.line.now() - began, client.timings
     return Latencies(tuple(timings.seconds), timings.resent, spent)
@@ -216,7 +216,7 @@ def _bad(client: _Client, right: Packet) -> list[tuple[str, bytes]]:
         ("a packet that is one byte short", data[:-1]),
         ("a packet that is one byte long", data + b"\0"),
         ("a packet without its end", data[: len(data) // 2]),
-        ("a torn packet (its closing sequence is another)", data[:-4] + struct.pack("<i", right.sequence + 1)),
+        ("a torn packet (its closing sequence differs)", data[:-4] + struct.pack("<i", right.sequence + 1)),
         ("a packet of another version", struct.pack("<i", 0x44534532) + data[4:]),
         ("a packet whose time is NaN", data[:16] + nan + data[24:]),
         *([("a packet with a value that is NaN", data[:24] + nan + data[32:])] if right.values else []),
@@ -235,7 +235,7 @@ def _ignores(client: _Client) -> None:
         heard = client.heard_in_silence()
         if heard is not None:
             client.findings.wrong(IGNORES, f"{what} was answered", sequence)
-        _step(client, sequence, f"after {what} nothing more was answered: it must be ignored", IGNORES)
+        _step(client, sequence, f"after {what} no request was answered any more: it must be ignored", IGNORES)
         sequence += 1
     client.findings.right(IGNORES)
 
@@ -246,7 +246,7 @@ def _is_busy(client: _Client) -> None:
     client.line.send(pack(other.packet(0, Flag.START)))
     heard = client.hear(client.trial.patience)
     client.findings.judge(BUSY, _busy(heard, client.trial.back, other.session), 0)
-    _step(client, sequence, "after a START of a second client nothing more was answered to the first", BUSY)
+    _step(client, sequence, "after a START of a second client, requests of the first were no longer answered", BUSY)
 
 
 def _busy(heard: bytes | None, count: int, session: int) -> str:
@@ -257,7 +257,7 @@ def _busy(heard: bytes | None, count: int, session: int) -> str:
         return said
     answer = unpack(heard, count)
     if not answer.flags & Flag.BUSY:
-        return "a START of a second session was taken: the first client has lost its world; answer with BUSY"
+        return "a START of a second session was accepted: the first client has lost its world; answer with BUSY"
     return "" if answer.session == session else "BUSY does not have the session of the START it answers"
 
 
@@ -294,7 +294,7 @@ def _is_end(data: bytes, count: int) -> bool:
 def _session(answer: Packet, asked: Packet) -> str:
     if answer.session == asked.session:
         return ""
-    return f"{answer.session} came back where {asked.session} was sent: answer with the session of the request"
+    return f"{answer.session} was returned where {asked.session} was sent: answer with the session of the request"
 
 
 def _sequence(answer: Packet, asked: Packet) -> str:
@@ -306,7 +306,7 @@ def _sequence(answer: Packet, asked: Packet) -> str:
 
 def _flags(answer: Packet, asked: Packet) -> str:
     if answer.flags & Flag.BUSY:
-        return "BUSY (8): another session is on; end it, or start the world again"
+        return "BUSY (8): another session is active; end it, or restart the world"
     if answer.flags & Flag.END:
         return "END (2): the world ended the session by itself"
     if not answer.flags & Flag.ANSWER:
@@ -323,5 +323,5 @@ def _time(answer: Packet, expected: float, asked: float) -> str:
     if abs(answer.time - expected) <= 1e-6 * max(1.0, abs(expected)):
         return ""
     if answer.time == asked and asked != expected:
-        return "the request's time came back: an answer contains the state at the end of the step, with that time"
+        return "the request's time was returned: an answer contains the state at the end of the step, with that time"
     return "the answer's time is not that of the end of the step (time of the request and a step; --step sets how long)"

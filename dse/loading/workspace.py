@@ -40,7 +40,7 @@ class Workspace:
 
     @staticmethod
     def around(path: Path) -> Workspace:
-        """The workspace *path* lies in: the nearest folder upwards that holds ``components/``.
+        """The workspace that contains *path*: the nearest folder upwards with ``components/``.
 
         Raises DseError, also if there is nothing at *path*.
         """

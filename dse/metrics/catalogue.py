@@ -84,7 +84,7 @@ def metric_function(
     timed = parameters[:1] == ["time"] and [argument.name for argument in arguments][:1] != ["time"]
     name = getattr(function, "__qualname__", repr(function))
     if not name.isidentifier():
-        raise ValueError(f"{name} is no function of a module, by whose name workers could find it")
+        raise ValueError(f"{name} is not a function of a module, by whose name workers could find it")
     if len(parameters) != len(arguments) + timed:
         raise ValueError(f"{name} takes {len(parameters) - timed} arguments, {len(arguments)} are declared")
     if not arguments or any(one.default is not None and two.default is None for one, two in pairwise(arguments)):

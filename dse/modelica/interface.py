@@ -46,7 +46,7 @@ def _problems(component: Component, model: FlatModel) -> Iterator[Problem]:
     free = [component.variable(port.name) for port in ports if component.variable(port.name) not in model.variables]
     for name, variable in model.variables.items():
         if variable.role is Role.INPUT and name not in taken and variable.start is None:
-            what = f"{model.name} has an input '{name}' that is no port of {component.interface.name}"
+            what = f"{model.name} has an input '{name}' that is not a port of {component.interface.name}"
             hint = f"map a port to it, as {free[0]}: {name}" if free else "map a port to it, or give it a start"
             yield _at(what, variable.where, hint)
 
@@ -76,7 +76,7 @@ def _port(component: Component, model: FlatModel, port: Port) -> Iterator[Proble
         what = f"{model.name} has no variable '{name}' for {word}"
         yield _at(what, None, _hint(port.name, name, fitting))
     elif name not in fitting:
-        what = f"'{name}' of {model.name} is no {port.causality}, as {word} needs"
+        what = f"'{name}' of {model.name} is not an {port.causality}, as {word} needs"
         yield _at(what, variable.where, f"declare it at the model's top level: {port.causality} …")
     elif port.type.kind is Kind.ENUMERATION or variable.kind is ScalarType.ENUMERATION:
         what = f"{word} is an enumeration: those of Modelica models cannot be ports in this version"
@@ -133,7 +133,7 @@ def _is_free(variable: Variable) -> bool:
 
 def _why_not(variable: Variable) -> str:
     if variable.role is not Role.PARAMETER:
-        return "is no parameter"
+        return "is not a parameter"
     if variable.is_final:
         return "is final"
     if variable.is_protected:

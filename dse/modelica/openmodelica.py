@@ -159,7 +159,7 @@ def _require_variables(component: Component, product: Path, folder: Path) -> Non
         with zipfile.ZipFile(product) as archive:
             (folder / "modelDescription.xml").write_bytes(archive.read("modelDescription.xml"))
     except (zipfile.BadZipFile, KeyError, OSError) as error:
-        raise fail(f"component '{component.name}': what omc made is no FMU: {error}", component.where) from error
+        raise fail(f"component '{component.name}': what omc made is not an FMU: {error}", component.where) from error
     try:
         known = read_description(folder, product.name).variables
     except DseError as error:

@@ -101,7 +101,7 @@ def charted(name: str, content: ReportContent) -> ShownFigure:
     runs = frozenset(content.runs.numbers.tolist())
     problems = [problem for chart in charts for problem in chart_problems(chart, runs)]
     if not isinstance(title, str):
-        problems.append("its title is no text")
+        problems.append("its title is not text")
     if not problems and len({chart.name for chart in charts}) < len(charts):
         problems.append("two of its charts have the same name")
     if problems:

@@ -150,7 +150,7 @@ def _text(file: TableFile, where: Location) -> str:
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         return content.decode("utf-16", "replace")
     if b"\0" in content:
-        raise fail(f"{shown(file.path)} is no text", where, "name a CSV file, or one that ends in .parquet or .mf4")
+        raise fail(f"{shown(file.path)} is not text", where, "name a CSV file, or one that ends in .parquet or .mf4")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -80,7 +80,7 @@ def _misfits(component: Component, source: TimeSeriesSource) -> list[Problem]:
     for series in source.series:
         port = outputs.get(series.port)
         if port is None:
-            what = f"'{series.port}' is no output of {component.interface.name}"
+            what = f"'{series.port}' is not an output of {component.interface.name}"
             problems.add(what, series.where, closest(series.port, outputs))
         elif port.type.kind is not Kind.REAL and series.interpolation is Interpolation.LINEAR:
             what = f"'{series.port}' is {port.type}: between two of its values there is none"
@@ -175,7 +175,9 @@ def _seconds(column: RawColumn, where: Location) -> NDArray[np.float64]:
     unit = unit_of(column, where)
     second = PARAMETERS["offset"].unit
     if unit is not None and unit.dimension != second.dimension:
-        raise fail(f"'{column.heading}' is in {unit}, which is no unit of time", where, "name the column of the time")
+        raise fail(
+            f"'{column.heading}' is in {unit}, which is not a unit of time", where, "name the column of the time"
+        )
     return _in_si(_numbers(column, None), unit or second)
 
 
@@ -184,7 +186,7 @@ def _date(text: str, column: RawColumn, row: int) -> np.datetime64:
         read = datetime.fromisoformat(text)
     except ValueError:
         hint = "seconds, numbers in the unit of the heading, or dates as 2026-03-01T12:30:00.5"
-        raise fail(f"'{text}' is no time", column.where(row), hint) from None
+        raise fail(f"'{text}' is not a time", column.where(row), hint) from None
     shift = read.utcoffset()
     return np.datetime64(read.replace(tzinfo=None)) - np.timedelta64(shift or 0)
 
@@ -209,7 +211,7 @@ def _values(column: RawColumn, type_: Type, where: Location) -> NDArray[np.float
         wrong = ~np.isnan(values) & ((values != np.floor(values)) | (values < lowest) | (values > highest))
     if wrong.any():
         row = int(np.argmax(wrong))
-        raise fail(f"{values[row]:g} in '{column.heading}' is no value of {type_}", column.where(row))
+        raise fail(f"{values[row]:g} in '{column.heading}' is not a value of {type_}", column.where(row))
     return values
 
 

@@ -99,7 +99,7 @@ def application(
         return HTMLResponse(problem_page(error), status) if is_page else JSONResponse(problem_of(error), status)
 
     def busy(_: Request, __: Exception) -> Response:
-        told = problem_of(fail("another run is being simulated", hint="wait until it has come to its end"))
+        told = problem_of(fail("another run is being simulated", hint="wait until it has finished"))
         return JSONResponse(told, 429, {"retry-after": "1"})
 
     routes: list[BaseRoute] = [

@@ -54,7 +54,7 @@ def _changes(first: str, study: Compared) -> str:
     parts.append("<h3>Verdicts that flipped</h3>")
     parts.append(
         f"<p>{study.shared:,} of {study.finished:,} runs have the configuration and point of a run of "
-        f"{escape(first)}; {len(study.flips):,} verdicts on them are others.</p>"
+        f"{escape(first)}; {len(study.flips):,} of their verdicts differ.</p>"
     )
     if study.flips:
         rows = [

@@ -85,7 +85,7 @@ class LiveDrives:
         with self._lock:
             self._sweep()
             if self._opening + sum(each.live.ended is None for each in self._held.values()) >= self.most:
-                raise fail(f"{self.most} drives are on already", hint="wait until one of them has come to its end")
+                raise fail(f"{self.most} drives are already running", hint="wait until one of them has ended")
             self._opening += 1
         try:
             noun = self._bench(bench)
@@ -213,7 +213,7 @@ class LiveDrives:
                     work.start()
                     self._pending.append(work)
                 except DseError as error:
-                    told["text"] = f"{ended.text}; it could not be kept: {error}"
+                    told["text"] = f"{ended.text}; it could not be stored: {error}"
         if ended.pace is not None:
             told["pace"] = {name: getattr(ended.pace, name) for name in ("steps", "overruns", "median", "p99")}
         return {"verdicts": [], **told}
@@ -235,7 +235,7 @@ class LiveDrives:
         with self._asking:
             offer = self._dealership(design).offer(read_choices_text(chosen))
         if not offer.configuration:
-            raise fail(f"{offer.left:,} configurations of '{design.name}' are left: choose until there is one")
+            raise fail(f"{offer.left:,} configurations of '{design.name}' are possible: choose until one is left")
         return offer.configuration
 
     def _sweep(self) -> None:

@@ -33,8 +33,8 @@ MOST_MISTAKES = 20
 def _keeping_page() -> str:
     """What is seen until a drive is a run."""
     body = (
-        '<section class="card"><p>The drive is simulated once more as a run of its study, and so is the car '
-        "without a driver, unless it was before. Then the report opens by itself.</p>"
+        '<section class="card"><p>The drive is simulated again as a run of its study, and so is the car '
+        "without a driver, unless that run exists. Then the report opens automatically.</p>"
         '<progress aria-label="The drive is simulated"></progress></section>'
     )
     return document("The drive becomes a run", body, '<a href="/drive">Test drive</a>')

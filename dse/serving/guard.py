@@ -139,9 +139,9 @@ class Guard:
         session = self._session(headers)
         refusal = self._stranger(scope, headers, session)
         if refusal is None and headers.get(b"origin", b"").decode("latin-1") != _origin(scope, headers):
-            refusal = 403, "this was not asked by a page of this server"
+            refusal = 403, "the request is not from a page of this server"
         if refusal is None and self._token and not session:
-            refusal = 401, "open the address with the token that was printed"
+            refusal = 401, "open the printed address, which contains the token"
         with _counted(self._sockets, session or _address(scope), self._limits.sockets) as is_free:
             if refusal is None and not is_free:
                 refusal = 503, "too many pages are connected; close one"
@@ -159,7 +159,7 @@ class Guard:
         ):
             return 429, "too many requests; wait a moment"
         if not self._is_here(headers.get(b"host", b"").decode("latin-1")):
-            return 421, "this server does not go by that name"
+            return 421, "this server does not have that host name"
         return None
 
     def _refusal(self, scope: Message, headers: dict[bytes, bytes], session: str) -> tuple[int, str] | None:
@@ -169,7 +169,7 @@ class Guard:
             return 405, "only GET, HEAD and POST"
         if scope["method"] == "POST":
             if headers.get(b"origin", b"").decode("latin-1") != _origin(scope, headers):
-                return 403, "this was not asked by a page of this server"
+                return 403, "the request is not from a page of this server"
             if headers.get(b"content-type", b"").partition(b";")[0].strip() != b"application/json":
                 return 415, "only application/json"
         return None
@@ -208,7 +208,7 @@ class Guard:
         query = parse_qs(scope["query_string"].decode("latin-1"))
         given = (query.get("token") or [""])[0]
         if scope["method"] != "GET" or not _is_same(given, self._token):
-            await _answer_text(send, 401, "open the address with the token that was printed")
+            await _answer_text(send, 401, "open the printed address, which contains the token")
             return
         # A redirect would still be the other site's doing, from which the cookie is not sent.
         place = b"/drive" if scope["path"] == "/drive" else b"/"
@@ -222,7 +222,7 @@ class Guard:
         """The body, or why it is refused."""
         most = self._limits.body
         too_large = 413, f"more than {most} bytes"
-        late = 408, "the request did not come to its end in time"
+        late = 408, "the request was not completed in time"
         told = headers.get(b"content-length", b"0")
         if not told.isdigit() or int(told[:20]) > most:
             return b"", too_large

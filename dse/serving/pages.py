@@ -30,7 +30,7 @@ _DRIVE = (
     HEAD
     + """</head>
 <body>
-<div id="drive"><noscript>This page draws itself with JavaScript, which is switched off.</noscript></div>
+<div id="drive"><noscript>This page needs JavaScript, which is switched off.</noscript></div>
 <script type="application/json" id="document">{document}</script>
 <script>{script}</script>
 </body>
@@ -178,7 +178,7 @@ def _when(changed: datetime) -> str:
 def _legend() -> str:
     return (
         '<p class="hint">A run passes if it meets all requirements; it is <b>not exercised</b> if one of them did not '
-        "come into play. Shown is what is in the study folders now; nothing here changes them.</p>"
+        "apply. The page shows the current content of the study folders and does not change it.</p>"
     )
 
 

@@ -21,7 +21,7 @@ _MOST_PAGES = 12
 def run_number(text: str) -> int:
     """The number of a run, as an address has it. DseError for all that is none."""
     if not re.fullmatch(r"[0-9]{1,9}", text):
-        raise fail("this is no number of a run", hint="open the replay from a run of the report")
+        raise fail("this is not a run number", hint="open the replay from a run of the report")
     return int(text)
 
 
@@ -76,7 +76,7 @@ def waiting_page(name: str, run: int) -> str:
     """What is seen until the page of *run* of the study *name* is made; its script has it made."""
     body = (
         f'<section class="card" data-study="{escape(name)}" data-replay="{run}">'
-        f"<p>Run {run} is simulated once more, with all that is seen of it recorded.</p>"
+        f"<p>Run {run} is simulated again, and everything that the scene shows is recorded.</p>"
         '<progress aria-label="The run is simulated"></progress>'
         '<p class="hint" id="replay-told" role="status">waiting for the simulation to begin</p>'
         '<p class="problem" id="replay-problem" role="alert" hidden></p>'

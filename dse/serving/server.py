@@ -106,8 +106,8 @@ def _address(text: str) -> Address:
     try:
         return ipaddress.ip_address(text)
     except ValueError:
-        hint = "give one in numbers, as 192.168.1.20; 0.0.0.0 is every address of this machine"
-        raise fail(f"'{text}' is no address to listen on", hint=hint) from None
+        hint = "give a numeric address, as 192.168.1.20; 0.0.0.0 is every address of this machine"
+        raise fail(f"'{text}' is not an address to listen on", hint=hint) from None
 
 
 def _listening(address: Address, port: int) -> socket.socket:

@@ -29,7 +29,9 @@ class StudyIndex:
 
     def __init__(self, root: Path, workspace: Path | None = None) -> None:
         if not root.is_dir():
-            raise fail("there is no such folder", Location(str(root)), "name a study folder, or one that holds some")
+            raise fail(
+                "there is no such folder", Location(str(root)), "name a study folder, or a folder that contains some"
+            )
         self.root, self.workspace = root.resolve(), workspace
         self._found: Mapping[str, Path] = {}
         self._looked = -_FRESH

@@ -116,11 +116,11 @@ def read_folder(path: Path, model: str = "", sources: Sequence[Path] = ()) -> Co
     if not path.is_dir():
         raise fail("this is a file, not a folder" if path.exists() else "there is no such folder", where)
     if not _is_text(str(path.absolute())):
-        raise fail("the name of this folder is no UTF-8", where, "rename it")
+        raise fail("the name of this folder is not UTF-8", where, "rename it")
     texts = _texts(sorted(path.iterdir()), where)
     chosen = model or _model_of(texts, where)
     if not re.fullmatch(r"[A-Za-z_]\w*", chosen, re.ASCII):
-        raise fail(f"'{chosen}' is no name that Simulink gives a model", where)
+        raise fail(f"'{chosen}' is not a name that Simulink gives a model", where)
     if not any(chosen + suffix in texts for suffix in _HEADERS):
         raise fail(f"there is no header '{chosen}.h'", where, _names(texts))
     if not any(chosen + suffix in texts for suffix in (".c", ".cpp")):
@@ -182,7 +182,7 @@ def _texts(files: Iterable[Path], where: Location) -> dict[str, str]:
         if file.suffix not in _CODE or not file.is_file():
             continue
         if not _is_text(file.name):
-            raise fail("the name of this file is no UTF-8", Location(shown(file)), "rename it")
+            raise fail("the name of this file is not UTF-8", Location(shown(file)), "rename it")
         size += file.stat().st_size
         if size > _MOST_BYTES or len(texts) == _MOST_FILES:
             raise fail(f"there are more than {_MOST_FILES} files or {_MOST_BYTES // 1_000_000} MB of C", where)

@@ -164,7 +164,7 @@ def _flat(
             if warnings is not None:
                 warnings.append(f"'{name}' is a pointer and left out")
         case _:
-            raise fail(f"'{name}' has the type {type_.name}, which is no number")
+            raise fail(f"'{name}' has the type {type_.name}, which is not a number")
 
 
 def places_of_model(known: Declarations, made: Interface, fields: Iterator[tuple[str, CType]]) -> None:

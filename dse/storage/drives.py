@@ -102,7 +102,7 @@ def read_drive(path: Path) -> Drive:
             if rows * len(names) > _MOST_NUMBERS:
                 raise fail(f"has {rows * len(names):,} numbers: too large for a drive", here)
             if kinds != {"double"} or names[:1] != [_TIME] or len({*names}) < len(names):
-                raise fail("is no drive: it has other columns than 'time' and numbers by name", here)
+                raise fail("is not a drive: it has other columns than 'time' and numbers by name", here)
             table = parquet.read(use_threads=False)
     except (OSError, pa.ArrowException) as error:
         raise fail(f"cannot be read: {str(error).splitlines()[0]}", here, "copy it again") from None
@@ -157,23 +157,23 @@ def _require(drive: Drive, path: Path) -> None:
     here = Location(shown(path))
     for what, name in (("bench", drive.bench), ("configuration", drive.configuration)):
         if not _WORD.fullmatch(name):
-            raise fail(f"is no drive: {name[:LONGEST_NAME]!r} is no name of a {what}", here)
+            raise fail(f"is not a drive: {name[:LONGEST_NAME]!r} is not a name of a {what}", here)
     try:
         is_name = driver_name(drive.driver) == drive.driver
     except DseError:
         is_name = False
     if not is_name:
-        raise fail(f"is no drive: {drive.driver[:LONGEST_NAME]!r} is no driver's name", here)
+        raise fail(f"is not a drive: {drive.driver[:LONGEST_NAME]!r} is not a driver's name", here)
     strange = next((name for name in drive.inputs if not _PORT.fullmatch(name)), None)
     if strange is not None:
-        raise fail(f"is no drive: {strange[:LONGEST_NAME]!r} is no port's name", here)
+        raise fail(f"is not a drive: {strange[:LONGEST_NAME]!r} is not a port's name", here)
     n = len(drive.time)
     if n < 2 or not drive.inputs or any(len(column) != n for column in drive.inputs.values()):
-        raise fail("is no drive: it has no column or no step", here)
+        raise fail("is not a drive: it has no column or no step", here)
     if not (np.isfinite(drive.step) and drive.step > 0):
-        raise fail("is no drive: its step is no time", here)
+        raise fail("is not a drive: its step is not a time", here)
     for name, column in {_TIME: drive.time, **drive.inputs}.items():
         if not np.isfinite(column).all():
-            raise fail(f"'{name}' is no number in row {int(np.argmin(np.isfinite(column))) + 1}", here)
+            raise fail(f"'{name}' is not a number in row {int(np.argmin(np.isfinite(column))) + 1}", here)
     if not np.allclose(drive.time, np.arange(n) * drive.step, rtol=0.0, atol=1e-6 * drive.step):
         raise fail(f"the times are not 0 and so on, {drive.step:g} s apart", here)

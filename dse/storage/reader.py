@@ -212,7 +212,7 @@ class StudyReader:
         # The database may come from anywhere: what it names must lie in the folder of waveforms.
         for file in {*files} - {""}:
             if not (isinstance(file, str) and is_file_name(file)):
-                raise damaged_study(self.path, f"'{file}' is no file of waveforms")
+                raise damaged_study(self.path, f"'{file}' is not a file of waveforms")
         numbers = [row[0] for row in rows]
         wanted = row_checksums([numbers, files]).tolist() if rows else []
         for row, checksum in zip(rows, wanted, strict=True):

@@ -284,7 +284,7 @@ def stepping_problems(
         if fixed is None:
             continue
         if not is_multiple(step, fixed):
-            what = f"{path} ({component.name}) steps by {fixed:g} s, and {step:g} s is no multiple of that"
+            what = f"{path} ({component.name}) steps by {fixed:g} s, and {step:g} s is not a multiple of that"
             hint = f"step: {fixed:g} s, or for this part alone steps: {{{path}: {fixed:g} s}}"
             yield Problem(what, simulation.where, hint)
         elif simulation.check_step and not is_multiple(step / 2, fixed) and simulation.steps % 2:

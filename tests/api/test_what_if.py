@@ -55,7 +55,7 @@ def test_what_is_no_point_is_refused_by_name(results: dse.Results, folder: Path)
         what_if_run(results.definition, "nothing", {}, workspace=folder)
     with pytest.raises(DseError, match=r"there is no value for 'controller\.kd_speed'"):
         what_if_run(results.definition, name, {"controller.kp_speed": 1.0}, workspace=folder)
-    with pytest.raises(DseError, match="'chassis' is no design variable"):
+    with pytest.raises(DseError, match="'chassis' is not a design variable"):
         what_if_run(results.definition, name, {**shown(results, 0), "chassis": 1.0}, workspace=folder)
 
 

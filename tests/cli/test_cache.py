@@ -84,4 +84,4 @@ def test_what_nobody_uses_is_pruned(kept):
     assert list(kept.folder.glob("built/*")) == []
     assert list(kept.folder.glob("compilers/*"))
     wrong = kept("cache", "prune", "--size", "much")
-    assert (wrong.returncode, "'much' is no amount of memory" in wrong.stderr) == (2, True)
+    assert (wrong.returncode, "'much' is not an amount of memory" in wrong.stderr) == (2, True)

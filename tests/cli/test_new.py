@@ -95,7 +95,7 @@ def test_nothing_is_overwritten_and_nothing_is_written_beside_it(dse_in, tmp_pat
     (tmp_path / "components" / "cruise" / "cruise.h").unlink()
     done = dse_in(tmp_path, "new", "component", "cruise")
     assert done.returncode == 1
-    assert "components/cruise/cruise.c: the file is there already" in done.stderr
+    assert "components/cruise/cruise.c: the file already exists" in done.stderr
     assert (tmp_path / "components" / "cruise" / "cruise.c").read_text(encoding="utf-8") == "mine"
     assert not (tmp_path / "components" / "cruise" / "cruise.h").exists()
 
@@ -116,7 +116,7 @@ def test_a_name_that_is_taken_elsewhere_in_the_workspace_is_refused(dse_in, tmp_
     [
         ("component bad-name", "'bad-name' cannot be a name"),
         ("component ../out", "cannot be a name"),
-        ("component double", "a word of C"),
+        ("component double", "a keyword of C"),
         ("component absent", "tests whether a part is present"),
         ("component x --kind python", "possible: c, modelica"),
         ("component x --kind fmu", "dse import fmu"),
@@ -124,9 +124,9 @@ def test_a_name_that_is_taken_elsewhere_in_the_workspace_is_refused(dse_in, tmp_
         ("design x", "COMPONENT"),
         ("design x pd_ac", "did you mean 'pd_acc'?"),
         ("bench x --design acc_vehicl", "did you mean 'acc_vehicle'?"),
-        ("bench x --design electric_acc", "--around COMPONENT"),
+        ("bench x --design electric_acc", "--around a component"),
         ("study x --bench acc_folowing", "did you mean 'acc_following'?"),
-        ("study acc_gains --bench acc_following", "the file is there already"),
+        ("study acc_gains --bench acc_following", "the file already exists"),
     ],
 )
 def test_what_cannot_be_started_is_named_with_what_to_do(dse, example, line, words):

@@ -225,7 +225,7 @@ def test_an_imported_workspace_is_checked_and_simulated_at_once(dse_in, imported
 def test_nothing_that_is_there_is_overwritten(package, dse_in, imported):
     done = dse_in(imported.parent, "import", "ssp", str(package), "back")
     assert done.returncode == 1
-    assert "back/designs/ramped.yaml: the file is there already" in done.stderr
+    assert "back/designs/ramped.yaml: the file already exists" in done.stderr
 
 
 @pytest.mark.thorough

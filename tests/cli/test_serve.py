@@ -151,7 +151,7 @@ def test_a_port_that_is_taken_is_told_with_the_way_out(dse, explored) -> None:
 def test_an_address_is_given_in_numbers(dse, explored, address) -> None:
     done = dse("serve", str(explored), "--listen", address)
     assert done.returncode == 1
-    assert "is no address to listen on" in done.stderr
+    assert "is not an address to listen on" in done.stderr
 
 
 @pytest.mark.thorough

@@ -82,7 +82,7 @@ def test_something_else_is_refused_and_leaves_nothing(fmu: Path, library: Path, 
 
 @pytest.mark.parametrize("digest", ["../../etc", "0" * 31, "0" * 31 + "/", "/" + "0" * 31, "A" * 32])
 def test_a_name_from_the_network_is_no_path(digest: str, library: Path, there: Path) -> None:
-    with pytest.raises(DseError, match="is no digest"):
+    with pytest.raises(DseError, match="is not a digest"):
         receive_entry(digest, sent(library))
     assert not there.exists()
 

@@ -239,9 +239,9 @@ def test_a_table_is_read_in_the_units_of_its_head_and_rows_that_repeat_are_one(t
         ("controller.k,world.speed [kg]\n1,1\n", "is in kg, the variable in km/h"),
         ("controller.k,controller.k,world.speed [m/s]\n1,1,1\n", "two columns are headed 'controller.k'"),
         ("controller.kk,controller.k,world.speed [m/s]\n1,1,1\n", "did you mean 'controller.k'"),
-        ("controller.k,world.speed [m/s]\n1,1\n1,fast\n", r"points\.csv:3:1: 'fast' is no number for world\.speed"),
+        ("controller.k,world.speed [m/s]\n1,1\n1,fast\n", r"points\.csv:3:1: 'fast' is not a number for world\.speed"),
         ("controller.k,world.speed [m/s]\nnan,1\n1,21\n", r"k = nan is outside[\s\S]*speed = 21 is outside"),
-        ("controller.k,world.speed [m/s]\n1\n", "'' is no number for world.speed"),
+        ("controller.k,world.speed [m/s]\n1\n", "'' is not a number for world.speed"),
     ],
 )
 def test_what_is_wrong_with_a_table_is_told_at_its_line(tmp_path: Path, text: str, told: str) -> None:

@@ -228,14 +228,14 @@ def parameter(name: str, type_: Type, start: float | bool | str = 1.0, *, tunabl
 SPEED = Type(Kind.ENUMERATION, items=("slow", "fast"))
 MISFITS: list[tuple[dict[str, Any], tuple[str, ...]]] = [
     ({"names": {"angle": "v", "torque": "y"}}, ("component.yaml:1:1: ", "no variable 'v' for input 'angle'", ": u")),
-    ({"names": {"angle": "y", "torque": "y"}}, ("'y' of Lib.Lag is no input, as input 'angle' needs",)),
-    ({"names": {"angle": "u", "torque": "x[2]"}}, ("'x[2]' of Lib.Lag is no output",)),
+    ({"names": {"angle": "y", "torque": "y"}}, ("'y' of Lib.Lag is not an input, as input 'angle' needs",)),
+    ({"names": {"angle": "u", "torque": "x[2]"}}, ("'x[2]' of Lib.Lag is not an output",)),
     ({"names": {"angle": "u", "torque": "level"}}, ("'level' of Lib.Lag is Integer, but output 'torque' is real",)),
     ({"parameters": (parameter("tau", real("s")),)}, ("component.yaml:7:3: ", "no variable 'tau' for parameter 'tau'")),
     ({"parameters": (parameter("double", real()),)}, ("'double' of Lib.Lag is final",)),
     ({"parameters": (parameter("half", real()),)}, ("'half' of Lib.Lag is computed from other parameters",)),
     ({"parameters": (parameter("hidden", real()),)}, ("'hidden' of Lib.Lag is protected",)),
-    ({"parameters": (parameter("celsius", real()),)}, ("'celsius' of Lib.Lag is no parameter",)),
+    ({"parameters": (parameter("celsius", real()),)}, ("'celsius' of Lib.Lag is not a parameter",)),
     ({"parameters": (parameter("gain", real("N")),)}, ("'gain' of Lib.Lag is in N.m/rad", "Lib.mo:5:")),
     ({"parameters": (parameter("stages", real()),)}, ("set tunable: false",)),
     ({"parameters": (parameter("stages", real(), tunable=False),)}, ("'stages' of Lib.Lag is Integer", "type: int")),
@@ -272,7 +272,7 @@ def test_an_input_without_a_port_and_a_start_is_told(lag: Component, tmp_path: P
     interface = Interface("one", tuple(Port(n, Causality.INPUT, real()) for n in ("u", "w")))
     source = ModelicaSource("Two", (file,))
     component = replace(lag, interface=interface, source=source, parameters=(), names={})
-    with pytest.raises(DseError, match=r"(?s)no variable 'w' for input 'w'.*input 'v' that is no port"):
+    with pytest.raises(DseError, match=r"(?s)no variable 'w' for input 'w'.*input 'v' that is not a port"):
         check_modelica(component, source, tmp_path)
 
 

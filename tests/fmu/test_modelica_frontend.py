@@ -114,7 +114,7 @@ def test_files_that_cannot_be_used_are_all_told(tmp_path: Path) -> None:
     with pytest.raises(DseError) as caught:
         read_sources("part", "M", files, [tmp_path / "nowhere"])
     said = str(caught.value)
-    for part in ("no UTF-8", "holds no Modelica", "there is no such file", "no folder"):
+    for part in ("not UTF-8", "holds no Modelica", "there is no such file", "no folder"):
         assert part in said
 
 

@@ -278,7 +278,7 @@ def test_of_two_extra_files_with_one_path_the_first_is_taken(maker, tmp_path):
     model = open_fmu(archive, cache=tmp_path / "cache")
     assert [path.read_text() for path in (model.folder / "extra").iterdir()] == ["first"]
     assert [problem.what for problem in model.ignored] == [
-        "the entry './' is no file",
+        "the entry './' is not a file",
         "the path 'extra/a.txt' is there twice, the first is taken",
         "the path 'extra/A.txt' is there twice, the first is taken",
     ]

@@ -73,7 +73,10 @@ def test_bytes_of_any_kind_are_a_message_or_refused(data):
         (bytes([2]) + bytes(15), "version 2"),
         (bytes([1, 0, 0, 0, 5]) + bytes(11), "input mode 5: esmini has 0 to 4"),
         (bytes([1, 0, 0, 0, 3]) + bytes(11 + 40), "56 bytes: a message of STATE_XYH has 57"),
-        (pack_message(DriverMessage(0, 0, DriverInput(1, 0, 0)))[:-2] + b"\xff\x7f", "a number of the message is none"),
+        (
+            pack_message(DriverMessage(0, 0, DriverInput(1, 0, 0)))[:-2] + b"\xff\x7f",
+            "a number of the message is invalid",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_message_is_told(data, said):

@@ -67,7 +67,7 @@ def test_check_tells_what_is_wrong_and_ends_with_3(dse):
     ("words", "said"),
     [
         (("check", "--out", "1", "--back", "1"), "give either HOST:PORT of a world, or --listen"),
-        (("check", "localhost", "--out", "1"), "'localhost' is no HOST:PORT"),
+        (("check", "localhost", "--out", "1"), "'localhost' is not a HOST:PORT"),
         (("check", "127.0.0.1:5005"), "define the values"),
         (("check", "127.0.0.1:5005", "--out", "8001"), "8001 values: a packet has 8000 at most"),
         (("check", "no.such.host.invalid:5005", "--out", "1"), "no.such.host.invalid:5005"),
@@ -136,15 +136,15 @@ def test_a_client_that_comes_late_has_as_much_time_for_its_steps(monkeypatch):
 
 
 def test_a_client_that_never_asks_again_is_told():
-    assert "although the last was not answered" in checked_client(resends=False)["sends again what was not answered"]
+    assert "although the last one was not answered" in checked_client(resends=False)["repeats unanswered requests"]
 
 
 def test_a_client_whose_time_stands_is_told():
-    assert "is not after that before" in checked_client(time_of=lambda step: 0.5)["time advances"]
+    assert "is not later than that of the one before" in checked_client(time_of=lambda step: 0.5)["time advances"]
 
 
 def test_a_client_that_goes_without_a_word_is_told():
-    assert "no END came" in checked_client(patience=0.2, ends=False)["sends END"]
+    assert "no END arrived" in checked_client(patience=0.2, ends=False)["sends END"]
 
 
 # ---- record and show ----

@@ -26,7 +26,7 @@ SOURCE = UdpSource(5005)
         ("{kind: udp, port: 5005, mode: fast}", "fast", "'fast' is none of lockstep, free"),
         ("{kind: udp, port: 5005, listen: 10.0.0.1}", "10.0", "a client has no 'listen'"),
         ("{kind: udp, port: 5005, role: server, host: 10.0.0.1}", "10.0", "a server has no 'host'"),
-        ('{kind: udp, port: 5005, host: "a b\\"; system"}', "a b", "'a b\"; system' is no address"),
+        ('{kind: udp, port: 5005, host: "a b\\"; system"}', "a b", "'a b\"; system' is not an address"),
         ("{kind: udp, port: 5005, timeout: 0 s}", "0 s", "'timeout' is more than 0 s and at most 1 h, not 0 s"),
         ("{kind: udp, port: 5005, wait: 2 h}", "2 h", "'wait' is more than 0 s and at most 1 h, not 2 h"),
         ("{kind: udp, port: 5005, timeout: 3 m}", "3 m", "wrong unit in '3 m': expected time"),

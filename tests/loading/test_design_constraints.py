@@ -284,8 +284,8 @@ def test_a_form_that_makes_no_sense_is_refused_where_it_stands(design, rules, wh
 def test_names_in_a_container_are_its_own(design):
     found = refused(design, inner='{a: {require: "sensor is radar and engine.mass > 1 kg and moter.mass > 2 kg"}}')
     assert [(what, hint) for _, what, hint in found] == [
-        ("'sensor' is no part of 'drive.hybrid'", "possible: engine, machine"),
-        ("'moter' is no part of 'drive.hybrid'", "possible: engine, machine"),
+        ("'sensor' is not a part of 'drive.hybrid'", "possible: engine, machine"),
+        ("'moter' is not a part of 'drive.hybrid'", "possible: engine, machine"),
     ]
     line = '            constraints: {a: {require: "'
     second = len("sensor is radar and engine.mass > 1 kg and ")

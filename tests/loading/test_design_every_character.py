@@ -125,7 +125,7 @@ CASES = [
     ("- sensor.target -> controller.target", "- §snesor.target -> controller.target", "unknown part 'snesor'"),
     ("- 'controller.demand -> drive.demand'", "- 'controller.demand -> drive.§damend'", "has no port 'damend'"),
     ("- 'controller.demand -> drive.demand'", "- §'controller.demand -> drive.demand", "is never closed"),
-    ("{require: engine.mass < 50 kg", "{require: §enigne.mass < 50 kg", "'enigne' is no part of 'unit7.drive.geared'"),
+    ("{require: engine.mass < 50 kg", "{require: §enigne.mass < 50 kg", "'enigne' is not a part of 'unit7.drive.geared'"),
     ("{require: engine.mass < 50 kg", "{require: engine.§mas < 50 kg", "nothing at 'unit7.drive.engine' states 'mas'"),
     ("{require: engine.mass < 50 kg", "{require: engine.mass < §50 m", "cannot compare mass and length"),
     ("{require: engine.mass < 50 kg", "{require: engine.mass < 50 §kgs", "unknown unit 'kgs'"),

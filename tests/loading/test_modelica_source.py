@@ -61,7 +61,7 @@ def test_every_setting(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     [
         ("{kind: modelica, files: [lag.mo]}", "3:1", "'model' is missing", "model: Package.Model"),
         ("{kind: modelica, model: Lag}", "3:1", "'files' is missing", "package.mo"),
-        ("{kind: modelica, model: a b, files: [lag.mo]}", "3:33", "'a b' is no name of a Modelica class", ""),
+        ("{kind: modelica, model: a b, files: [lag.mo]}", "3:33", "'a b' is not a name of a Modelica class", ""),
         ("{kind: modelica, model: Lag, files: [gone.mo]}", "3:46", "no such file or folder", "relative to this"),
         ("{kind: modelica, model: Lag, files: [../empty]}", "3:46", "no package.mo in", ""),
         ("{kind: modelica, model: Lag, files: [lag.c]}", "3:46", "'lag.c' must be a .mo file", ""),

@@ -56,7 +56,7 @@ CASES = [
     ("unknown level", "Arithmetic.*", "Arithmetik", "5:5", "unknown language level 'Arithmetik'", "Arithmetic"),
     ("unknown minor level", "group-cardinality", "group", "4:5", "unknown language level 'Boolean.group'", "group-cardinality"),
     # sections
-    ("unknown section", "features\n", "feature\n", "7:1", "'feature' is no section", "features"),
+    ("unknown section", "features\n", "feature\n", "7:1", "'feature' is not a section", "features"),
     ("section twice", "constraints\n", "constraints\n    Ham\nconstraints\n", "19:1", "a second section 'constraints'", "join"),
     ("something after a section", "constraints\n", "constraints Ham\n", "17:13", "unexpected 'Ham' after 'constraints'", "below"),
     # the tree

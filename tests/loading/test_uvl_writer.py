@@ -137,7 +137,7 @@ REFUSED = {
     "sum(mass) ^ sum(mass) < 3 kg": "UVL cannot express this",
     "sqrt(sum(mass) / 1 kg) < 3": "UVL cannot express 'sqrt'",
     "camera is present iff rear.cost > 3 EUR": "a comparison that can be undefined",
-    "sensor.kp.max > 3": "'sensor.kp.max', which is no property",
+    "sensor.kp.max > 3": "'sensor.kp.max', which is not a property",
     "(if camera is present then sum(cost) else 2 EUR) < 3 EUR": "UVL cannot express",
 }
 

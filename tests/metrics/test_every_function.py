@@ -118,7 +118,7 @@ def test_a_function_that_needs_the_clock_must_say_so():
 @pytest.mark.parametrize(
     ("function", "arguments", "words"),
     [
-        (lambda x: x, [X], "no function of a module"),
+        (lambda x: x, [X], "not a function of a module"),
         (peak_to_peak, [X, LIMIT], "takes 1 arguments, 2 are declared"),
         (peak_to_peak, [], "takes 1 arguments, 0 are declared"),
         (first_time_above, [LIMIT, X], "those with a default last"),

@@ -191,7 +191,7 @@ def test_why_a_design_is_out_names_the_requirement_its_margin_and_the_fewest_cho
     missed = smallest_gap(*DESIGNS[out]) - 10
     assert "slope 5\u202f%" in cells[0]
     assert number(cells[3].split(" ")[0]) == pytest.approx(missed, abs=1e-3)
-    assert "No simulated values of its design variables are enough" in page.inner_text("#reasons")
+    assert "No simulated values of its design variables are sufficient" in page.inner_text("#reasons")
     # Radar and lidar would both do, and the gain may stay: the first of them is named.
     assert page.locator(".changes li").all_inner_texts() == ["sensor camera \u2192 radar"]
 
@@ -332,7 +332,7 @@ def test_the_waterfall_counts_what_each_requirement_leaves_and_costs(priced: Rep
     )
     assert [[row[0], row[1].split(" ")[0], *row[3:]] for row in rows] == [
         ["all designs", "30", "", ""],
-        ["came to their end at all conditions", "29", "1", ""],
+        ["finished at all conditions", "29", "1", ""],
         ["keeps its distance", str(29 - near.sum()), str(near.sum()), str((near & ~sharp).sum())],
         ["is not too sharp", str((ended & ~near & ~sharp).sum()), str(sharp.sum()), str((sharp & ~near).sum())],
     ]

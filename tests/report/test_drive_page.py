@@ -66,7 +66,7 @@ def wait_for(it, that) -> None:
 def test_only_what_can_be_built_can_be_chosen_and_the_page_says_why(opened):
     it = opened()
     page = it.page
-    assert "rules out Lidar" in page.get_by_role("button", name="One motor").text_content()
+    assert "excludes Lidar" in page.get_by_role("button", name="One motor").text_content()
     assert page.locator(".go").is_disabled()
     page.get_by_role("button", name="One motor").click()
     page.wait_for_selector(".alternative.out")
@@ -76,7 +76,7 @@ def test_only_what_can_be_built_can_be_chosen_and_the_page_says_why(opened):
     lidar.click(force=True)
     page.get_by_role("button", name="Long-range radar").click()
     page.wait_for_selector(".go:not([disabled])")
-    assert page.locator(".count").text_content() == "1 car is left of 49,400"
+    assert page.locator(".count").text_content() == "1 possible car of 49,400"
     assert page.locator(".totals dd").all_text_contents() == ["21,400 EUR", "1,480 kg"]
     assert "sensor%3Aradar" in page.locator("a.share").get_attribute("href")
     page.get_by_role("button", name="Long-range radar").click()  # not any more
@@ -210,9 +210,9 @@ def test_a_drive_that_dies_says_so_in_words_and_the_page_can_go_on(opened):
 
 
 def test_a_server_that_refuses_a_drive_is_heard(opened):
-    it = opened(CAR, FakeDrives(refuses="8 drives are on already"))
+    it = opened(CAR, FakeDrives(refuses="8 drives are already running"))
     it.page.click("button.go:not([disabled])")
-    it.page.get_by_text("That did not work: 8 drives are on already").wait_for()
+    it.page.get_by_text("The request failed: 8 drives are already running").wait_for()
     it.page.wait_for_selector("button.go:not([disabled])")
 
 

@@ -108,7 +108,7 @@ def test_nonsense_is_told_chart_by_chart(offering, sliced):
     assert "the name '../all' of a chart is not made of letters" in what
     assert "chart 'b': Points (number 1): the lengths do not fit each other: x 3, y 2" in what
     assert "the study has no run 99999" in what
-    assert "something of type int is no Chart" in what
+    assert "something of type int is not a Chart" in what
 
 
 def test_what_failed_is_told_to_the_caller_and_cannot_leave_its_element(offering, sliced, tmp_path):

@@ -127,7 +127,7 @@ def test_the_lights_follow_the_thresholds(open_report: Open) -> None:
     assert page.locator("#lights .light.fail").count() == 2
     assert "No run meets all requirements" in page.inner_text("#warnings")
     assert "thresholds" in page.inner_text("#warnings").lower()
-    assert "you have moved thresholds" in page.inner_text("#findings").lower()
+    assert "you have changed thresholds" in page.inner_text("#findings").lower()
     assert page.locator(".pick").count() == 1  # the robust centre of the study's own
     opened(page, "plot")
     page.fill("#field-atMost-0", "9")

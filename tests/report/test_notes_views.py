@@ -83,5 +83,5 @@ def test_what_constraints_leave_is_a_waterfall(sliced: ReportContent, open_repor
     assert "excludes nothing more" in rows[2].inner_text()
     first, second = page.locator("#absent li").all_inner_texts()
     assert first == "sensor = lidar appears in no valid configuration because of budget (the price)."
-    assert "other choices rule it out" in second
+    assert "other choices exclude it" in second
     assert page.evaluate("window.pwned") is None

@@ -21,7 +21,7 @@ def test_what_no_study_has_is_all_named_at_once(sliced: ReportContent) -> None:
     with pytest.raises(ValueError, match="has an empty range") as caught:
         dataclasses.replace(sliced, **odd)
     assert "'R1' has no bound" in str(caught.value)
-    assert "a slice names 'v', which is no variable" in str(caught.value)
+    assert "a slice names 'v', which is not a variable" in str(caught.value)
 
 
 def test_a_plain_number_has_a_dash_for_its_unit() -> None:

@@ -129,7 +129,7 @@ def test_the_mark_of_a_page_is_read_again_and_of_no_other_file(tmp_path) -> None
 def test_a_bench_in_which_nobody_says_where_a_car_is_is_refused_by_name(studied, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(SceneSignals, "is_scene", False)
     with pytest.raises(
-        DseError, match="run 0 of bench 'road_braking' is no scene: no part gives the position of a car"
+        DseError, match="run 0 of bench 'road_braking' is not a scene: no part gives the position of a car"
     ):
         studied.write_scene(0, tmp_path / "scene.html", source=ROOT / "testbenches" / "road_braking.yaml")
     assert not SceneSignals({"motor.speed": Type(Kind.REAL)}, {}, ()).wanted

@@ -31,8 +31,8 @@ def chromium() -> None:
 @pytest.mark.parametrize(
     ("shot", "said"),
     [
-        ({"size": (100, 700)}, "100x700 is no size of a picture"),
-        ({"size": (1280, 99999)}, "is no size of a picture"),
+        ({"size": (100, 700)}, "100x700 is not a size of a picture"),
+        ({"size": (1280, 99999)}, "is not a size of a picture"),
         ({"view": "../../etc"}, "there is no camera '../../etc'"),
     ],
 )

@@ -191,7 +191,7 @@ def test_cycles_as_components_are_alternatives_of_a_design(tmp_path):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (("columns: {u: v}", "columns: {w: v}"), "'w' is no output of profile | possible: u"),
+        (("columns: {u: v}", "columns: {w: v}"), "'w' is not an output of profile | possible: u"),
         (("columns: {u: v}", "columns: {}"), "'columns' is missing in 'source' | columns: {speed: v [km/h]}"),
         (("parameters: {offset: {start: 0 s}}", "parameters: {delay: {start: 0 s}}"), "no parameter 'delay'"),
         (("{start: 0 s}", "{start: 0 m}"), "'offset' must be time, not m"),

@@ -113,12 +113,12 @@ T = "t,v [m/s]\n"
         ("t,v [m]\n0,0\n1,1\n", {}, "bench.yaml:7:9", "'v [m]' is length, the input is in m/s"),
         ("t,v [m]\n0,0\n1,1\n", {"column": "v [m/s]"}, "bench.yaml:7:9", "'v [m]' is in m, not in m/s"),
         ("t,v [furlongs]\n0,0\n1,1\n", {"column": 2}, "bench.yaml:7:9", "has the unknown unit 'furlongz'"),
-        ("t [m],v [m/s]\n0,0\n1,1\n", {}, "bench.yaml:7:9", "'t [m]' is in m, which is no unit of time"),
+        ("t [m],v [m/s]\n0,0\n1,1\n", {}, "bench.yaml:7:9", "'t [m]' is in m, which is not a unit of time"),
         (
             "t,v\n12:30:00,0\n12:30:01,1\n",
             {"column": "v [m/s]"},
             "s.csv:2:1",
-            "'12:30:00' is no time | seconds",
+            "'12:30:00' is not a time | seconds",
         ),
         (
             "t,v\n5,0\n9,1\n",
@@ -142,12 +142,12 @@ def test_what_is_wrong_in_a_table_is_told_where_it_stands(tmp_path, monkeypatch,
 @pytest.mark.parametrize(
     ("type_", "cells", "said"),
     [
-        (Type(Kind.INTEGER), "1 1.5", "1.5 in 'v' is no value of int"),
-        (Type(Kind.INTEGER), "1 3000000000", "3e+09 in 'v' is no value of int"),
-        (Type(Kind.BOOLEAN), "0 2", "2 in 'v' is no value of bool"),
+        (Type(Kind.INTEGER), "1 1.5", "1.5 in 'v' is not a value of int"),
+        (Type(Kind.INTEGER), "1 3000000000", "3e+09 in 'v' is not a value of int"),
+        (Type(Kind.BOOLEAN), "0 2", "2 in 'v' is not a value of bool"),
         (Type(Kind.BOOLEAN), "true yes", "'yes' in 'v' is not bool"),
         (Type(Kind.ENUMERATION, items=("eco", "sport")), "eco spurt", "'spurt' in 'v' is not enum[eco, sport]"),
-        (Type(Kind.ENUMERATION, items=("eco", "sport")), "0 2", "2 in 'v' is no value of enum[eco, sport]"),
+        (Type(Kind.ENUMERATION, items=("eco", "sport")), "0 2", "2 in 'v' is not a value of enum[eco, sport]"),
     ],
 )
 def test_a_value_that_a_port_does_not_have_is_told_at_its_row(tmp_path, monkeypatch, type_, cells, said):

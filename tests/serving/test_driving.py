@@ -161,7 +161,7 @@ def test_more_drives_than_there_may_be_are_refused_in_words(client) -> None:
     assert opened(client)
     answer = client.post("/drive/start", {"bench": "field"})
     assert answer.status == 409
-    assert "2 drives are on already" in answer.text
+    assert "2 drives are already running" in answer.text
 
 
 @pytest.mark.parametrize("bench", ["../field", "/etc/passwd", "field.yaml", "testbenches/field.yaml", "_x", ""])

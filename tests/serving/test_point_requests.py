@@ -116,7 +116,7 @@ def test_two_studies_show_what_flipped(client) -> None:
     text = client.get("/compare?a=out/first&b=out/second").text
     words = re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", text.split("<main")[1]))
     assert "Nothing in their definitions differs" in words
-    assert "1 verdicts on them are others" in words
+    assert "1 of their verdicts differ" in words
     assert "R1 fail pass 1" in words
 
 
@@ -152,7 +152,7 @@ def test_a_point_that_does_not_fit_the_study_is_refused_by_name(client) -> None:
 
     assert "no configuration 'c9'" in told("c9")
     assert "there is no value for 'controller.kp'" in told("c1")
-    assert "'chassis.mass' is no design variable" in told("c1", **{"controller.kp": 0.5, "chassis.mass": 1.0})
+    assert "'chassis.mass' is not a design variable" in told("c1", **{"controller.kp": 0.5, "chassis.mass": 1.0})
 
 
 def test_while_one_point_is_simulated_another_one_waits_and_the_end_of_the_server_does_not(

@@ -76,7 +76,7 @@ def test_stopping_says_what_came_of_it(opened, workshop: Path, monkeypatch: pyte
     page = opened("/study/out/second/")
     page.route("**/stop?*", lambda route: route.fulfill(status=200, content_type="application/json", body="{}"))
     page.click("#live-stop")
-    page.wait_for_function("document.getElementById('live-said').textContent.includes('what is finished is stored')")
+    page.wait_for_function("document.getElementById('live-said').textContent.includes('finished runs are stored')")
 
 
 def test_a_file_has_nothing_of_the_server(workshop: Path, browser: Browser, tmp_path: Path) -> None:
@@ -98,7 +98,7 @@ def test_two_studies_are_ticked_and_compared(opened) -> None:
     page.check('input[value="out/second"]')
     page.click("button[type=submit]")
     page.wait_for_selector("h3")
-    assert "1 verdicts on them are others" in page.inner_text("main")
+    assert "1 of their verdicts differ" in page.inner_text("main")
     page.click("summary")
     assert "2 → 2" not in page.inner_text("details")
     assert "1 → 1" in page.inner_text("details")

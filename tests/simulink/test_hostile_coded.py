@@ -135,10 +135,10 @@ def test_files_that_cannot_be_read_and_names_without_letters_are_told(tmp_path: 
     folder = _written(tmp_path / "code", GOOD)
     odd = folder / os.fsdecode(b"gr\xfc.h")
     odd.touch()
-    with pytest.raises(DseError, match="no UTF-8"):
+    with pytest.raises(DseError, match="not UTF-8"):
         _read(folder)
     odd.unlink()
-    with pytest.raises(DseError, match="is no name that Simulink gives a model"):
+    with pytest.raises(DseError, match="is not a name that Simulink gives a model"):
         _read(folder, "../code/bad")
     with pytest.raises(DseError, match="this is a file, not a folder"):
         _read(folder / "bad.c")

@@ -36,7 +36,7 @@ def test_a_component_has_the_ports_and_begins_with_the_values_of_the_code(tmp_pa
     text = made.path.read_text(encoding="utf-8")
     assert 'folder: "../../lag_ert_rtw"' in text
     assert "#   in_code: {speed: {unit: m/s, min: 0, max: 100}}" in text
-    with pytest.raises(DseError, match="is there already"):
+    with pytest.raises(DseError, match="already exists"):
         import_code(code, tmp_path, step=texts.STEP, cache=cache)
 
 

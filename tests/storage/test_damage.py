@@ -210,9 +210,9 @@ def test_waveforms_are_read_from_the_study_folder_only(stored: Path, definition:
     execute(stored, "INSERT INTO kept VALUES (0, ?, NULL)", name)
     with StudyFolder.open(stored) as folder:
         for read in (folder.kept, folder.lost, lambda: folder.waveforms(0), lambda: folder.run(0)):
-            with pytest.raises(DseError, match="is no file of waveforms"):
+            with pytest.raises(DseError, match="is not a file of waveforms"):
                 read()
-    with pytest.raises(DseError, match="is no file of waveforms"):
+    with pytest.raises(DseError, match="is not a file of waveforms"):
         StudyFolder.resume(stored, definition)
 
 

@@ -74,7 +74,7 @@ def test_a_study_whose_configurations_come_later_may_aim_at_their_totals(
     StudyFolder.create(tmp_path, replace(definition, configurations=(), explored=(), objectives=aims)).close()
     with StudyFolder.open(tmp_path) as folder:
         assert folder.header.definition.objectives == aims
-    with pytest.raises(DseError, match="objective 'price' is no metric and no total"):
+    with pytest.raises(DseError, match="objective 'price' is neither a metric nor a total"):
         StudyFolder.create(tmp_path / "other", replace(definition, objectives=(replace(aims[0], name="price"),)))
 
 

@@ -203,7 +203,7 @@ def test_connections_of_other_shapes_are_refused_with_both_ends(root: Path, conn
         ("world.gains: [1, 2, 10]", "gains[3] = 10 is outside its range"),
         ("world.gains: []", "the list is empty"),
         ("'world.gains[4]': 1", "has no port or parameter 'gains[4]'"),
-        ("sink.gap: [1]", "is no array"),
+        ("sink.gap: [1]", "is not an array"),
         ("world.gains: [1, 2, 3], 'world.gains[2]': 1", "is given a value twice"),
         ("world.gains: [1, {a: 1}, 3]", "expected a value"),
     ],

@@ -101,7 +101,7 @@ def test_an_interface_without_inputs_of_the_fmu_is_not_taken(tmp_path):
 def test_nothing_is_overwritten(tmp_path):
     file = build("Stair", 2, "CoSimulation", tmp_path)
     import_component(file, tmp_path / "w", "stair")
-    with pytest.raises(DseError, match="is there already"):
+    with pytest.raises(DseError, match="already exists"):
         import_component(file, tmp_path / "w", "stair")
 
 

@@ -245,5 +245,5 @@ def test_a_table_of_points_names_items_by_name(tmp_path: Path) -> None:
         ("triple", "long", 18.0),
     ]
     write(root, {"points.csv": "plant.slope [m/s],plant.shape\n1,singel\n"})
-    with pytest.raises(DseError, match="'singel' is no value of"):
+    with pytest.raises(DseError, match="'singel' is not a value of"):
         dse.open(root).studies["both"].explore(root / "out", workers=1)

@@ -37,7 +37,7 @@ REFUSED = {
     "nested 10^6 deep": ("<OpenDRIVE>" + "<a>" * 10**6, "elements are nested more than 100 levels deep"),
     "two roads of one id": (opendrive(ONE, ONE), "there is another road '1'"),
     "two junctions of one id": (opendrive(ONE, *['<junction id="5"/>'] * 2), "there is another junction '5'"),
-    "an unknown shape": (_plan("<bezier/>"), "<bezier> is no known shape of a road"),
+    "an unknown shape": (_plan("<bezier/>"), "<bezier> is not a known shape of a road"),
     "two shapes": (_plan("<line/><line/>"), "<geometry> has 2 shapes, not one"),
     "no curvature": (_plan("<arc/>"), "<arc> has no 'curvature'"),
     "NaN": (_plan('<arc curvature="nan"/>'), "<arc>: 'curvature' is nan, not between"),
@@ -117,7 +117,7 @@ REFUSED = {
         _with(section(0.0, "", lane(-1, after=-3)) + section(50.0, "", lane(-1, before=-1))),
         "lane -1 is linked to lane -3, which the next section does not have",
     ),
-    "a speed in knots": (_extra('<type s="0" type="town"><speed max="9" unit="kn"/></type>'), "'kn' is no unit"),
+    "a speed in knots": (_extra('<type s="0" type="town"><speed max="9" unit="kn"/></type>'), "'kn' is not a unit"),
     "a missing road": (
         opendrive(road("1", LINE, 100.0, link=to_road("successor", "2", "start"))),
         "there is no road '2' for road '1' to meet at its end",
@@ -172,7 +172,7 @@ REFUSED = {
             '<signals><signal id="1" s="5" t="0" dynamic="yes" type="1000001">'
             '<userData code="dse.phases" value="blue 3"/></signal></signals>'
         ),
-        "'blue 3' is no phase of a traffic light",
+        "'blue 3' is not a phase of a traffic light",
     ),
     "a slippery disc": (
         _extra('<objects><object id="1" s="5" t="0" radius="3"><material friction="0.1"/></object></objects>'),

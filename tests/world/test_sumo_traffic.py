@@ -201,7 +201,9 @@ def test_another_road_than_the_hosts_is_told(component: Component, resources: Pa
     told = run(resources, starts(component, warm_up=0.0), moved)["error"]
     assert "road and traffic must name the same file and way" in told
     told = run(resources, starts(component, warm_up=0.0), inputs, h=0.015)["error"]
-    assert told == "a step of 0.015 s is no multiple of SUMO's, which is 0.01 s: give 'step' in the component's source"
+    assert (
+        told == "a step of 0.015 s is not a multiple of SUMO's, which is 0.01 s: give 'step' in the component's source"
+    )
 
 
 class Partner:
@@ -294,7 +296,7 @@ def test_a_demand_with_entities_or_of_another_kind_is_refused(component: Compone
     with pytest.raises(DseError, match=r"mine\.rou\.xml"):
         KIND.check(component, source)
     demand.write_text("<configuration/>")
-    with pytest.raises(DseError, match="is no demand of SUMO"):
+    with pytest.raises(DseError, match="is not a demand of SUMO"):
         KIND.check(component, source)
 
 

@@ -16,7 +16,7 @@ protected
   Real hold(unit = "N.m") "It lets go beyond";
   Real rise(unit = "rad/s") "Slip that, from below, ends the mode";
   Real fall(unit = "rad/s") "Slip that, from above, ends the mode";
-  Real back(unit = "rad/s2") "Acceleration against the slip to come that ends the mode";
+  Real back(unit = "rad/s2") "Acceleration against the coming slip that ends the mode";
 equation
   slip = der(a.phi) - der(b.phi);
   slip_rate = der(slip);

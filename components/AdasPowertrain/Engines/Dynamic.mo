@@ -5,7 +5,7 @@ model Dynamic "Engine with inertia, lag of the air path, idle governor and fuel 
   parameter Real inertia(unit = "kg.m2", min = 0) = data.inertia;
   parameter Real governor(unit = "N.m.s/rad", min = 0) = 1.5 "Torque per speed missing to idle; a droop remains under load";
   parameter Real cut_speed(unit = "rad/s") = 140 "Above it the fuel may be cut";
-  parameter Real resume_speed(unit = "rad/s") = 115 "Below it the fuel comes back";
+  parameter Real resume_speed(unit = "rad/s") = 115 "Fuel injection resumes below it";
   Interfaces.RotationalFlange flange "Crankshaft";
   Boolean is_cut(start = false, fixed = true) "No fuel";
   Real energy(unit = "J") "Kinetic";

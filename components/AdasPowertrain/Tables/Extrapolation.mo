@@ -1,5 +1,5 @@
 within AdasPowertrain.Tables;
 type Extrapolation = enumeration(
     hold "The value at the end",
-    linear "The slope at the end goes on",
+    linear "Extrapolated with the slope at the end",
     error "Fails, naming the table") "What a table gives outside its axes";

@@ -73,7 +73,9 @@ def keep_drives(
             tell(f"bench '{bench.name}' has changed since: its drives are simulated again")
         StudyFolder.discard(folder)
         for name in known.keys() - fitting.keys():
-            on_problem(Problem(f"drive {name} on '{bench.name}' has no recording any more: it cannot be made again"))
+            on_problem(
+                Problem(f"drive {name} on '{bench.name}' has no recording any more: it cannot be simulated again")
+            )
         known = {}
     for name, drive in fitting.items():
         pace = drive.pace
@@ -117,7 +119,9 @@ def _stored(folder: Path) -> StudyDefinition | None:
     with StudyFolder.open(folder) as store:
         definition = store.header.definition
     if not is_drives(definition):
-        raise fail(f"{folder} is no study of drives, but of '{definition.study}'", hint="keep drives in another folder")
+        raise fail(
+            f"{folder} is not a study of drives, but of '{definition.study}'", hint="keep drives in another folder"
+        )
     return definition
 
 

@@ -139,7 +139,7 @@ class Drives:
         # The name comes from a file of anybody: only one that the workspace has becomes that of a folder.
         known = self._files.bench(bench)
         if known.name != bench or bench == RECORDINGS:
-            raise fail(f"'{bench}' is no name of a bench", Location(shown(self.path)))
+            raise fail(f"'{bench}' is not the name of a bench", Location(shown(self.path)))
         with self._lock:
             keep_drives(known, drives, self.study(bench), tell=tell, on_problem=self.problems.append)
 

@@ -105,7 +105,7 @@ class LiveDrive:
     def session(self) -> Session:
         """What makes the run. ValueError before it was started."""
         if self._session is None:
-            raise ValueError("the drive has not begun")
+            raise ValueError("the drive has not started")
         return self._session
 
     @property
@@ -175,7 +175,7 @@ def open_drive(bench: TestBench, configuration: str | None = None, *, driver: st
 
     driver_of(bench)
     if bench.simulation.stop > _LONGEST:
-        raise fail(f"'{bench.name}' takes {bench.simulation.stop:g} s; drives take one hour at most", bench.where)
+        raise fail(f"'{bench.name}' takes {bench.simulation.stop:g} s; a drive takes at most one hour", bench.where)
     chosen = one_configuration(bench.design, configuration)
     wired = wire_bench(bench, chosen)
     view = View(wired, bench.simulation.stop)
@@ -210,7 +210,7 @@ def _named(driver: str) -> str:
 
 def _number(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
-        raise fail("this is no number")
+        raise fail("this is not a number")
     return float(value)
 
 
@@ -228,7 +228,7 @@ def _value(port: Port | None, name: str, value: object) -> float:
             return _number(value)
         case Kind.REAL:
             return _number(value)
-    raise fail(f"'{name}' takes no such value")
+    raise fail(f"'{name}' does not accept this value")
 
 
 # What a driver sees of a run while it goes on: the scene's columns, worked out from the signals of one moment.

@@ -14,9 +14,9 @@ from dse.domain.run import Outcome, Run
 from dse.storage import StudyFolder
 
 SCORING = (
-    "First who met most requirements; of equal ones whose worst margin is best, as a share of its bound. "
-    "A requirement whose bound is 0 has no share, one that was not exercised is not met. "
-    "Drives that ended before the bench does have no place."
+    "Drives are ranked by the number of requirements met, then by the worst margin as a share of its bound. A "
+    "requirement whose bound is 0 has no share, and one that was not exercised is not met. Drives that ended before "
+    "the bench are not ranked."
 )
 """How a board is ordered, for a person."""
 

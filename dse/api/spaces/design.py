@@ -32,7 +32,7 @@ class Narrowing(TypedDict, total=False):
 
 
 class Design:
-    """A design space; *space* is the noun behind it. What a question has to compile is kept for the next.
+    """A design space; *space* is its data. What a question compiles is kept for the next one.
 
     Iterating gives every valid configuration, one at a time, in the order of the file.
     """
@@ -48,7 +48,7 @@ class Design:
 
     @property
     def total(self) -> int:
-        """The number of combinations, constraints aside."""
+        """The number of combinations without constraints."""
         from dse.space import combinations
 
         return combinations(self.space)
@@ -58,7 +58,7 @@ class Design:
     @overload
     def count(self, *, exact: bool = False, seed: int = 0, **narrowing: Unpack[Narrowing]) -> int | Tally: ...
     def count(self, *, exact: bool = False, seed: int = 0, **narrowing: Unpack[Narrowing]) -> int | Tally:
-        """How many configurations are valid; where counting takes long an estimate (`Tally`), unless *exact*."""
+        """How many configurations are valid; an estimate (`Tally`) if counting takes long, unless *exact*."""
         tally = self._part(**narrowing).count(seed, exact=exact)
         return tally.value if tally.exact else tally
 
@@ -67,7 +67,7 @@ class Design:
         return [*self._part(**narrowing).configurations(limit)]
 
     def sample(self, number: int, seed: int = 0, **narrowing: Unpack[Narrowing]) -> Sequence[Configuration]:
-        """*number* configurations drawn at random, independently, each valid one as likely as any other."""
+        """*number* configurations drawn at random, independently, all valid ones equally likely."""
         part = self._part(**narrowing)
         return [*part.resolved([part.draw(number, seed)])]
 
@@ -78,7 +78,7 @@ class Design:
     def best(
         self, minimize: str | None = None, *, maximize: str | None = None, n: int = 10, **narrowing: Unpack[Narrowing]
     ) -> Ranking:
-        """The *n* best valid configurations under one objective, as ``sum(cost)``. Exact: there is none better."""
+        """The *n* best valid configurations under one objective, as ``sum(cost)``. Exact: no other one is better."""
         from dse.errors import fail
         from dse.space import read_aims
 
@@ -91,7 +91,7 @@ class Design:
     def pareto(
         self, minimize: str | Sequence[str] = (), maximize: str | Sequence[str] = (), **narrowing: Unpack[Narrowing]
     ) -> Ranking:
-        """The configurations that no other one beats in every objective, one for each point of the complete set."""
+        """The complete Pareto set: configurations that no other one beats, one for each point."""
         from dse.errors import fail
         from dse.space import read_aims
 
@@ -106,12 +106,12 @@ class Design:
     ) -> Explanation:
         """Why the configuration with these choices is excluded, and which valid one is nearest.
 
-        With some of the choices only: whether they can be completed, and if not, which constraints stand in the way.
+        If only some choices are given: whether they can be completed, and if not, which constraints prevent it.
         """
         return self._opening(on, off).part((), condition_of(where)).explain(_texts(choose))
 
     def conflict(self, **narrowing: Unpack[Narrowing]) -> tuple[Constraint, ...]:
-        """Why nothing is left: a smallest set of constraints that cannot be met together.
+        """Why no configuration is valid: a smallest set of constraints that cannot be met together.
 
         Empty if there are valid configurations, or if the choices exclude each other whatever the constraints.
         """
@@ -119,7 +119,7 @@ class Design:
         return part.conflict() if part.is_empty() else ()
 
     def constraints(self, *names: str, seed: int = 0, **narrowing: Unpack[Narrowing]) -> tuple[Impact, ...]:
-        """What each constraint does, or those called *names*: how many configurations it costs, is it redundant."""
+        """The effect of each constraint, or of *names*: the configurations it excludes; whether it is redundant."""
         return self._part(**narrowing).impact(names, seed)
 
     def choices(self, *, seed: int = 0, **narrowing: Unpack[Narrowing]) -> tuple[Occurrence, ...]:
@@ -127,15 +127,15 @@ class Design:
         return self._part(**narrowing).occurrences(seed)
 
     def compare(self, other: Design, *, seed: int = 0) -> Difference:
-        """What came and went from here to *other*, and how many configurations both have."""
+        """What was added and removed from here to *other*, and how many configurations both have."""
         return self._opening().difference(other._opening(), seed)
 
     def refine(self, keep: Mapping[str, Iterable[str]]) -> Design:
-        """The design with only these alternatives at these places (``absent``: left out); ids stay what they are."""
+        """The design with only these alternatives at these places (``absent``: left out); ids stay the same."""
         return Design(self._opening().refined(f"{path}={','.join(names)}" for path, names in keep.items()))
 
     def to_pandas(self, limit: int | None = None, **narrowing: Unpack[Narrowing]) -> pd.DataFrame:
-        """A row for each valid configuration, the first *limit*: its choices and the sums the constraints speak of.
+        """A row for each valid configuration, the first *limit*: its choices and the sums that constraints use.
 
         ``frame.attrs["units"]`` has the units of the sums. What is left out is missing (None).
         """
@@ -159,7 +159,7 @@ class Design:
         return table(f"{self.name}: {self.total:,} combinations", ("place", "alternatives"), rows)
 
     def opened(self) -> OpenedSpace:
-        """What answers about all of it."""
+        """Answers questions about the whole space."""
         return self._opening()
 
     def _part(self, **narrowing: Unpack[Narrowing]) -> OpenedSpace:
@@ -187,7 +187,7 @@ def _several(texts: str | Sequence[str]) -> Sequence[str]:
 
 
 class Ranking(Sequence["Ranked"]):
-    """What is best under *aims*, best first, or a Pareto set, ascending by the first of them.
+    """The best under *aims*, best first, or a Pareto set, ascending by the first aim.
 
     Each entry has ``id``, ``choices`` and ``values``, exact and in SI, one for each aim.
     """

@@ -57,7 +57,7 @@ class _Named(Generic[N]):
 
 
 class Bench(_Named[TestBench]):
-    """A test bench; *noun* is what its file says."""
+    """A test bench; *noun* is the content of its file."""
 
     @property
     def design(self) -> Design:
@@ -78,11 +78,11 @@ class Bench(_Named[TestBench]):
     ) -> Run:
         """Simulate one configuration once, in a process of its own, and keep its waveforms.
 
-        It is the first valid one unless *configuration* is another, or the start of its id. *set* gives parameters
-        other values: ``{"controller.kp_speed": 1.2}`` in the parameter's unit, or ``"1.2 1/s"``. With *check_step*
-        every metric has an error bar beside it (``NAME.error``); with *fuse* the configuration is one library. In a
-        *sandbox* FMUs have no network and write in their scratch folder only (Linux).
-        Raises DseError if something cannot be built; a run that fails is a result.
+        It is the first valid one, or the one whose id is or starts with *configuration*. *set* changes parameters:
+        ``{"controller.kp_speed": 1.2}`` in the parameter's unit, or ``"1.2 1/s"``. With *check_step* every metric has
+        an error bar beside it (``NAME.error``); with *fuse* the configuration is one library. In a *sandbox* FMUs have
+        no network and write in their scratch folder only (Linux). Raises DseError if something cannot be built; a
+        failed run is a result, too.
         """
         from dse.api.studies.single_run import simulate_once
 
@@ -110,7 +110,7 @@ class Bench(_Named[TestBench]):
 
 
 class Study(_Named[nouns.Study]):
-    """Design variables explored on a test bench (PET); *noun* is what its file says."""
+    """Design variables explored on a test bench (PET); *noun* is the content of its file."""
 
     @property
     def bench(self) -> Bench:
@@ -131,18 +131,18 @@ class Study(_Named[nouns.Study]):
         executor: FuturesPool | Callable[[], FuturesPool] | None = None,
         progress: Callable[[Progress], None] | bool | None = None,
     ) -> Results:
-        """Make the runs that *folder* does not have yet, and return what is in it.
+        """Make the runs that *folder* does not have yet, and return its results.
 
         *workers* processes (0: one for each processor) make *threads* runs at once each. *fuse* links each
-        configuration into one library first, *fresh* throws away what the folder holds; with *retry_failed* runs that
-        failed before are made again. *progress* is called with how far it has come; True shows a bar on standard
-        error. In a *sandbox* FMUs have no network and write in their scratch folder only (Linux). *executor* makes the
-        runs instead of what the study names: one of ``concurrent.futures`` with so many *workers* (0: as it says
-        itself), or a function that makes one. Results do not depend on any of that. Runs that were made before, for
-        this study or another, are not simulated again, unless *fresh*; `plan` tells.
+        configuration into one library first, *fresh* deletes the contents of the folder; with *retry_failed*, runs that
+        failed before are made again. *progress* is called with the progress; True shows a bar on standard error. In a
+        *sandbox* FMUs have no network and write in their scratch folder only (Linux). *executor* makes the runs instead
+        of what the study names: one of ``concurrent.futures`` with so many *workers* (0: as it says itself), or a
+        function that makes one. Results do not depend on any of that. Runs that were made before, for this study or
+        another, are not simulated again, unless *fresh*; `plan` tells.
 
         Raises DseError with everything that is wrong, and ExplorationInterruptedError, a KeyboardInterrupt, on Ctrl-C:
-        what was finished is stored, and the same call goes on from there.
+        finished runs are stored, and the same call resumes.
         """
         from dse.api.presentation.progress import progress_shown
         from dse.api.studies.exploration import ExploreOptions, explore_into
@@ -156,7 +156,7 @@ class Study(_Named[nouns.Study]):
     def plan(
         self, folder: str | Path, *, workers: int = 0, fuse: bool = False, fresh: bool = False, fmi: int = 2
     ) -> Plan:
-        """What `explore` would do with these arguments: how many runs it would simulate, why, and for how long.
+        """What `explore` would do with these arguments: which runs it would simulate, why, and how long it takes.
 
         FMUs are built, nothing is simulated, and *folder* is left as it is. Raises DseError as `explore` would.
         """

@@ -33,11 +33,11 @@ class Flip:
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """A study beside the first one, which is compared with itself.
+    """A study compared with the first one; the first one is compared with itself.
 
-    *finished* of its *runs* are there; *verdicts* counts them by requirement. *changed* is what is not the same in its
-    definition, in words. *shared* of the runs have the configuration and point of a run of the first study; *flips* are
-    the verdicts that are others in these.
+    *finished* of its *runs* exist; *verdicts* counts their verdicts by requirement. *changed* describes the differences
+    of its definition. *shared* runs have the configuration and point of a run of the first study; *flips* are the
+    verdicts that differ in them.
     """
 
     folder: Path
@@ -51,7 +51,7 @@ class Compared:
 
 
 def compare(folders: Sequence[str | Path]) -> tuple[Compared, ...]:
-    """Each study folder of *folders* beside the first one. DseError for fewer than two, or one that cannot be read."""
+    """Compare each study of *folders* with the first. Raises DseError for fewer than two, or an unreadable one."""
     if len(folders) < 2:
         raise fail("two studies or more can be compared", hint="name the study folders")
     first: RunTable | None = None

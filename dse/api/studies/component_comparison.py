@@ -81,11 +81,11 @@ def compare_components(
     fmi: int = 2,
     near: str | Path = ".",
 ) -> Pair:
-    """Run two components of the workspace that *near* lies in, on the same inputs, and tell how their outputs differ.
+    """Run two components of the workspace around *near* on the same inputs, and report how their outputs differ.
 
     Each input moves in steps, then as a sum of sines, between values that *inputs* gives (SI), else between -10 and 10;
     or it is constant, or a column of a file. *step* (s) is the largest that both sample times are multiples of, else
-    10 ms. Raises DseError: they implement two interfaces, or one cannot be built, or fails in a step.
+    10 ms. Raises DseError if they implement different interfaces, or if one cannot be built or fails in a step.
     """
     space = Workspace.around(Path(near))
     pair = space.component(first), space.component(second)
@@ -254,7 +254,7 @@ _USUAL = {Kind.REAL: (-10.0, 10.0), Kind.INTEGER: (0.0, 10.0), Kind.BOOLEAN: (0.
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of a *file*, by heading or number from 1; what it holds is told by the file, else SI."""
+    """A column of a *file*, by heading or number from 1, in the unit that the file states, else in SI."""
 
     file: Path
     column: str | int

@@ -290,6 +290,6 @@ def merge_into(folders: Sequence[Path], target: Path | None = None) -> tuple[Pat
         raise fail("several folders are to be merged", hint="name the target: dse merge -o OUT …")
     sources = [source for folder in folders for source in (shards_in(folder) or [folder])]
     if sources == [target or folders[0]]:
-        what, hint = "there are no shards in it", "dse explore STUDY --shard 1/8 makes one, in out/STUDY"
+        what, hint = "contains no shards", "dse explore STUDY --shard 1/8 creates one, in out/STUDY"
         raise fail(what, Location(str(folders[0])), hint)
     return target or folders[0], merge_studies(target or folders[0], sources)

@@ -163,7 +163,7 @@ def recordings(folder: Path, problems: list[Problem], first: str = "") -> Iterat
     for file in files:
         if file.name.startswith(".") or file.suffix != ".parquet" or file.is_symlink() or not file.is_file():
             if not file.name.startswith("."):
-                problems.append(Problem("is no recording of a drive", Location(shown(file))))
+                problems.append(Problem("is not a recording of a drive", Location(shown(file))))
             continue
         try:
             drive = read_drive(file)

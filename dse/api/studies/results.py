@@ -32,7 +32,7 @@ T = TypeVar("T")
 
 
 def results(folder: str | Path) -> Results:
-    """The results in a study folder, finished or not. Raises DseError if it is none, or is damaged."""
+    """The results in a study folder, finished or not. Raises DseError if it is not a study folder, or is damaged."""
     return Results(Path(folder))
 
 
@@ -75,7 +75,7 @@ class Summary:
 
 
 class Results:
-    """The runs in *folder*; each question reads the folder anew. *explored* is what made them, if it was done here."""
+    """The runs in *folder*; each question reads the folder again. *explored*: the exploration, if it was done here."""
 
     def __init__(self, folder: str | Path, explored: Explored | None = None) -> None:
         self.folder = Path(folder)
@@ -84,7 +84,7 @@ class Results:
 
     @property
     def summary(self) -> Summary:
-        """How many runs there are, and what came of them."""
+        """The number of runs, and their verdicts."""
         return self._read(lambda store: _summary(store.table(), store.causes()))
 
     def run(self, number: int) -> Run:
@@ -115,7 +115,7 @@ class Results:
         return findings(self._read(lambda store: store.table()), tell or (lambda _: None))
 
     def essentials(self) -> tuple[Finding, ...]:
-        """Those findings that are about requirements and take no long time."""
+        """The findings about requirements that are computed quickly."""
         from dse.analysis import essentials
 
         return essentials(self._read(lambda store: store.table()))
@@ -132,7 +132,7 @@ class Results:
     def write_scene(
         self, run: int, target: str | Path | None = None, *, source: str | Path | None = None, tell: Tell | None = None
     ) -> Path:
-        """Write a page in which the *run* of this number is driven again in three dimensions; returns where it is.
+        """Write a page with the *run* of this number in three dimensions; returns its path.
 
         It is *target*, or ``replays/run_RUN.html`` in the folder. The run is simulated once more: its study is found in
         the file *source*, else in the workspace around the folder or around here, if that is trusted. Raises DseError
@@ -217,7 +217,7 @@ class Results:
         return mark_of(self.run(run))
 
     def replays(self, folder: str | Path | None = None) -> tuple[int, ...]:
-        """The runs whose pages `replay_page` would give as they are there, below *folder* (the study's)."""
+        """The runs that have a valid page for `replay_page`, below *folder* (the study's)."""
         from dse.api.studies.scenes import mark_of, replay_file, replays_in
         from dse.report import scene_mark
 
@@ -241,8 +241,8 @@ class Results:
     ) -> Path:
         """Write the HTML report to *target* (``report.html`` in the folder) and return its path.
 
-        It holds the waveforms of at most so many runs. Nothing is simulated. *on_problems* is told of waveforms that
-        are gone or damaged and of figures that could not be drawn; by default these are warnings.
+        It contains the waveforms of at most so many runs. Nothing is simulated. *on_problems* is called with problems:
+        waveforms that are missing or damaged, and figures that could not be drawn; by default these are warnings.
         """
         from dse.report import read_report, with_replays, write_report
 
@@ -276,7 +276,7 @@ class Results:
         all requirements, by their least margin.
 
         A design is a configuration with values for the design variables; its worst run counts. Objectives are metrics,
-        or ``sum(PROPERTY)``; without any those of the study. Raises DseError for what the study does not know.
+        or ``sum(PROPERTY)``; the default is those of the study. Raises DseError for an unknown objective.
         """
         from dse.analysis import objectives_of, ranked
 
@@ -287,7 +287,7 @@ class Results:
         return self._read(answer)
 
     def strength(self, ranking: Ranking, study: nouns.Study | None = None) -> tuple[str, ...]:
-        """How strong it is that the designs of *ranking* are best: among how much, and how it came about.
+        """How strong the claim is that the designs of *ranking* are best: among how many, and how they were found.
 
         With the *study* also what no configuration of its design space can beat.
         """

@@ -64,7 +64,7 @@ class Waveforms(Mapping[str, "NDArray[np.float64]"]):
 
 
 class Run:
-    """One simulation; *noun* is the record behind it, *definition* says what was measured.
+    """One simulation; *noun* is its record, *definition* defines what was measured.
 
     All numbers are SI; `units` names the units. A failed run has a `problem` and no metrics.
     """
@@ -96,22 +96,22 @@ class Run:
 
     @property
     def choices(self) -> Mapping[str, str]:
-        """What the configuration has chosen where."""
+        """The choice at each place of the configuration."""
         return self.definition.configuration(self.configuration).choices
 
     @property
     def point(self) -> Mapping[str, Value]:
-        """What differs from the bench, by ``part.parameter``."""
+        """The values that differ from the bench, by ``part.parameter``."""
         return self.noun.request.point
 
     @property
     def is_done(self) -> bool:
-        """Whether the simulation came to its end."""
+        """Whether the simulation finished."""
         return self.noun.outcome is Outcome.DONE
 
     @property
     def problem(self) -> str:
-        """What the run has to say of itself, above all why it failed; "" if nothing."""
+        """The message of the run, above all why it failed; "" if there is none."""
         return self.noun.problem
 
     @property

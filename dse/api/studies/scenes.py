@@ -78,7 +78,7 @@ def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Sce
     told = SceneSignals(wired.signals, {name: setting.value for name, setting in wired.settings.items()}, bench.figures)
     if not told.is_scene:
         what = "no part gives the position of a car: neither 'motion.x' nor 'position', 'gap' and 'lead.speed'"
-        raise fail(f"run {stored.number} of bench '{bench.name}' is no scene: {what}", Location(bench.name))
+        raise fail(f"run {stored.number} of bench '{bench.name}' is not a scene: {what}", Location(bench.name))
     again = replace(bench, simulation=_recording(bench, told.wanted))
     made, _ = alone(bench_study(again, Selection((chosen.id,))), fmi, tell=tell)
     if made.problem and stored.is_done:

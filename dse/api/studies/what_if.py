@@ -45,7 +45,7 @@ def what_if_run(
     *point* has a value for each design variable that the configuration has, in the unit of the study. The study's files
     are taken from *workspace*, else as `in_workspace` does for the folder *near*. *on_changed* is called before it is
     simulated if something has changed since the study was made, with what. Raises DseError for what is no point of
-    the study, and if its files are not there, not trusted, or cannot be built; a run that fails is a result.
+    the study, and if its files are not there, not trusted, or cannot be built; a failed run is a result, too.
     """
     values = _values(definition, configuration, point)
     free = {name: value for name, value in values.items() if name != TESTBENCH}
@@ -83,7 +83,7 @@ def _values(definition: StudyDefinition, configuration: str, point: Mapping[str,
         raise fail(f"the study has no configuration '{configuration}'") from None
     variables = {each.name: each for each in definition.variables if not constants or each.name in constants}
     problems = [
-        Problem(f"'{name}' is no design variable of configuration {configuration}", None, closest(name, variables))
+        Problem(f"'{name}' is not a design variable of configuration {configuration}", None, closest(name, variables))
         for name in point
         if name not in variables
     ]

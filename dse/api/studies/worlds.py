@@ -66,7 +66,7 @@ def world_at(address: str, parts: tuple[str, ...] | None = None, *, wait: float 
     """
     found = _ADDRESS.fullmatch(address)
     if found is None or not 1 <= int(found["port"]) <= 65535:
-        raise fail(f"'{address}' is no HOST:PORT", Location("--world"), "as '127.0.0.1:5005'")
+        raise fail(f"'{address}' is not a HOST:PORT", Location("--world"), "as '127.0.0.1:5005'")
     return WorldPlace(UdpSource(int(found["port"]), found["host"].strip("[]"), wait=wait), parts)
 
 
@@ -132,7 +132,7 @@ def write_world(layout: WorldLayout, folder: Path) -> tuple[Path, Path]:
         folder / "interfaces.yaml": write_interfaces([interface]),
     }
     there = (path for path in texts if path.exists())
-    raise_if_any(Problem("the file is there already", Location(str(path)), "nothing is overwritten") for path in there)
+    raise_if_any(Problem("the file already exists", Location(str(path)), "nothing is overwritten") for path in there)
     folder.mkdir(parents=True, exist_ok=True)
     for path, text in texts.items():
         path.write_text(text, encoding="utf-8")

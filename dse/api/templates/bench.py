@@ -49,7 +49,7 @@ def new_bench(workspace: Workspace, name: str, design: str, around: str | None =
     word, unit = first.replace(".", "_"), str(port.type.unit)
     said = f", unit: {unit}" if unit else ""
     inputs = [f"  {label}: {_value(one)}\n" for label, one in unfed.items()]
-    values = f"parameters:{' ' * 21}# inputs that nothing feeds, and parameters\n{''.join(inputs)}" if inputs else ""
+    values = f"parameters:{' ' * 21}# unconnected inputs, and parameters\n{''.join(inputs)}" if inputs else ""
     bound = f"1 {unit}".rstrip()
     text = (
         f"testbench: {name}\ntitle: {name}\ndesign: {space.name}\n"
@@ -58,7 +58,7 @@ def new_bench(workspace: Workspace, name: str, design: str, around: str | None =
         "metrics:                         # 'dse docs formats' lists the functions\n"
         f"  final_{word}: {{expression: final({first}){said}, title: {first} at the end}}\n"
         f"  largest_{word}: {{expression: maximum({first}){said}, title: largest {first}}}\n"
-        "# requirements:                  # a bound makes a verdict\n"
+        "# requirements:                  # a bound gives a verdict\n"
         f"#   R1: {{metric: final_{word}, at_most: {bound}}}\n"
         f"figures:\n  {word}: {{current: {first}, title: {first}}}\n"
     )
@@ -70,14 +70,14 @@ def _require_settable(space: DesignSpace, unfed: Mapping[str, Port], world: Comp
     known = {*candidates(space.root), *({world.name} if world else ())}
     odd = [label for label in unfed if split_path(label, known) is None]
     if odd:
-        what = f"{some_of(odd, 4)}: nothing feeds them, and inputs of architectures cannot be given a value"
-        raise fail(what, space.where, "--around COMPONENT names what is around the design and has outputs called so")
+        what = f"{some_of(odd, 4)}: they are not connected, and inputs of architectures cannot be given a value"
+        raise fail(what, space.where, "give --around a component that has outputs with these names")
 
 
 def _around(world: Component | None, connected: Mapping[str, str]) -> str:
     if world is None:
         return (
-            "# test_components:               # what is around the design: a road, a load, a plant\n"
+            "# test_components:               # the environment of the design: a road, a load, a plant\n"
             "#   world: {component: NAME, parameters: {}}\n"
             "# connections: [world.output -> part.input]\n"
         )

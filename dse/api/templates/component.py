@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 C, MODELICA = "c", "modelica"
 _ELSEWHERE = {
-    "fmu": "'dse import fmu FILE.fmu' makes a component of a finished FMU",
-    "road": "a component.yaml that names the road's file is all: 'dse docs world'",
-    "time_series": "columns of a file feed a bench under its 'inputs': 'dse docs formats'",
+    "fmu": "'dse import fmu FILE.fmu' imports an FMU as a component",
+    "road": "write only a component.yaml that names the road's file: 'dse docs world'",
+    "time_series": "a bench reads columns of a file under its 'inputs': 'dse docs formats'",
 }
 _C_TYPES = {Kind.REAL: "double", Kind.BOOLEAN: "bool", Kind.INTEGER: "int32_t", Kind.ENUMERATION: "int32_t"}
 _MODELICA_TYPES = {Kind.REAL: "Real", Kind.BOOLEAN: "Boolean", Kind.INTEGER: "Integer"}
@@ -28,7 +28,7 @@ _OWN_INTERFACE = """\
 # Ports and their units (SI) of components that can replace each other. 'dse docs formats' has all types.
 interfaces:
   {name}:
-    title: Makes a force of a speed error
+    title: Force from a speed error
     inputs: {{speed: m/s, set_speed: m/s}}
     outputs: {{force: N}}
 """
@@ -41,7 +41,7 @@ def new_component(workspace: Workspace, name: str, kind: str, implements: str | 
     """
     if kind not in (C, MODELICA):
         hint = _ELSEWHERE.get(kind) or closest(kind, (C, MODELICA))
-        raise fail(f"there is no start of a component of the kind '{kind}'", hint=hint)
+        raise fail(f"there is no template for components of the kind '{kind}'", hint=hint)
     folder = PurePosixPath("components", name)
     interface = _own(name) if implements is None else _known(workspace, implements)
     files = {folder / "interfaces.yaml": headed(_OWN_INTERFACE.format(name=name), 2, "interfaces")}
@@ -81,7 +81,7 @@ def _require_written(interface: Interface, types: Mapping[Kind, str]) -> None:
     odd = [port for port in interface.ports if port.type.kind not in types]
     arrays = [port for port in interface.ports if "[" in port.name] if types is _MODELICA_TYPES else []
     for port in (*odd, *arrays):
-        what = f"'{interface.name}' has the port {port.name} ({port.type}): no start is written for such"
+        what = f"'{interface.name}' has the port {port.name} ({port.type}): there is no template for such a port"
         raise fail(what, interface.where, "write the component by hand: 'dse docs formats'")
 
 
@@ -99,7 +99,7 @@ def _parameter(interface: Interface, *, is_own: bool) -> str:
     if port is None:
         return ""
     unit = f" {port.type.unit}".rstrip()
-    title = write_text(f"what {port.name} is")
+    title = write_text(f"value of {port.name}")
     return f"  offset: {{start: 0{unit}, min: -1{unit}, max: 1{unit}, title: {title}}}\n"
 
 
@@ -116,11 +116,11 @@ def _yaml(name: str, interface: Interface, source: str, kind: str, *, is_own: bo
     if kind == MODELICA and groups:
         dotted = [port.name for port in interface.ports if "." in port.name]
         inside = ", ".join(f"{label}: {_flat(label)}" for label in dotted)
-        lines.append(f"map: {{{inside}}}{' ' * 4}# ports that the model calls otherwise\n")
+        lines.append(f"map: {{{inside}}}{' ' * 4}# ports that have other names in the model\n")
     parameter = _parameter(interface, is_own=is_own)
     if parameter:
         lines.append(f"parameters:{' ' * 21}# what a bench can set and a study can vary; see {code}\n{parameter}")
-    lines.append("properties: {cost: 0 EUR, mass: 0 kg}   # what the constraints of a design space can speak of\n")
+    lines.append("properties: {cost: 0 EUR, mass: 0 kg}   # values for the constraints of a design space\n")
     return "".join(lines)
 
 
@@ -133,7 +133,7 @@ def _header(name: str, interface: Interface, *, is_own: bool) -> str:
     return (
         f"/* {name}: the ports of {interface.name} and the parameters of component.yaml, by their names, in SI. */\n"
         f"#ifndef {guard}\n#define {guard}\n\n#include <stdbool.h>\n#include <stdint.h>\n\n"
-        f"typedef struct {{\n{body}    /* What it has to remember from step to step goes here. */\n}} {name};\n\n"
+        f"typedef struct {{\n{body}    /* Add the state that is kept from step to step here. */\n}} {name};\n\n"
         f"void {name}_init({name} *self);\nvoid {name}_step({name} *self);\n\n#endif\n"
     )
 
@@ -206,7 +206,7 @@ def _model(name: str, interface: Interface, *, is_own: bool) -> str:
         if port.causality is Causality.OUTPUT:
             value = "offset" if port is _offset(interface) else "false" if port.type.kind is Kind.BOOLEAN else "0"
             lines.append(f"  {_flat(port.name)} = {value};\n")
-    return f'model {name} "What it does"\n{"".join(lines)}end {name};\n'
+    return f'model {name} "Description of the model"\n{"".join(lines)}end {name};\n'
 
 
 def _top(label: str) -> str:

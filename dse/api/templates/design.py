@@ -22,7 +22,7 @@ def new_design(workspace: Workspace, name: str, components: Sequence[str]) -> di
     """
     if not components:
         known = ", ".join(sorted(workspace.component_files)[:6]) or "none yet: 'dse new component NAME' makes one"
-        raise fail("a design space is made of components", hint=f"dse new design {name} COMPONENT…, as {known}")
+        raise fail("a design space needs components", hint=f"dse new design {name} COMPONENT…, as {known}")
     option = Location("COMPONENT")
     places: dict[str, list[Component]] = {}
     for word in dict.fromkeys(components):
@@ -34,18 +34,18 @@ def new_design(workspace: Workspace, name: str, components: Sequence[str]) -> di
         if len(several) > 1:
             lines.append(f"    {place}: {{alternatives: [{names}]}}\n")
         else:
-            lines.append(f"    {place}: {names}{' ' * 8}# a choice is written {{alternatives: [{names}, other]}}\n")
+            lines.append(f"    {place}: {names}{' ' * 8}# a choice: {{alternatives: [{names}, other]}}\n")
     found = wires({place: several[0].interface for place, several in places.items()})
     written = "".join(f"    - {source} -> {target}\n" for source, target in found)
     connections = (
-        f"  connections:{' ' * 12}# from outputs to inputs; what is left over, a bench feeds\n{written}"
+        f"  connections:{' ' * 12}# from outputs to inputs; a bench connects the rest\n{written}"
         if written
-        else "  # connections: [a.output -> b.input]   # what is left over, a bench feeds\n"
+        else "  # connections: [a.output -> b.input]   # a bench connects the rest\n"
     )
     text = (
         f"design: {name}\ntitle: {name}\n"
         f"root:\n  compound:{' ' * 15}# its places; {{optional: x}} may be left out\n{''.join(lines)}{connections}"
-        "# constraints:                   # rules that are decided before anything is simulated\n"
+        "# constraints:                   # rules that are checked before simulation\n"
         "#   budget: {require: sum(cost) <= 1000 EUR, because: target price}\n"
     )
     return {PurePosixPath("designs", f"{name}.yaml"): headed(text, 1, "design")}

@@ -28,7 +28,7 @@ def new_study(workspace: Workspace, name: str, bench: str) -> dict[PurePosixPath
     varied = list(_ranges(tested, configuration))[:_VARIED]
     if not varied:
         what = f"no parameter on '{tested.name}' has both min and max"
-        raise fail(what, tested.where, "give one both in its component.yaml: a study varies it between them")
+        raise fail(what, tested.where, "give a parameter both in its component.yaml: a study varies it between them")
     lines = []
     for path, parameter in varied:
         low, high = (_quantity(parameter, value) for value in (parameter.minimum, parameter.maximum))
@@ -38,7 +38,7 @@ def new_study(workspace: Workspace, name: str, bench: str) -> dict[PurePosixPath
         f"study: {name}\ntitle: {name}\ntestbench: {tested.name}\n"
         f"configurations: [{configuration.id}]    # the first; 'all', or {{where: PLACE is COMPONENT}}\n"
         f"design_variables:                # parameters, each over a range\n{''.join(lines)}"
-        f"sampler: full_factorial          # {runs} runs a configuration; or {{latin_hypercube: {{samples: 100}}}}, …\n"
+        f"sampler: full_factorial          # {runs} runs for each one; or {{latin_hypercube: {{samples: 100}}}}, …\n"
         "keep_waveforms: all\nseed: 1\n"
     )
     return {PurePosixPath("testbenches", f"{name}.pet.yaml"): headed(text, 1, "study")}

@@ -23,7 +23,9 @@ def write_start(workspace: Workspace, name: str, files: Mapping[PurePosixPath, s
     problems = Problems()
     check_choice(name, Location("NAME"), problems)
     if not problems and not is_identifier(name):
-        problems.add(f"'{name}' is a word of C, so C code cannot have it", Location("NAME"), "choose another name")
+        problems.add(
+            f"'{name}' is a keyword of C, so C code cannot use it as a name", Location("NAME"), "choose another name"
+        )
     raise_if_any(problems)
     targets = {workspace.root.joinpath(path): text for path, text in files.items()}
     raise_if_any(_taken(workspace, targets))
@@ -39,9 +41,9 @@ def _taken(workspace: Workspace, targets: Mapping[Path, str]) -> Iterator[Proble
     for target in targets:
         same = [path for path in known if path != target and _called(target) and _called(path) == _called(target)]
         if target.exists():
-            yield Problem("the file is there already", Location(shown(target)), hint)
+            yield Problem("the file already exists", Location(shown(target)), hint)
         elif same:
-            yield Problem(f"'{_called(target)}' is there already", Location(shown(same[0])), hint)
+            yield Problem(f"'{_called(target)}' already exists", Location(shown(same[0])), hint)
 
 
 def _called(path: Path) -> str:

@@ -25,10 +25,10 @@ def best(
     form: Format = Output.TABLE,
     si: SI = False,
 ) -> None:
-    """Rank the designs of a study, and say what would have to change for another one to win.
+    """Rank the designs of a study, and show what would have to change for another one to win.
 
-    A design is a configuration with values for its variables. It has to meet all requirements at all conditions.
-    Without an objective the order is that of the least margins.
+    A design is a configuration with values for its variables. It must meet all requirements under all conditions.
+    Without an objective, designs are ordered by their smallest margin.
     """
     from dse.api import Results
 
@@ -43,7 +43,9 @@ def best(
 @app.command()
 def pareto(
     folder: Folder,
-    number: Annotated[int, typer.Option("--number", "-n", min=1, help="How many that miss a requirement.")] = 5,
+    number: Annotated[
+        int, typer.Option("--number", "-n", min=1, help="Number of listed designs that miss a requirement.")
+    ] = 5,
     minimize: Minimize = None,
     maximize: Maximize = None,
     form: Format = Output.TABLE,
@@ -51,7 +53,7 @@ def pareto(
 ) -> None:
     """List the designs of a study that no other one beats in every objective.
 
-    Those that meet all requirements at all conditions, and what would have to change for others to be among them.
+    Lists those that meet all requirements under all conditions, and what would have to change for others to join them.
     """
     from dse.api import Results
 

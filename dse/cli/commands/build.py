@@ -42,7 +42,7 @@ def build(
 ) -> None:
     """Build components into FMUs.
 
-    What was built before is taken from the cache (its folder is $DSE_CACHE, else the user's cache folder).
+    FMUs that were built before are taken from the cache (its folder is $DSE_CACHE, else the user's cache folder).
 
     With --fuse, builds what 'dse run --fuse' needs: one library for each configuration of a test bench.
     """

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from dse.cache import Entry
 
-cache_app = group("cache", "Look after what is kept between two commands.")
+cache_app = group("cache", "Manage the cache that is kept between commands.")
 
 
 @cache_app.command()
@@ -49,9 +49,9 @@ def show(output: Format = Output.TABLE) -> None:
 
 @cache_app.command()
 def verify() -> None:
-    """Compare everything in the cache with its digest, and remove what is damaged.
+    """Check everything in the cache against its digest, and remove damaged entries.
 
-    It is made again when it is needed. Commands compare what they use by themselves.
+    They are made again when needed. Commands check the entries that they use themselves.
     """
     from dse.cache import cache_folder, damaged, survey, take_out
 
@@ -69,15 +69,16 @@ def verify() -> None:
 @cache_app.command()
 def prune(
     days: Annotated[
-        float | None, typer.Option("--days", min=0, help="Remove what was not used for so long; 90 by default.")
+        float | None, typer.Option("--days", min=0, help="Remove entries not used for this many days; 90 by default.")
     ] = None,
     size: Annotated[
-        str | None, typer.Option("--size", metavar="SIZE", help="Remove what was used longest ago, down to '500 MB'.")
+        str | None,
+        typer.Option("--size", metavar="SIZE", help="Remove the least recently used entries, down to '500 MB'."),
     ] = None,
 ) -> None:
-    """Remove from the cache what was not used for long, and what ended processes left there.
+    """Remove entries from the cache that were not used for long, or that ended processes left there.
 
-    What is removed is made again when it is needed. Studies that are being explored need what they use.
+    Removed entries are made again when needed. Studies that are being explored need the entries that they use.
     """
     import math
 

@@ -19,7 +19,7 @@ def check(
     workspace: Annotated[Path, typer.Argument(help="A folder or file in the workspace; or an SSP package.")] = Path(),
     strict: Strict = False,
 ) -> None:
-    """Read a workspace, or an SSP package, and show all that is wrong with it.
+    """Check a workspace or an SSP package, and list all errors.
 
     Checks every component, design space, test bench and study: keys, units, types, wiring, metrics,
     and that each design space has a valid configuration.

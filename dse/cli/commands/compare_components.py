@@ -29,27 +29,29 @@ def compare_components(
         typer.Option(
             "--input",
             metavar="NAME=…",
-            help="What an input does: NAME=LOW:HIGH, a number (both SI), or FILE, with its column if it is not NAME: "
+            help="Values of an input: NAME=LOW:HIGH, a number (both SI), or FILE, with its column if it is not NAME: "
             "NAME=FILE:COLUMN.",
         ),
     ] = [],
-    steps: Annotated[int, typer.Option("--steps", min=1, help="How many steps.")] = 1000,
+    steps: Annotated[int, typer.Option("--steps", min=1, help="Number of steps.")] = 1000,
     step: Annotated[
-        float | None, typer.Option("--step", min=1e-9, help="How long a step is, in s; else both sample times decide.")
+        float | None, typer.Option("--step", min=1e-9, help="Length of a step in s; default: from both sample times.")
     ] = None,
     tolerance: Annotated[
-        float, typer.Option("--tolerance", min=0.0, help="How far outputs may be apart, by their largest value.")
+        float,
+        typer.Option("--tolerance", min=0.0, help="Allowed difference of outputs, relative to their largest value."),
     ] = 1e-12,
     version: FmiVersion = 2,
     workspace: Annotated[Path, typer.Option("--workspace", "-w", help="A folder or file in the workspace.")] = Path(),
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
 ) -> None:
-    """Run two components on the same inputs, and tell how far their outputs are apart.
+    """Run two components on the same inputs, and show how much their outputs differ.
 
     Both implement one interface: generated code and the FMU of its model, or a controller before and after a change.
-    Inputs move in steps, then as sines, by default between -10 and 10; items and truth values change now and then.
+    Inputs move in steps, then as sines, by default between -10 and 10; enumeration items and Boolean values change now
+    and then.
 
-    Ends with 3 if an output is further apart than the tolerance.
+    Exit code 3 if an output differs by more than the tolerance.
     """
     from dse.api import compare_components as compare, pair_as_data
 

@@ -27,8 +27,8 @@ def components(
 ) -> None:
     """List the component library, or draw it.
 
-    Shows each component with its interface, source, properties and parameters; a picture shows its ports and, of a
-    Modelica model, the parts it is made of.
+    Shows each component with its interface, source, properties and parameters; a picture shows its ports, and the parts
+    of a Modelica model.
     """
     from dse.loading import Workspace
 

@@ -27,7 +27,7 @@ def docs(
 ) -> None:
     """Read the pages about files, commands and methods.
 
-    A page is shown for people in a terminal, and as Markdown text into a pipe or file.
+    A page is formatted in a terminal, and plain Markdown in a pipe or file.
     """
     folder = content("docs") / "docs"
     pages = {file.relative_to(folder).with_suffix("").as_posix(): file for file in sorted(folder.rglob("*.md"))}

@@ -11,15 +11,18 @@ from dse.cli.app import app
 from dse.cli.arguments import Listen, ServerPort
 from dse.cli.terminal import print_line, show_page
 
-Bench = Annotated[str, typer.Argument(metavar="[BENCH]", help="The bench that is driven first; without it, choose.")]
+Bench = Annotated[str, typer.Argument(metavar="[BENCH]", help="The bench to drive first; default: chosen on the page.")]
 Which = Annotated[
-    str, typer.Option("--configuration", metavar="ID", help="The car, by the start of its id; without it, choose.")
+    str,
+    typer.Option("--configuration", metavar="ID", help="The car, by the start of its id; default: chosen on the page."),
 ]
 Folder = Annotated[Path, typer.Option("--drives", metavar="DIR", help="Where drives are kept.")]
-Most = Annotated[int, typer.Option("--most", min=1, max=64, help="So many drive at once; others wait.")]
+Most = Annotated[
+    int, typer.Option("--most", min=1, max=64, help="Maximum number of simultaneous drivers; others wait.")
+]
 Replayed = Annotated[
     tuple[Path, int] | None,
-    typer.Option("--replay", metavar="DIR RUN", help="Show this run of a study, or of drives, and drive nothing."),
+    typer.Option("--replay", metavar="DIR RUN", help="Only show this run of a study, or of a folder of drives."),
 ]
 Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")]
 
@@ -37,11 +40,11 @@ def drive(
 ) -> None:
     """Drive a bench yourself, in the browser, in real time.
 
-    Choose a car, drive it with keyboard, gamepad or touch, and change gains as you go. What was driven is kept: metrics
-    and verdicts as of any run, and it can be made again, bit for bit. Only this machine reaches it, unless --listen
-    says otherwise; then the address that is printed has a token in it. Ctrl-C ends it.
+    Choose a car, drive it with keyboard, gamepad or touch, and change gains as you go. Drives are kept with their
+    metrics and verdicts, as any run, and can be repeated bit for bit. Only this machine can reach it, unless --listen
+    is given; then the printed address contains a token. Ctrl-C ends it.
 
-    With --replay a run that was made before is shown by the same view, in a page that needs no server.
+    With --replay, the same view shows an earlier run, in a page that needs no server.
     """
     if replay is not None:
         _show(*replay, browser)

@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 def drives(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder of drives, as 'dse drive' keeps them.")],
     check: Annotated[
-        bool, typer.Option("--check", help="Simulate every drive again, and compare with what it gave, bit for bit.")
+        bool, typer.Option("--check", help="Simulate every drive again, and compare the results bit for bit.")
     ] = False,
     output: Format = Output.TABLE,
 ) -> None:
-    """Show who drove best on each bench, and how the design does with nobody at the wheel.
+    """Rank the drivers on each bench, and show the results of the design without a driver.
 
-    Drives that are not runs yet become some: DIR/BENCH is a study, with who drove as a condition, for 'dse report',
-    'dse figure' and the rest. Recordings stay as they are.
+    New drives are added as runs: DIR/BENCH is a study, with the driver as a condition, for 'dse report', 'dse figure'
+    and other commands. Recordings are not changed.
     """
     from dse.api import Drives
 

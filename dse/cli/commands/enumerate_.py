@@ -35,7 +35,7 @@ SHOWN = 100
 @app.command("enumerate")
 def enumerate_(
     design: Design,
-    count: Annotated[bool, typer.Option("--count", help="Only how many there are.")] = False,
+    count: Annotated[bool, typer.Option("--count", help="Show only their number.")] = False,
     exact: Annotated[bool, typer.Option("--exact", help="With --count: no estimate, however long it takes.")] = False,
     output: Annotated[
         ListingFormat, typer.Option("--format", help="For a person, a spreadsheet or a program.")
@@ -45,7 +45,7 @@ def enumerate_(
         typer.Option("--output", "-o", metavar="FILE", help="Write a .csv, .json, .jsonl or .parquet file."),
     ] = None,
     limit: Annotated[int | None, typer.Option("--limit", "-n", min=1, help="List only the first N.")] = None,
-    sample: Annotated[int | None, typer.Option("--sample", min=1, help="Draw N at random, each as likely.")] = None,
+    sample: Annotated[int | None, typer.Option("--sample", min=1, help="Draw N at random, all equally likely.")] = None,
     seed: Seed = 0,
     where: Where = None,
     on: On = [],
@@ -54,9 +54,9 @@ def enumerate_(
 ) -> None:
     """List, count or draw the valid configurations.
 
-    Valid are those that meet every static constraint of the design space.
+    A configuration is valid if it meets every static constraint of the design space.
 
-    A table shows the first 100 unless --limit says otherwise; CSV, JSON and files hold all.
+    A table shows the first 100, or --limit; CSV, JSON and files contain all.
     """
     if exact and not count:
         raise typer.BadParameter("goes with --count", param_hint="--exact")
@@ -86,7 +86,7 @@ def enumerate_(
             print_line(f"{target}: {written:,} configuration{'' if written == 1 else 's'}")
         elif output is not ListingFormat.TABLE:
             if output is ListingFormat.PARQUET and sys.stdout.isatty():
-                raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")
+                raise typer.BadParameter("parquet is not text: name a file with -o", param_hint="--format")
             part.write(output.value, blocks, sys.stdout.buffer)
         else:
             _table(part.sheet(), next(blocks))

@@ -45,8 +45,8 @@ def explore(
 ) -> None:
     """Explore a study's design variables (PET).
 
-    Interrupted and started again it runs only what is missing; on a finished folder it does nothing. After a change of
-    the study's files it runs what that changed, and says so first. Runs that were made before are not made again.
+    If it was interrupted, it runs only what is missing; for a finished folder it does nothing. After a change of the
+    study's files, it reports what changed and runs only that. Runs that were made before are reused.
     """
     from dse.api import ExploreOptions
     from dse.cli.exploration import explore_and_show, show_plan

@@ -37,7 +37,7 @@ Target = Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="Th
 def export_uvl(design: Design, target: Target, on: On = [], off: Off = []) -> None:
     """Write a design space as a feature model in UVL.
 
-    With the constraints that are on; one that UVL cannot say is refused by name.
+    With the constraints that are on; a constraint that UVL cannot express is refused by name.
     """
     from dse.loading import to_uvl
     from dse.scratch import write_whole
@@ -52,9 +52,9 @@ def export_uvl(design: Design, target: Target, on: On = [], off: Off = []) -> No
 def export_csv(
     design: Design, target: Target, choose: Choose = [], where: Where = None, on: On = [], off: Off = []
 ) -> None:
-    """Write what is chosen in each valid configuration as CSV.
+    """Write the valid configurations as CSV.
 
-    A line for each configuration: its id, the choice at each place, the sums the constraints speak of.
+    A line for each configuration: its id, the choice at each place, and the sums that constraints use.
     """
     if target.suffix.lower() != ".csv":
         raise typer.BadParameter(f"'{target.name}' must end in .csv", param_hint="--output")
@@ -97,8 +97,8 @@ def export_ssp(
 def export_opendrive(road: RoadName, target: Target) -> None:
     """Write a road as OpenDRIVE 1.7.
 
-    Its geometry, lanes, speed limits, traffic lights, and patches with a friction of their own. When lights show what
-    stands in user data, which other programs pass over.
+    Its geometry, lanes, speed limits, traffic lights, and patches with a friction of their own. The timing of lights is
+    in user data, which other programs ignore.
     """
     from dse.api import opendrive_text
     from dse.scratch import write_whole

@@ -52,26 +52,29 @@ def figure(
     scene: Annotated[
         int | None, typer.Option("--scene", metavar="RUN", min=0, help="This run in three dimensions instead.")
     ] = None,
-    at: Annotated[str, typer.Option("--at", metavar="TIME", help="With --scene: when, or when a film begins.")] = "0 s",
-    until: Annotated[str | None, typer.Option("--until", metavar="TIME", help="When a film ends.")] = None,
+    at: Annotated[
+        str, typer.Option("--at", metavar="TIME", help="With --scene: the time, or the start of a film.")
+    ] = "0 s",
+    until: Annotated[str | None, typer.Option("--until", metavar="TIME", help="End of a film.")] = None,
     frames: Annotated[
-        float | None, typer.Option("--frames", metavar="RATE", min=0.1, max=120, help="A film: so many a second.")
+        float | None,
+        typer.Option("--frames", metavar="RATE", min=0.1, max=120, help="A film with this many frames per second."),
     ] = None,
     camera: Annotated[str, typer.Option("--view", help="Camera of --scene: chase, driver, top or side.")] = "chase",
     size: Annotated[str, typer.Option("--size", metavar="WxH", help="Pixels of --scene.")] = "1280x720",
 ) -> None:
-    """Draw the constraint plot, the waveforms and all other figures for print; or a road; or a run as it looked.
+    """Draw the constraint plot, the waveforms and all other figures for print; or a road; or a scene of a run.
 
     PNG, SVG or PDF. The paper's figures 6 and 7 are 'constraints' and 'waveforms'.
 
     Without --x and --y one constraint plot is drawn for each slice of the study. Without --run the waveforms are those
     of the run nearest the bounds of all requirements among those that pass.
 
-    A road is drawn as a map to scale, with lanes, slippery patches, lights, height, bank and curvature along the way;
-    --drive adds paths that were driven.
+    A road is drawn as a map to scale, with lanes, slippery patches, lights, height, bank and curvature along the road;
+    --drive adds driven paths.
 
-    --scene is a moment of a run in three dimensions as PNG. With --frames it is a film: WebP, GIF, with ffmpeg MP4
-    or WebM, or a folder of numbered PNG files, as -o says. A Chromium draws; the run is simulated once more.
+    --scene draws a moment of a run in three dimensions as PNG. With --frames it is a film: WebP, GIF, with ffmpeg MP4
+    or WebM, or a folder of numbered PNG files, by the ending of -o. It needs a Chromium; the run is simulated again.
     """
     from dataclasses import replace
 
@@ -147,7 +150,7 @@ def _draw_scene(
     (at, until), (view, size) = times, seen
     sides = size.lower().split("x")
     if len(sides) != 2 or not all(side.isascii() and side.isdecimal() and len(side) < 6 for side in sides):
-        raise typer.BadParameter(f"'{size}' is no size, as 1280x720", param_hint="--size")
+        raise typer.BadParameter(f"'{size}' is not a size, as 1280x720", param_hint="--size")
     end = None if until is None else _moment("--until", until)
     shot = Shot(_moment("--at", at), end, rate, view, (int(sides[0]), int(sides[1])))
     place = target or folder / "figures" / (f"run_{run}.png" if rate is None else f"run_{run}.webp")
@@ -166,7 +169,7 @@ def _moment(option: str, text: str) -> float:
     except UnitError as error:
         raise typer.BadParameter(str(error), param_hint=option) from None
     if quantity.unit.symbol and quantity.unit.dimension != parse_unit("s").dimension:
-        raise typer.BadParameter(f"'{text}' is no time", param_hint=option)
+        raise typer.BadParameter(f"'{text}' is not a time", param_hint=option)
     if quantity.si < 0:
         raise typer.BadParameter(f"'{text}' is before the run", param_hint=option)
     return float(quantity.si)

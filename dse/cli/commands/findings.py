@@ -10,9 +10,10 @@ from dse.cli.terminal import print_json, status_line
 
 @app.command()
 def findings(folder: Folder, form: Format = Output.TABLE) -> None:
-    """Say what was learnt from a study.
+    """Show the findings of a study.
 
-    How often requirements are met and where, how much may change, what matters; and what the runs do not tell, and why.
+    How often and where requirements are met, how much each variable may change, which variables matter; and which
+    findings are withheld, and why.
 
     Reads only the study folder; nothing is simulated.
     """

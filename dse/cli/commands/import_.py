@@ -26,7 +26,7 @@ _Folder = Annotated[
         "--output",
         "-o",
         metavar="DIR",
-        help="The workspace to write to; made if it is new. Else the one around this folder, or this folder.",
+        help="The workspace to write to; created if it is new. Default: the one around this folder, or this folder.",
     ),
 ]
 
@@ -35,12 +35,12 @@ _Folder = Annotated[
 def import_uvl(
     model: Annotated[Path, typer.Argument(metavar="FILE", help="A feature model in UVL.")],
     folder: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="The workspace to write to; made if it is new.")
+        Path, typer.Option("--output", "-o", metavar="DIR", help="The workspace to write to; created if it is new.")
     ] = Path(),
 ) -> None:
-    """Make a design space of a UVL feature model.
+    """Import a UVL feature model as a design space.
 
-    Its tree goes to DIR/designs, its features' attributes to DIR/components, each as a file called after the model.
+    The tree is written to DIR/designs, the attributes of features to DIR/components, in files named after the model.
     """
     from dse.loading import read_uvl
 
@@ -58,15 +58,16 @@ def import_fmu(
     files: Annotated[list[Path], typer.Argument(metavar="FMU...", help="Finished FMUs.")],
     folder: _Folder = None,
     name: Annotated[
-        str | None, typer.Option("--name", metavar="NAME", help="The component's name; else that of the file.")
+        str | None, typer.Option("--name", metavar="NAME", help="The component's name; default: that of the file.")
     ] = None,
 ) -> None:
-    """Make components of finished FMUs.
+    """Import FMUs as components.
 
     Each is copied to DIR/components/NAME with a component.yaml beside it. A component implements the interface of the
-    workspace whose ports it has, if that has all its inputs; else it gets one of its own, in interfaces.yaml beside it.
+    workspace whose ports it has, if that has all its inputs. Otherwise a new interface is written to interfaces.yaml
+    beside it.
 
-    What is neither a port nor a parameter is listed as left out.
+    Variables that are neither ports nor parameters are listed as left out.
     """
     from dse.interchange import import_component
 
@@ -88,10 +89,10 @@ def import_fmu(
 
 @import_app.command("simulink")
 def import_simulink(
-    code: Annotated[Path, typer.Argument(metavar="DIR", help="What the coder wrote: acc_ert_rtw.")],
+    code: Annotated[Path, typer.Argument(metavar="DIR", help="The folder that the coder wrote, as acc_ert_rtw.")],
     folder: _Folder = None,
     name: Annotated[
-        str | None, typer.Option("--name", metavar="NAME", help="The component's name; else that of the model.")
+        str | None, typer.Option("--name", metavar="NAME", help="The component's name; default: that of the model.")
     ] = None,
     model: Annotated[str, typer.Option("--model", metavar="NAME", help="Which model, if there are several.")] = "",
     step: Annotated[
@@ -103,13 +104,14 @@ def import_simulink(
         ),
     ] = [],
     sources: Annotated[
-        list[Path] | None, typer.Option("--source", metavar="PATH", help="More C that it needs: a file or a folder.")
+        list[Path] | None,
+        typer.Option("--source", metavar="PATH", help="More C sources that it needs: a file or a folder."),
     ] = None,
 ) -> None:
-    """Make a component of C or C++ that Simulink's coder wrote.
+    """Import C or C++ from Simulink Coder as a component.
 
-    Shows what the code has: ports, how it is called, its step and what tells it, its parameters. Starts it in a
-    process of its own, and writes DIR/components/NAME/component.yaml. The code stays where it is.
+    Shows the ports, entry functions, parameters and step of the code, and the source of the step. Starts the code in a
+    separate process, and writes DIR/components/NAME/component.yaml. The code is not copied.
     """
     from dse.cli.packages import seconds
     from dse.interchange import import_code
@@ -154,11 +156,11 @@ _MOST_SHOWN = 20
 @import_app.command("ssp")
 def import_ssp(
     package: Annotated[Path, typer.Argument(metavar="FILE", help="An SSP package (.ssp), or an unpacked one's .ssd.")],
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="The workspace to write to; made if it is new.")],
-    stop: Annotated[str | None, typer.Option("--stop", metavar="TIME", help="How long its benches simulate.")] = None,
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="The workspace to write to; created if it is new.")],
+    stop: Annotated[str | None, typer.Option("--stop", metavar="TIME", help="Stop time of its benches.")] = None,
     step: Annotated[str | None, typer.Option("--step", metavar="TIME", help="Their communication step.")] = None,
 ) -> None:
-    """Make a workspace of an SSP package.
+    """Import an SSP package as a workspace.
 
     Its FMUs become components, its system a design space, and each of its variants a test bench with its parameter
     values. Where variants have different FMUs at a place, these are alternatives of the design.
@@ -206,7 +208,7 @@ def _files(space: DesignSpace, folder: Path) -> dict[Path, str]:
         folder / "designs" / f"{space.name}.yaml": write_design(space),
     }
     raise_if_any(
-        Problem("the file is there already", Location(str(path)), "move it away; nothing is overwritten")
+        Problem("the file already exists", Location(str(path)), "move it away; nothing is overwritten")
         for path in files
         if path.exists()
     )

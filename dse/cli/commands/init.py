@@ -21,7 +21,7 @@ _FOLDERS = ("components", "designs", "roads", "testbenches", "schemas")
 def init(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A new or empty folder.")],
 ) -> None:
-    """Lay out a working example to start from.
+    """Create a working example to start from.
 
     Components in C, design spaces, roads, test benches and studies go into DIR, a new or empty folder.
     """

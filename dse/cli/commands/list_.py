@@ -25,9 +25,9 @@ def list_(
     workspace: Annotated[Path, typer.Argument(help="A folder or file in the workspace.")] = Path(),
     output: Format = Output.TABLE,
 ) -> None:
-    """List design spaces, test benches, studies, and what was found of them.
+    """List design spaces, test benches, studies and their results.
 
-    Results are the study folders below out/: how many runs there are, and what came of them, all requirements together.
+    Results are the study folders below out/: the number of runs, and their verdicts over all requirements.
     """
     from dse.api import listing
     from dse.loading import Workspace

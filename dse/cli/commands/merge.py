@@ -18,20 +18,20 @@ Sources = Annotated[
         metavar="DIR…",
         autocompletion=folders,
         callback=lambda paths: [named_folder(path) for path in paths],
-        help="The folder in which shards were explored, or theirs one by one; the name of a study means out/STUDY.",
+        help="The folder that contains the shards, or each shard's folder; the name of a study means out/STUDY.",
     ),
 ]
 Target = Annotated[
     Path | None,
-    typer.Option("--output", "-o", metavar="DIR", help="The study folder to make; else the one given."),
+    typer.Option("--output", "-o", metavar="DIR", help="The study folder to create; default: the given one."),
 ]
 
 
 @app.command()
 def merge(folders: Sources, target: Target = None) -> None:
-    """Make one study folder of those of a study's shards (dse explore --shard).
+    """Merge the shards of a study into one study folder (dse explore --shard).
 
-    What is missing is said; a shard that comes later is merged by the same command.
+    Missing shards are reported; the same command merges shards that are added later.
     """
     from dse.api import merge_into
 

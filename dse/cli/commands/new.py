@@ -17,25 +17,25 @@ from dse.cli.terminal import print_line
 if TYPE_CHECKING:
     from dse.loading import Workspace
 
-new_app = group("new", "Write a commented start of a component, a design space, a test bench, a study or a road.")
+new_app = group("new", "Write a commented template of a component, a design space, a test bench, a study or a road.")
 
-Name = Annotated[str, typer.Argument(metavar="NAME", help="What it is to be called.")]
+Name = Annotated[str, typer.Argument(metavar="NAME", help="Its name.")]
 At = Annotated[Path, typer.Option("--workspace", "-w", help="A folder or file in the workspace.")]
 
 
 @new_app.command("component")
 def new_component(
     name: Name,
-    kind: Annotated[str, typer.Option("--kind", help="What it is written in: c or modelica.")] = "c",
+    kind: Annotated[str, typer.Option("--kind", help="Its language: c or modelica.")] = "c",
     implements: Annotated[
         str | None,
-        typer.Option("--implements", metavar="INTERFACE", help="An interface of the workspace; else it gets its own."),
+        typer.Option("--implements", metavar="INTERFACE", help="An interface of the workspace; default: a new one."),
     ] = None,
     workspace: At = Path(),
 ) -> None:
     """Write a component that can be built, with its ports and a parameter.
 
-    The files go to components/NAME of the workspace, which the current folder becomes if it is in none.
+    The files are in components/NAME of the workspace. Outside of a workspace, the current folder becomes one.
     """
     from dse.api import new_component as started
 
@@ -50,14 +50,16 @@ def new_design(
     components: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="COMPONENT...", autocompletion=components_of, help="Its parts; those of one interface are a choice."
+            metavar="COMPONENT...",
+            autocompletion=components_of,
+            help="Its components; those with the same interface are alternatives.",
         ),
     ] = None,
     workspace: At = Path(),
 ) -> None:
     """Write a design space of components.
 
-    Ports of one name and type are connected. The file is designs/NAME.yaml.
+    Ports with the same name and type are connected. The file is designs/NAME.yaml.
     """
     from dse.api import new_design as started
 
@@ -75,7 +77,9 @@ def new_bench(
     around: Annotated[
         str | None,
         typer.Option(
-            "--around", metavar="COMPONENT", help="What is around the design: a plant, a road; connected by names."
+            "--around",
+            metavar="COMPONENT",
+            help="The environment of the design: a plant, a road; connected by port names.",
         ),
     ] = None,
     workspace: At = Path(),

@@ -42,18 +42,18 @@ def probe(
         typer.Argument(metavar="FMU...", help="FMU files, or components of the workspace.", show_default=False),
     ],
     output: Format = Output.TABLE,
-    again: Annotated[bool, typer.Option("--again", help="Make the experiments again, even if they were made.")] = False,
+    again: Annotated[bool, typer.Option("--again", help="Repeat experiments that were made before.")] = False,
     timeout: Annotated[float, typer.Option("--timeout", min=1.0, help="Seconds an experiment may take.")] = 30.0,
     version: FmiVersion = 2,
     sandbox: Sandbox = False,
 ) -> None:
-    """Find out what an FMU really does.
+    """Test how an FMU behaves.
 
     Is a reset FMU like a fresh one, a second instance like the first, a restored state the one that was saved? Does it
-    bear threads, uneven steps, thousands of instances? What does a step cost, and how exact is it? Every experiment has
-    a process of its own, so an FMU may crash or hang.
+    support threads, uneven steps, thousands of instances? How much time does a step take, and how accurate is it? Every
+    experiment runs in its own process, so an FMU may crash or hang.
 
-    What was found is kept in the cache, and all simulations act on it: an FMU that lies about its reset is never reset.
+    The results are kept in the cache, and all simulations use them: an FMU whose reset does not work is never reset.
     """
     from dse.api import facts_as_data, known_facts, model_of, numerics_as_data, probe_fmu, probe_numerics
     from dse.domain.facts import Answer, Question

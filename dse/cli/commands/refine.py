@@ -16,21 +16,21 @@ from dse.scratch import make_folder, write_whole
 @app.command()
 def refine(
     folder: Folder,
-    around: Annotated[int | None, typer.Option("--around", metavar="RUN", help="Look around this run.")] = None,
-    front: Annotated[bool, typer.Option("--front", help="Look around the best designs, or the front.")] = False,
-    box: Annotated[bool, typer.Option("--box", help="Look where all requirements are met most often.")] = False,
-    band: Annotated[bool, typer.Option("--band", help="Look where a verdict is in doubt.")] = False,
+    around: Annotated[int | None, typer.Option("--around", metavar="RUN", help="Explore around this run.")] = None,
+    front: Annotated[bool, typer.Option("--front", help="Explore around the best designs, or the front.")] = False,
+    box: Annotated[bool, typer.Option("--box", help="Explore where all requirements are met most often.")] = False,
+    band: Annotated[bool, typer.Option("--band", help="Explore where a verdict is doubtful.")] = False,
     share: Annotated[
-        float, typer.Option("--share", min=0.001, max=1.0, help="How much of each range --around a run.")
+        float, typer.Option("--share", min=0.001, max=1.0, help="Share of each range for --around.")
     ] = 0.25,
-    number: Annotated[int, typer.Option("--number", "-n", min=1, help="How many of the best.")] = 5,
+    number: Annotated[int, typer.Option("--number", "-n", min=1, help="Number of best designs.")] = 5,
     target: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE", help="The study, as testbenches/next.pet.yaml.")
     ] = None,
 ) -> None:
-    """Write the next study: a part of a study's ranges and configurations that something found in it points to.
+    """Write the next study: the part of a study's ranges and configurations that its results point to.
 
-    What else the study's file says stays as it is. Without -o it is printed.
+    Everything else in the study's file stays as it is. Without -o it is printed.
     """
     from dse.api import Towards, refine as refined
 
@@ -48,7 +48,7 @@ def refine(
         typer.echo(text, nl=False)
         return
     if target.exists():
-        raise typer.BadParameter(f"'{target}' is there already", param_hint="--output")
+        raise typer.BadParameter(f"'{target}' already exists", param_hint="--output")
     make_folder(target.parent)
     write_whole(target, text)
     print_line(f"{target}: dse explore {name}")

@@ -17,20 +17,26 @@ if TYPE_CHECKING:
 ReportFile = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Default: DIR/report.html.")]
 PdfFile = Annotated[
     Path | None,
-    typer.Option("--pdf", metavar="FILE", help="Print it into a PDF file instead, by a Chromium of this machine."),
+    typer.Option("--pdf", metavar="FILE", help="Print it to a PDF file instead, with a Chromium on this machine."),
 ]
 ReplayedRuns = Annotated[
     list[int] | None,
-    typer.Option("--replay", metavar="RUN", min=0, help="Drive this run again, in replays/run_RUN.html beside it."),
+    typer.Option(
+        "--replay", metavar="RUN", min=0, help="Write a replay of this run, replays/run_RUN.html beside the page."
+    ),
 ]
 ManyReplays = Annotated[
     str | None,
     typer.Option(
-        "--replays", metavar="all|failed|N", help="Drive all runs again, those that fail a requirement, or N of all."
+        "--replays",
+        metavar="all|failed|N",
+        help="Write replays of all runs, of those that fail a requirement, or of N runs.",
     ),
 ]
 Opened = Annotated[bool, typer.Option("--open", help="Open what was written in the browser.")]
-MostWaveforms = Annotated[int, typer.Option("--waveforms", min=0, help="Most runs whose waveforms go into the page.")]
+MostWaveforms = Annotated[
+    int, typer.Option("--waveforms", min=0, help="Maximum number of runs whose waveforms are in the page.")
+]
 
 
 @app.command()
@@ -43,11 +49,11 @@ def report(
     replays: ManyReplays = None,
     is_opened: Opened = False,
 ) -> None:
-    """Write the HTML report of a study, print it (--pdf), or drive runs again in three dimensions (--replay).
+    """Write the HTML report of a study, print it (--pdf), or write 3D replays of runs (--replay).
 
     One page that works offline: constraint plot, thresholds, waveforms, run table. It links to the replays beside it.
 
-    Reads only the study folder; nothing is simulated but the runs of --replay and --replays, once more.
+    Reads only the study folder; only the runs of --replay and --replays are simulated again.
     """
     from dse.api import Results
     from dse.errors import DseError, Problem, raise_if_any

@@ -37,8 +37,8 @@ def results(
 ) -> None:
     """Print a study's runs as a table.
 
-    The choices and sums of each run's configuration, its point, metrics, verdicts and margins, in the units that the
-    report shows; CSV has them in its headings.
+    The choices and sums of each run's configuration, its point, metrics, verdicts and margins, in the units of the
+    report; in CSV, the headings contain the units.
     """
     from dse.api import Results
     from dse.scratch import make_folder, write_whole
@@ -50,6 +50,6 @@ def results(
         make_folder(target.parent)
         write_whole(target, data)
     elif output is Table.PARQUET and sys.stdout.isatty():
-        raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")
+        raise typer.BadParameter("parquet is not text: name a file with -o", param_hint="--format")
     else:
         sys.stdout.buffer.write(data)

@@ -38,7 +38,7 @@ def run(
 ) -> None:
     """Run a test bench on every valid configuration.
 
-    Interrupted and started again it goes on where it was.
+    If it was interrupted, the same command resumes it.
     """
     from dse.api import ExploreOptions, study_of_bench
     from dse.cli.exploration import explore_and_show

@@ -24,13 +24,14 @@ def schema(
         ),
     ] = None,
     folder: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Write KIND.json, or those of all, here.")
+        Path | None,
+        typer.Option("--output", "-o", metavar="DIR", help="Write KIND.json, or the schemas of all kinds, here."),
     ] = None,
 ) -> None:
     """Print the JSON Schema of a kind of file, for editors.
 
-    With all kinds of components, samplers and executors that are installed. Files name theirs in the first line:
-    # yaml-language-server: $schema=../schemas/study.json. 'dse schema -o schemas' writes those of a workspace anew.
+    It includes all installed component kinds, samplers and executors. A file refers to its schema in the first line:
+    # yaml-language-server: $schema=../schemas/study.json. 'dse schema -o schemas' updates those of a workspace.
     """
     from dse.errors import closest
     from dse.loading import FILE_KINDS, file_schema

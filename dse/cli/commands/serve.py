@@ -11,7 +11,9 @@ from dse.cli.app import app
 from dse.cli.arguments import Listen, ServerPort
 from dse.cli.terminal import print_line
 
-Place = Annotated[Path, typer.Argument(metavar="DIR", help="A study folder, a folder that holds some, or a workspace.")]
+Place = Annotated[
+    Path, typer.Argument(metavar="DIR", help="A study folder, a folder that contains some, or a workspace.")
+]
 
 
 @app.command()
@@ -25,12 +27,12 @@ def serve(
 ) -> None:
     """Show studies in the browser, also while they are explored.
 
-    The same report as 'dse report', with new runs as they come, progress, a button that stops the exploration, points
-    simulated at a click, and studies side by side. Only this machine reaches it, unless --listen says otherwise;
-    then the address that is printed has a token in it, without which nothing is shown. Ctrl-C ends it.
+    The same report as 'dse report', with new runs as they finish, progress, a button that stops the exploration, points
+    simulated at a click, and studies side by side. Only this machine can reach it, unless --listen is given; then the
+    printed address contains a token, without which nothing is shown. Ctrl-C ends it.
 
-    Points are simulated with the workspace the study lies in if it is the one of the current folder, or was
-    trusted with 'dse trust': its code is compiled and run.
+    Points are simulated with the study's workspace if it is the one of the current folder, or was trusted with 'dse
+    trust': its code is compiled and run.
     """
     from dse.serving import Announced, StudyIndex, serve as serve_studies
 

@@ -46,17 +46,20 @@ Waveforms = Annotated[
         "--output", "-o", metavar="FILE", callback=waveform_file, help="Write the waveforms (.csv, .json or .parquet)."
     ),
 ]
-Variant = Annotated[str | None, typer.Option("--variant", metavar="NAME", help="Which .ssd file of a package.")]
+Variant = Annotated[
+    str | None, typer.Option("--variant", metavar="NAME", help="The .ssd file of a package to simulate.")
+]
 Stop = Annotated[str | None, typer.Option("--stop", metavar="TIME", help="How long to simulate a package.")]
 Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help="The communication step for a package.")]
 Timeout = Annotated[
     str | None, typer.Option("--timeout", metavar="TIME", help="How long a package's run may take.  [default: 600 s]")
 ]
 Record = Annotated[
-    list[str], typer.Option("--record", metavar="NAME", help="What of a package to record, instead of its outputs.")
+    list[str],
+    typer.Option("--record", metavar="NAME", help="Variables of a package to record, instead of its outputs."),
 ]
 Tolerance = Annotated[
-    float | None, typer.Option("--tolerance", metavar="NUMBER", help="Tolerance that a package's FMUs are given.")
+    float | None, typer.Option("--tolerance", metavar="NUMBER", help="Tolerance for the FMUs of a package.")
 ]
 Word = Annotated[str | None, typer.Option(metavar="WORD", help="For a package, as under 'simulation' in a bench.")]
 
@@ -94,7 +97,7 @@ def simulate(
 
     Takes the first valid configuration unless --configuration names another.
 
-    --output writes the waveforms. Of a package, shows where each of its outputs begins and ends.
+    --output writes the waveforms. For a package, shows the first and the last value of each output.
     """
     wishes = Wishes(
         variant,

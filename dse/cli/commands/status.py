@@ -27,9 +27,10 @@ _TIME = re.compile(r" at t = [\d.e+-]+ s")
 def status(
     folder: Folder, as_json: Annotated[bool, typer.Option("--json", help="As JSON, for a program.")] = False
 ) -> None:
-    """Show how a study is getting on.
+    """Show the progress of a study.
 
-    Also while another process explores it: runs, rate, time left, who is at work, what failed and why, the disk.
+    Runs, rate, time left, processes at work, failures and their causes, and disk space; also while another process
+    explores it.
     """
     from dse.api import status_as_data, statuses
 

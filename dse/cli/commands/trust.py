@@ -15,10 +15,10 @@ Place = Annotated[Path, typer.Argument(metavar="DIR", help="A workspace, or a fo
 
 @app.command()
 def trust(folder: Place = Path()) -> None:
-    """Trust a workspace that came with a study folder, as it is now.
+    """Trust the current state of a workspace that came with a study folder.
 
-    'dse serve' and replays compile and run the C code of the workspace a study lies in. They use the one they were
-    started in, or one that was trusted. When a file in it changes, it has to be trusted again.
+    'dse serve' and replays compile and run the C code of the study's workspace. They use the workspace in which they
+    were started, or a trusted one. When a file in it changes, it has to be trusted again.
     """
     from dse.api import trust as trust_workspace
 

@@ -16,11 +16,11 @@ from dse.cli.terminal import plain_table, print_json, print_line, print_table
 if TYPE_CHECKING:
     from dse.live import Checked, Datagram, Layout
 
-udp_app = group("udp", "Check, record and describe the datagrams of a world outside (`dse docs udp_clients`).")
+udp_app = group("udp", "Check, record and describe the datagrams of an external world (`dse docs udp_clients`).")
 
 _PORTS = 65535
-Seconds = Annotated[float, typer.Option("--seconds", min=0.0, help="Stop after so many seconds; 0: at Ctrl-C.")]
-Count = Annotated[int, typer.Option("--count", min=0, help="Stop after so many datagrams; 0: at Ctrl-C.")]
+Seconds = Annotated[float, typer.Option("--seconds", min=0.0, help="Stop after this many seconds; 0: at Ctrl-C.")]
+Count = Annotated[int, typer.Option("--count", min=0, help="Stop after this many datagrams; 0: at Ctrl-C.")]
 Port = Annotated[int, typer.Argument(metavar="PORT", min=1, max=_PORTS, help="The port to listen at.")]
 Host = Annotated[str, typer.Option("--host", metavar="ADDRESS", help="Listen on this address instead of loopback.")]
 Component = Annotated[
@@ -29,31 +29,31 @@ Component = Annotated[
 LayoutFile = Annotated[
     Path | None, typer.Option("--layout", metavar="FILE", help="Values as in a file of 'dse udp layout'.")
 ]
-Out = Annotated[int | None, typer.Option("--out", min=0, help="So many values from the client to the world.")]
-Back = Annotated[int | None, typer.Option("--back", min=0, help="So many values from the world to the client.")]
+Out = Annotated[int | None, typer.Option("--out", min=0, help="Number of values from the client to the world.")]
+Back = Annotated[int | None, typer.Option("--back", min=0, help="Number of values from the world to the client.")]
 
 
 @udp_app.command("check")
 def check(
-    world: Annotated[str, typer.Argument(metavar="[HOST:PORT]", help="Where the world listens.")] = "",
+    world: Annotated[str, typer.Argument(metavar="[HOST:PORT]", help="The address of the world.")] = "",
     out: Out = None,
     back: Back = None,
     component: Component = None,
     layout: LayoutFile = None,
     step: Annotated[float, typer.Option("--step", min=1e-6, help="The client's step in s.")] = 0.01,
-    steps: Annotated[int, typer.Option("--steps", min=3, max=1_000_000, help="How many steps are asked for.")] = 100,
-    timeout: Annotated[float, typer.Option("--timeout", min=0.01, help="Wait so many seconds for packets.")] = 5.0,
+    steps: Annotated[int, typer.Option("--steps", min=3, max=1_000_000, help="Number of requested steps.")] = 100,
+    timeout: Annotated[float, typer.Option("--timeout", min=0.01, help="Seconds to wait for packets.")] = 5.0,
     listen: Annotated[
-        int, typer.Option("--listen", metavar="PORT", min=0, max=_PORTS, help="Check a client that asks here.")
+        int, typer.Option("--listen", metavar="PORT", min=0, max=_PORTS, help="Check a client that sends to this port.")
     ] = 0,
     host: Host = "127.0.0.1",
-    wait: Annotated[float, typer.Option("--wait", min=0.01, help="With --listen: wait so long for START.")] = 60.0,
+    wait: Annotated[float, typer.Option("--wait", min=0.01, help="With --listen: seconds to wait for START.")] = 60.0,
     output: Format = Output.TABLE,
 ) -> None:
     """Check a world that you wrote, in lockstep, or with --listen a client.
 
-    Plays the other side: START, steps, requests that come again, torn, short, old and foreign packets, END; and tells
-    what is wrong with the bytes that come. Exit code 3 if something is.
+    Simulates the other side: START, steps, repeated requests, truncated, short, old and foreign packets, END; and
+    reports errors in the received bytes. Exit code 3 if there are any.
     """
     from dse.live import WorldTrial, check_client, check_world, connected_line, listen_at, wholes_of
 
@@ -85,7 +85,7 @@ def layout(
     ] = None,
     output: Format = Output.TABLE,
 ) -> None:
-    """Show which value stands where in the packets of a component."""
+    """Show the position of each value in the packets of a component."""
     from dse.live import offset_of, size_of, written_layout
     from dse.scratch import write_whole
 
@@ -125,20 +125,25 @@ def layout(
 @udp_app.command("record")
 def record(
     port: Port,
-    target: Annotated[Path, typer.Argument(metavar="FILE", help="The file to write, a line of JSON a datagram.")],
+    target: Annotated[
+        Path, typer.Argument(metavar="FILE", help="The file to write, with a line of JSON per datagram.")
+    ],
     forward: Annotated[
-        str, typer.Option("--forward", metavar="HOST:PORT", help="Pass on to the world there, and its answers back.")
+        str,
+        typer.Option(
+            "--forward", metavar="HOST:PORT", help="Forward requests to the world there, and return its answers."
+        ),
     ] = "",
     answers: Annotated[
-        str, typer.Option("--answers", metavar="HOST:PORT", help="Send answers there, not to where a request is from.")
+        str, typer.Option("--answers", metavar="HOST:PORT", help="Send answers there, not to the sender of a request.")
     ] = "",
     host: Host = "127.0.0.1",
     seconds: Seconds = 0.0,
     count: Count = 0,
 ) -> None:
-    """Write down every datagram that comes to a port, with its time.
+    """Record every datagram that arrives at a port, with its time.
 
-    With --forward between both sides: the client asks at PORT, the world listens elsewhere.
+    With --forward, it relays between both sides: the client sends to PORT, the world listens elsewhere.
     """
     from dse.live import listen_at, tap, write_datagram, write_head
 
@@ -171,12 +176,12 @@ def show(
     back: Back = None,
     component: Component = None,
     layout: LayoutFile = None,
-    most: Annotated[int, typer.Option("--limit", min=1, help="Show no more datagrams than that.")] = 200,
+    most: Annotated[int, typer.Option("--limit", min=1, help="Maximum number of datagrams.")] = 200,
     output: Format = Output.TABLE,
 ) -> None:
-    """Show a recording: who sent what when, and what is wrong with it.
+    """Show a recording: the sender, time, content and errors of each datagram.
 
-    Values have names with --component or --layout; else their number is that of the bytes.
+    Values have names with --component or --layout; otherwise their number follows from the bytes.
     """
     from itertools import islice
 
@@ -243,7 +248,7 @@ def _layout(component: str | None, file: Path | None, out: int | None, back: int
 def _address(text: str, name: str) -> tuple[str, int]:
     host, _, port = text.rpartition(":")
     if not host or not port.isdecimal() or not 0 < int(port) <= _PORTS:
-        raise typer.BadParameter(f"'{text}' is no HOST:PORT, as 127.0.0.1:5005", param_hint=name)
+        raise typer.BadParameter(f"'{text}' is not a HOST:PORT, as 127.0.0.1:5005", param_hint=name)
     return host.strip("[]"), int(port)
 
 

@@ -20,11 +20,12 @@ if TYPE_CHECKING:
 
 Port = Annotated[int, typer.Option("--port", min=1, max=65535, help="The UDP port.")]
 Listen = Annotated[
-    str, typer.Option("--listen", metavar="ADDRESS", help="Listen on this address; whoever reaches it is served.")
+    str,
+    typer.Option("--listen", metavar="ADDRESS", help="Listen on this address; every client that reaches it is served."),
 ]
 Once = Annotated[bool, typer.Option("--once", help="End after one session: with 3 if it failed.")]
-Free = Annotated[bool, typer.Option("--free", help="Real time by the wall clock, in place of lockstep.")]
-Layout = Annotated[bool, typer.Option("--layout", help="Only print what goes to and fro, byte by byte.")]
+Free = Annotated[bool, typer.Option("--free", help="Real time by the wall clock, instead of lockstep.")]
+Layout = Annotated[bool, typer.Option("--layout", help="Only print the layout of the packets, byte by byte.")]
 Write = Annotated[
     Path | None, typer.Option("--write", metavar="DIR", help="Only write a component.yaml that represents this world.")
 ]
@@ -46,11 +47,11 @@ def world(
 ) -> None:
     """Simulate the world's half of a bench, for a car that is simulated elsewhere.
 
-    The car's half is 'dse simulate BENCH --world HOST:PORT', of 'dse run' or 'dse explore' as well, on this machine or
-    another one; results are the same to the last bit as of the whole bench. One session after another is served, each
-    a run of its own, until Ctrl-C.
+    The car's half is simulated by 'dse simulate BENCH --world HOST:PORT', also by 'dse run' or 'dse explore', on this
+    machine or another one. Results are bit-identical to those of the whole bench. Serves one session after another,
+    each a separate run, until Ctrl-C.
 
-    With --layout or --write nothing is simulated: they are for worlds by others (Unity, Unreal, Godot).
+    With --layout or --write nothing is simulated: they are for external worlds (Unity, Unreal, Godot).
     """
     from dse.api import serve_bench, world_at, world_layout, write_world
 

@@ -60,7 +60,7 @@ def receive_entry(digest: str, content: bytes) -> None:
 
 def _received(digest: str) -> Path:
     if not re.fullmatch("[0-9a-f]{32}", digest):
-        raise fail(f"'{digest}' is no digest")
+        raise fail(f"'{digest}' is not a digest")
     return cache_folder().absolute() / "received" / digest
 
 

@@ -67,7 +67,7 @@ class Boundary(SamplerSection):
         where = around.place("accuracy")
         accuracy = read_number(self.accuracy, DIMENSIONLESS, where)
         if not 0 <= accuracy < 1:
-            raise fail(f"an accuracy of {self.accuracy} is no share of the ranges", where, "accuracy: 0.5 %")
+            raise fail(f"an accuracy of {self.accuracy} is not a share of the ranges", where, "accuracy: 0.5 %")
         return self.model_copy(update={"accuracy": accuracy})
 
     def start(self, brief: Brief) -> _Search:

@@ -101,7 +101,7 @@ def _columns(path: Path, head: Sequence[str], variables: Sequence[DesignVariable
         is_plain = heading.strip() in known or "[" not in heading
         name, bracket, symbol = (part.strip() for part in ((heading, "", "") if is_plain else heading.rpartition("[")))
         if name not in known:
-            problems.append(Problem(f"the column '{name}' is no design variable", line, closest(name, known)))
+            problems.append(Problem(f"the column '{name}' is not a design variable", line, closest(name, known)))
         elif name in found:
             problems.append(Problem(f"two columns are headed '{name}'", line, "remove one"))
         else:
@@ -130,13 +130,13 @@ def _row(path: Path, number: int, line: Sequence[str], columns: _Columns, proble
         where = Location(shown(path), number, 1)
         cell = line[index].strip() if index < len(line) else ""
         if variable.labels and cell not in variable.labels:
-            what = f"'{cell}' is no value of {variable.name}"
+            what = f"'{cell}' is not a value of {variable.name}"
             problems.append(Problem(what, where, closest(cell, variable.labels)))
             continue
         try:
             value = variable.values[variable.labels.index(cell)] if variable.labels else unit.to_si(_exact(cell))
         except ValueError:
-            problems.append(Problem(f"'{cell}' is no number for {variable.name}", where, "write 1.5 or 2e-3"))
+            problems.append(Problem(f"'{cell}' is not a number for {variable.name}", where, "write 1.5 or 2e-3"))
             continue
         if not variable.low <= value <= variable.high:
             what = f"{variable.name} = {cell} is outside its range"

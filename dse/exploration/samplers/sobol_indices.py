@@ -35,7 +35,7 @@ class SobolIndices(ValueSampler):
     @classmethod
     def _is_power(cls, value: int) -> int:
         if value & (value - 1):
-            raise ValueError(f"base: {value} is no power of two: take {2 ** (value.bit_length() - 1)}")
+            raise ValueError(f"base: {value} is not a power of two: take {2 ** (value.bit_length() - 1)}")
         return value
 
     def values(self, brief: Brief) -> NDArray[np.float64]:

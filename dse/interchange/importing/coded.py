@@ -72,7 +72,7 @@ def import_code(
     check_choice(own, Location(shown(folder)), problems)
     target = workspace / "components" / own
     if target.exists():
-        problems.append(Problem("is there already", Location(shown(target)), "give another --name"))
+        problems.append(Problem("already exists", Location(shown(target)), "give another --name"))
     raise_if_any(problems)
     tried = try_model(read, cache=cache)
     if tried.error:

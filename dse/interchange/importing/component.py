@@ -51,7 +51,7 @@ def import_component(
     check_choice(own, Location(shown(file)), problems)
     target = folder / "components" / own
     if target.exists():
-        problems.append(Problem("is there already", Location(shown(target)), "give another --name"))
+        problems.append(Problem("already exists", Location(shown(target)), "give another --name"))
     raise_if_any(problems)
     known = interfaces_of(folder)
     offered = implementing(offer(own, model, FmuSource(target / f"{own}.fmu")), known.values())

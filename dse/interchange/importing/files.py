@@ -17,7 +17,7 @@ def write_new(texts: Mapping[Path, str], copies: Mapping[Path, Path]) -> None:
     """
     files = (*texts, *copies)
     raise_if_any(
-        Problem("the file is there already", Location(str(path)), "move it away; nothing is overwritten")
+        Problem("the file already exists", Location(str(path)), "move it away; nothing is overwritten")
         for path in files
         if path.exists()
     )

@@ -125,7 +125,7 @@ def _record(parts: Parts, told: list[str]) -> tuple[str, ...]:
         element = ".".join(signal.way)
         own = parts.own_name(element, signal.label.removeprefix(f"{element}."))
         if own is None or signal.is_counted or parts.component(element).interface.port(own) is None:
-            told.append(f"'{signal.name}' is not recorded: it is no output that a port can be")
+            told.append(f"'{signal.name}' is not recorded: it is not an output that a port can be")
             continue
         record.append(f"{parts.names[element]}.{own}")
         if signal.name != signal.label and not signal.carry.is_linear_identity:

@@ -154,7 +154,7 @@ def own_elements(element: XmlElement, found: Findings) -> XmlElement:
 def require_root(root: XmlElement, tag: str, namespace: str, found: Findings) -> None:
     """Raise DseError unless *root* is SSP's element *tag* in a version that is known."""
     if root.tag != tag:
-        raise fail(f"<{tag}> is expected here, not <{root.tag}>", root.where, "it is no file of this kind")
+        raise fail(f"<{tag}> is expected here, not <{root.tag}>", root.where, "it is not a file of this kind")
     if root.namespace != namespace and root.namespace not in _PREFIXES:
         what = f"<{tag}> is in the namespace '{shortened(root.namespace)}', not '{namespace}'"
         if not root.namespace.startswith(_STANDARD):

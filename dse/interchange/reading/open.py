@@ -23,7 +23,7 @@ def open_ssp(path: Path, into: Path, variant: str | None = None) -> SspSystem:
     package, default = open_package(path, into, found)
     names = _names(package)
     if not names:
-        raise fail(f"there is no {DEFAULT}.ssd in it, so it is no SSP package", Location(shown(path)))
+        raise fail(f"there is no {DEFAULT}.ssd in it, so it is not an SSP package", Location(shown(path)))
     meant = _meant(names, variant or default)
     if meant is None:
         hint = closest(variant or default, names) if variant else f"name a variant: {', '.join(names)}"

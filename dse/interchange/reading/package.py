@@ -82,7 +82,7 @@ class PackageFile:
             what = f"'{shortened(uri)}' is not in the package"
             raise fail(what, where, "only files inside the package are read; put it into resources/")
         if name.startswith("/") or "\\" in name or "\0" in name:
-            raise fail(f"'{shortened(uri)}' is no relative path", where, "as resources/part.fmu")
+            raise fail(f"'{shortened(uri)}' is not a relative path", where, "as resources/part.fmu")
         file = PurePosixPath(posixpath.normpath(self.name.parent / name)) if name else self.name
         folder = self.package.folder
         path = (folder / file).resolve()

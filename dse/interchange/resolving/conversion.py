@@ -183,11 +183,11 @@ def _table(source: Form, target: Form, transformation: Transformation) -> dict[i
     named = dict(transformation.entries)
     for name in named:
         if name not in source.items:
-            raise ConversionError(f"'{name}' is no item of the source: {', '.join(source.items)}")
+            raise ConversionError(f"'{name}' is not an item of the source: {', '.join(source.items)}")
     meant = {value: named.get(name, name) for name, value in source.items.items()}
     for name in meant.values():
         if name not in target.items:
-            raise ConversionError(f"'{name}' is no item of the target: {', '.join(target.items)}")
+            raise ConversionError(f"'{name}' is not an item of the target: {', '.join(target.items)}")
     return {value: target.items[name] for value, name in meant.items()}
 
 

@@ -116,9 +116,9 @@ def _number(text: str, type_: str) -> float:
     else:
         value = real_of(text)
     if value is None:
-        raise ConversionError(f"'{shortened(text)}' is no {type_}")
+        raise ConversionError(f"'{shortened(text)}' is not of the type {type_}")
     if not math.isfinite(value):
-        raise ConversionError(f"'{shortened(text)}' is no number that an FMU can begin with")
+        raise ConversionError(f"'{shortened(text)}' is not a number that an FMU can begin with")
     return float(value)
 
 
@@ -126,7 +126,7 @@ def _bytes(text: str) -> bytes:
     try:
         return bytes.fromhex(text)
     except ValueError:
-        raise ConversionError(f"'{shortened(text)}' is no sequence of hexadecimal digits") from None
+        raise ConversionError(f"'{shortened(text)}' is not a sequence of hexadecimal digits") from None
 
 
 def _typed(text: str, target: Form, after: Carry | None) -> Settled:

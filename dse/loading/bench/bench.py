@@ -257,7 +257,7 @@ def read_settings(name: str, raw: Raw | Elements, components: Candidates, entry:
     arrays = [[label.removeprefix(own) for label in labels if array_of(label) == own] for labels in named]
     wanted = {shapes(labels)[""] for labels in arrays if labels}
     if not wanted and isinstance(raw, list):
-        raise fail(f"'{name}' is no array, but is given a list", entry.where, "write one value")
+        raise fail(f"'{name}' is not an array, but is given a list", entry.where, "write one value")
     shape, values = read_elements(raw, entry)
     if wanted and not shape:
         shape = max(wanted)

@@ -176,7 +176,7 @@ def _bond(entry: Entry, section: BondSection, components: Candidates, problems: 
             dimensions.append(_output(signal, components, entry[key].where).unit.dimension)
     if len(dimensions) == 2 and multiply(*dimensions) != read_unit("W", entry.key).dimension:
         found = describe(multiply(*dimensions)) if multiply(*dimensions) != DIMENSIONLESS.dimension else "no unit"
-        what = f"'{section.effort}' times '{section.flow}' is no power: it is {found}"
+        what = f"'{section.effort}' times '{section.flow}' is not a power: it is {found}"
         problems.add(what, entry.key, "name an effort and the flow that goes with it")
     return Bond(entry.name, section.effort, section.flow)
 
@@ -186,7 +186,7 @@ def _output(signal: str, components: Candidates, where: Location) -> Type:
     types_of(signal, components, where)
     known = outputs(components[place])
     if port not in known:
-        raise fail(f"'{signal}' is no output", where, closest(port, known))
+        raise fail(f"'{signal}' is not an output", where, closest(port, known))
     return known[port]
 
 
@@ -249,7 +249,7 @@ def _memory(entry: Entry, raw: Raw, problems: Problems) -> float:
     try:
         value = read_number(raw, byte, entry.where) / float(byte.factor)  # the registry counts in bits
     except DseError:
-        problems.add(f"'memory' is no amount of memory: '{raw}'", entry.where, "write it as '4 GB'")
+        problems.add(f"'memory' is not an amount of memory: '{raw}'", entry.where, "write it as '4 GB'")
         return _LEAST_MEMORY
     if value < _LEAST_MEMORY:
         shown = raw if isinstance(raw, str) and not raw[-1:].isdigit() else f"{raw} B"

@@ -224,7 +224,7 @@ def read_objective(entry: Entry, written: str, bench: TestBench) -> Objective:
             raise fail(f"no component of the design states '{name}'", entry.where, closest(name, known))
     for node in descend(expression.root):
         if isinstance(node, Name) and node.path not in (*metrics, *found.totals):
-            raise fail(f"'{node.path}' is no metric of {bench.name}", entry.where, closest(node.path, metrics))
+            raise fail(f"'{node.path}' is not a metric of {bench.name}", entry.where, closest(node.path, metrics))
     return found
 
 

@@ -182,7 +182,8 @@ def _values(place: Place, entry: Entry, written: Sequence[Plain | bool]) -> tupl
         raise DseError(*problems)
     values = tuple(sorted(set(found)))
     if len(values) < len(found) or not values:
-        raise fail(f"'{place.name}' has a value twice" if values else "there is no value", entry.where, "remove one")
+        what = (f"'{place.name}' has a value twice", "remove one") if values else ("the list is empty", "give a value")
+        raise fail(what[0], entry.where, what[1])
     place.require_within(values[0], values[-1], entry.where)
     return values
 

@@ -58,7 +58,7 @@ def inside(scope: Scope, parts: Collection[str], passage: Passage) -> Passage:
             case _PartPath(first, span):
                 insertions.append((span[0], f"{scope.path}."))
                 if first not in parts:
-                    what = f"'{first}' is no part of '{scope.trail}'"
+                    what = f"'{first}' is not a part of '{scope.trail}'"
                     problems.append(Problem(what, expression.location(span), closest(first, parts)))
             case _Property(span):
                 insertions += [(span[0], "sum("), (span[1], f", {scope.path})")]

@@ -74,7 +74,7 @@ def _sections(source: Source, lines: list[Line]) -> dict[str, list[Line]]:
             continue
         current = [line]
         if first.kind != "name" or first.text not in _SECTIONS:
-            source.note(first.start, f"{first} is no section", closest(first.text, _SECTIONS))
+            source.note(first.start, f"{first} is not a section", closest(first.text, _SECTIONS))
         elif first.text in sections:
             source.note(first.start, f"a second section '{first.text}'", "join the two")
         else:

@@ -200,7 +200,7 @@ class _Writer:
             if feature.component and name in feature.component.properties
         ]
         if not found:
-            raise self.refused(node, f"'{node.path}', which is no property,")
+            raise self.refused(node, f"'{node.path}', which is not a property,")
         return found
 
     def owned(self, node: Node, chosen: Chosen, yes: Node) -> Text:
@@ -225,7 +225,7 @@ class _Writer:
     def features(self, node: Chosen) -> list[Outline]:
         """The features that stand for one of the options of *node*."""
         if node.place not in self.outlined.standing:
-            raise self.refused(node, f"'{node.place}', which is no place,")
+            raise self.refused(node, f"'{node.place}', which is not a place,")
         standing = self.outlined.standing[node.place]
         return [feature for choice, feature in standing if "present" in node.options or choice in node.options]
 

@@ -194,7 +194,7 @@ _ORDER = (Causality.PARAMETER, Causality.INPUT, Causality.OUTPUT, Causality.LOCA
 def _refuse_unusable(solved: Solved, found: Iterable[FmuVariable], given: Mapping[str, float]) -> None:
     by_name = {listed.name: listed for listed in found}
     problems = [
-        Problem(f"the start of '{listed.name}' is no finite number", listed.where)
+        Problem(f"the start of '{listed.name}' is not a finite number", listed.where)
         for listed in by_name.values()
         if listed.start is not None and not math.isfinite(listed.start)
     ]

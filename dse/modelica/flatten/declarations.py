@@ -44,7 +44,7 @@ def declared(document: Document) -> tuple[Declared, ...]:
             raise fail(f"'{record['name']}', a variable in the role '{record['role']}', is not supported", where)
         is_text = kind["scalar"] == "string" and record["role"] in ("parameter", "constant")
         if (kind["scalar"] not in _SCALAR_TYPES and not is_text) or kind["record_fields"]:
-            what = f"'{record['name']}' of type {kind['scalar']} that is no parameter"
+            what = f"'{record['name']}' of type {kind['scalar']} that is not a parameter"
             raise fail(f"{what} is not supported", where)
         if record["attributes"]["is_held"]:
             raise fail(f"'{record['name']}', held in a clocked partition, is not supported", where)
@@ -113,7 +113,7 @@ def complete(document: Document, evaluation: Evaluation) -> None:
         wanted = ("start", "min", "max", "nominal", *(("binding",) if item.role == "parameter" and not is_free else ()))
         given = {name: _spread(evaluation, item, attributes[name], name) for name in wanted}
         if item.role != "parameter" and attributes["binding"] is not None and record["role"] != "input":
-            raise fail(f"a binding of '{item.name}' that is no equation is not supported", item.where)
+            raise fail(f"a binding of '{item.name}' that is not an equation is not supported", item.where)
         has_start = _has_start(document, record)
         for place, name in enumerate(item.names):
             own = {key: None if values is None else values[place] for key, values in given.items()}

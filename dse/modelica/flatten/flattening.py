@@ -73,7 +73,7 @@ def _check_balance(flat: FlatModel) -> None:
     for root in roots:
         for symbol in symbols(root):
             if symbol.referent in (Referent.VARIABLE, Referent.PRE) and symbol.name not in flat.variables:
-                raise fail(f"'{symbol.name}' is used in '{flat.name}' but is no variable of it")
+                raise fail(f"'{symbol.name}' is used in '{flat.name}' but is not a variable of it")
             if symbol.referent is Referent.HELD and int(symbol.name) >= len(flat.relations):
                 raise fail(f"relation {symbol.name} is used in '{flat.name}' but is not there")
 

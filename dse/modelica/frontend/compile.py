@@ -111,7 +111,7 @@ def read_answer(
 def opened(sources: ModelSources) -> Iterator[Session]:
     """A front-end with the sources before it, for as long as the block lasts. Raises DseError for impossible names."""
     if not is_class_name(sources.model):
-        what = f"component '{sources.component}': '{sources.model}' is no name of a Modelica class"
+        what = f"component '{sources.component}': '{sources.model}' is not a name of a Modelica class"
         raise fail(what, sources.where, "model: Package.Model")
     with ScratchFolder() as scratch:
         folder = Path(scratch).resolve()

@@ -32,7 +32,7 @@ def literal(value: Value) -> str:
     if isinstance(value, tuple):
         return "{" + ", ".join(literal(element) for element in value) + "}"
     if not is_class_name(value):
-        raise ValueError(f"'{value}' is no name in Modelica")
+        raise ValueError(f"'{value}' is not a name in Modelica")
     return value
 
 

@@ -152,7 +152,7 @@ def _unfit(component: str, path: Path, content: bytes | None) -> Problem | None:
         content.decode("utf-8")
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
-        return Problem("this is no UTF-8 text", Location(_shown(path), line, 1), "save the file as UTF-8")
+        return Problem("this is not UTF-8 text", Location(_shown(path), line, 1), "save the file as UTF-8")
     return None
 
 

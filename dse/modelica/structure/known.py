@@ -87,7 +87,7 @@ def dependent_parameters(flat: FlatModel) -> list[Explicit]:
         refers = symbols(_binding(flat, name))
         strange = [symbol for symbol in refers if not _is_parameter(symbol, flat.variables)]
         if strange:
-            what = f"the parameter '{name}' depends on {listed(strange)}, which is no parameter"
+            what = f"the parameter '{name}' depends on {listed(strange)}, which is not a parameter"
             problems.append(Problem(what, flat.variables[name].where))
         needs.append([number[symbol.name] for symbol in refers if symbol.name in number])
     order: list[Explicit] = []

@@ -156,7 +156,7 @@ def _jumps(flat: FlatModel, chains: Sequence[Sequence[Row]]) -> list[str]:
         if causes:
             place = f"{chain[0].where}: " if chain[0].where else ""
             what = f"{place}{chain[0]} joins states and depends on {listed(causes)}"
-            notes.append(f"{what}: at its events what is no state jumps, without an impulse on the states")
+            notes.append(f"{what}: at its events what is not a state jumps, without an impulse on the states")
     return notes
 
 
@@ -253,7 +253,7 @@ def refuse_uncertain(flat: FlatModel, states: Sequence[Symbol], reach: Reach) ->
     """
     names = {state.name for state in states if not state.order}
     hint = "prefer it as a state by stateSelect"
-    what = "reinit of '{}', which is no state: its value follows from other states"
+    what = "reinit of '{}', which is not a state: its value follows from other states"
     problems = [
         Problem(what.format(one.state), one.where, hint) for one in flat.reinitializations if one.state not in names
     ]

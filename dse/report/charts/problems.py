@@ -20,10 +20,10 @@ _NAME = re.compile(r"\w[\w.-]*")
 def chart_problems(chart: object, runs: Collection[int]) -> list[str]:
     """What keeps *chart* from being drawn for a study of these *runs*, in words."""
     if not isinstance(chart, Chart):
-        return [f"something of type {type(chart).__name__} is no Chart"]
+        return [f"something of type {type(chart).__name__} is not a Chart"]
     if not isinstance(chart.name, str) or not _NAME.fullmatch(chart.name):
         return [f"the name {chart.name!r} of a chart is not made of letters, digits, '_', '-' and '.'"]
-    found = [f"{what} is no text" for what in ("title", "note") if not isinstance(getattr(chart, what), str)]
+    found = [f"{what} is not text" for what in ("title", "note") if not isinstance(getattr(chart, what), str)]
     for name, axis in (("x", chart.x), ("y", chart.y)):
         found += [f"axis {name}: {what}" for what in _axis_problems(axis)]
     if not found:
@@ -35,7 +35,7 @@ def chart_problems(chart: object, runs: Collection[int]) -> list[str]:
 
 def _axis_problems(axis: object) -> Iterable[str]:
     if not isinstance(axis, Axis):
-        yield f"something of type {type(axis).__name__} is no Axis"
+        yield f"something of type {type(axis).__name__} is not an Axis"
         return
     if not all(isinstance(text, str) for text in (axis.label, axis.unit, *axis.names)):
         yield "label, unit and names must be texts"
@@ -53,12 +53,12 @@ def _drawn_problems(drawn: object, chart: Chart, runs: Collection[int]) -> Itera
         yield f"not one of {', '.join(kind.__name__ for kind in get_args(Drawn))}"
         return
     if not isinstance(drawn.label, str):
-        yield "the label is no text"
+        yield "the label is not text"
     if isinstance(drawn, Rule):
         if drawn.axis not in ("x", "y"):
             yield f"the axis is 'x' or 'y', not {drawn.axis!r}"
         elif not isinstance(drawn.value, int | float) or not math.isfinite(drawn.value):
-            yield "the value is no finite number"
+            yield "the value is not a finite number"
         elif drawn.value <= 0 and getattr(chart, drawn.axis).log:
             yield f"{drawn.value:g} has no place on a logarithmic axis"
         return
@@ -93,7 +93,7 @@ def _value_problems(drawn: Drawn, chart: Chart, runs: Collection[int]) -> Iterab
 def _run_problems(points: Points, runs: Collection[int]) -> Iterable[str]:
     numbers = points.runs
     if points.verdict is not None and not isinstance(points.verdict, Mark):
-        yield "the verdict is no Mark"
+        yield "the verdict is not a Mark"
     if not (isinstance(numbers, np.ndarray) and numbers.ndim == 1 and numbers.dtype.kind == "i"):
         yield "runs must be a one-dimensional array of whole numbers"
     elif len(numbers) != len(points.x):

@@ -253,4 +253,4 @@ def _flaws(content: ReportContent) -> Iterator[str]:
             yield f"requirement '{requirement.name}' has no bound"
     known = {variable.name for variable in content.variables}
     for name in sorted({name for names in content.slices for name in names} - known):
-        yield f"a slice names '{name}', which is no variable of the study"
+        yield f"a slice names '{name}', which is not a variable of the study"

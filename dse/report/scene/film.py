@@ -49,7 +49,7 @@ class Shot:
         low, high = SIZES
         if not all(low <= side <= high for side in self.size):
             raise fail(
-                f"{self.size[0]}x{self.size[1]} is no size of a picture", hint=f"{low} to {high} pixels each way"
+                f"{self.size[0]}x{self.size[1]} is not a size of a picture", hint=f"{low} to {high} pixels each way"
             )
         if self.view not in VIEWS:
             raise fail(f"there is no camera '{self.view}'", hint=f"one of {', '.join(VIEWS)}")

@@ -49,7 +49,7 @@ _LOOKS = 3
 _LITTLE = 1 << 16
 """Bytes that SQLite needs to go on, beside the rows."""
 
-_WHICH = "name the folder that 'dse explore' or 'dse run' made; 'dse list' shows those below out/"
+_WHICH = "give a folder that 'dse explore' or 'dse run' created; 'dse list' shows those below out/"
 
 
 @contextmanager

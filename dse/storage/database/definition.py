@@ -26,7 +26,7 @@ def definition_to_json(definition: StudyDefinition) -> dict[str, Json]:
 def definition_from_json(data: Json) -> StudyDefinition:
     """The definition that *data* holds, of this format or an earlier one. ValueError says what is wrong with it."""
     if not isinstance(data, Mapping):
-        raise ValueError("definition is no object")  # noqa: TRY004  # what a file holds is wrong, not its caller
+        raise ValueError("definition is not an object")  # noqa: TRY004  # what a file holds is wrong, not its caller
     version = data.get("format", 1)
     if version not in (1, FORMAT) or version is True:
         raise ValueError(f"definition.format is {json.dumps(version)[:40]}")
@@ -76,16 +76,16 @@ def _flaws(definition: StudyDefinition) -> Iterator[str]:
     metrics = {metric.name for metric in definition.metrics}
     for requirement in definition.requirements:
         if requirement.metric not in metrics:
-            yield f"requirement '{requirement.name}' is on '{requirement.metric}', which is no metric"
+            yield f"requirement '{requirement.name}' is on '{requirement.metric}', which is not a metric"
     totals = {name for configuration in definition.configurations for name in configuration.totals}
     for objective in definition.objectives:
         # Where a sampler proposes configurations, there are none yet when the study begins.
         if objective.is_composite or (objective.is_total and not definition.configurations):
             continue
         if objective.name not in (totals if objective.is_total else metrics):
-            yield f"objective '{objective.name}' is no metric and no total"
+            yield f"objective '{objective.name}' is neither a metric nor a total"
     for name in {*definition.explored} - {configuration.id for configuration in definition.configurations}:
-        yield f"definition.explored names '{name}', which is no configuration"
+        yield f"definition.explored names '{name}', which is not a configuration"
     try:
         json.dumps(definition_to_json(definition), ensure_ascii=False, allow_nan=False).encode()
     except (ValueError, RecursionError) as error:

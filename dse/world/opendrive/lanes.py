@@ -58,7 +58,7 @@ def read_limit(element: XmlElement, s: float) -> Limit:
         return Limit(s, 0.0)
     unit = element.get("unit", "m/s").strip() or "m/s"
     if unit not in SPEED_UNITS:
-        raise fail(f"<speed>: '{shortened(unit)}' is no unit of a speed", element.where, "possible: km/h, m/s, mph")
+        raise fail(f"<speed>: '{shortened(unit)}' is not a unit of a speed", element.where, "possible: km/h, m/s, mph")
     return Limit(s, number(element, "max", least=0.0) * SPEED_UNITS[unit])
 
 

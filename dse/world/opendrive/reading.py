@@ -257,7 +257,7 @@ def _shape(element: XmlElement, length: float) -> Shape:
             return Polynomial(_letters(shape, ""))
         case "paramPoly3":
             return Parametric(_letters(shape, "U"), _letters(shape, "V"), _last(shape, length))
-    raise fail(f"<{shortened(shape.tag)}> is no known shape of a road", shape.where, closest(shape.tag, _SHAPES))
+    raise fail(f"<{shortened(shape.tag)}> is not a known shape of a road", shape.where, closest(shape.tag, _SHAPES))
 
 
 def _require_turning(shape: XmlElement, angle: float) -> None:

@@ -101,7 +101,7 @@ def _sign_speed(signal: XmlElement) -> float | None:
     if told is None or not 0.0 < told < math.inf:
         return None
     if unit not in SPEED_UNITS:
-        raise fail(f"'{shortened(unit)}' is no unit of a speed", signal.where, f"possible: {', '.join(SPEED_UNITS)}")
+        raise fail(f"'{shortened(unit)}' is not a unit of a speed", signal.where, f"possible: {', '.join(SPEED_UNITS)}")
     return told * SPEED_UNITS[unit]
 
 
@@ -154,5 +154,5 @@ def _phase(data: XmlElement, part: str) -> tuple[str, float]:
     seconds = real_of(length)
     if colour not in COLOURS or seconds is None or not 0.0 < seconds < math.inf:
         hint = f"a colour ({', '.join(COLOURS)}) and seconds each, like 'green 20, yellow 3, red 27'"
-        raise fail(f"'{shortened(part.strip())}' is no phase of a traffic light", data.where, hint)
+        raise fail(f"'{shortened(part.strip())}' is not a phase of a traffic light", data.where, hint)
     return colour, seconds

@@ -144,7 +144,7 @@ class Simulation:
         """The movers *h* s later, with the host as it is now."""
         count = round(h / self._step)
         if count < 1 or abs(count * self._step - h) > _NEARLY * h:
-            what = f"a step of {h:g} s is no multiple of SUMO's, which is {self._step:g} s"
+            what = f"a step of {h:g} s is not a multiple of SUMO's, which is {self._step:g} s"
             raise SumoError(f"{what}: give 'step' in the component's source")
         host = self._host(inputs, must_fit=self._steps == 0)
         self._put(host, inputs, h)

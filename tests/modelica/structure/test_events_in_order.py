@@ -97,7 +97,7 @@ def test_a_reinit_of_what_is_no_state_is_refused() -> None:
         "triggers": (Trigger((b.held(0),)),),
         "reinitializations": (Reinitialization("y", b.graph.constant(1.0), 0),),
     }
-    with pytest.raises(DseError, match="reinit of 'y', which is no state"):
+    with pytest.raises(DseError, match="reinit of 'y', which is not a state"):
         solve(b.flat())
 
 

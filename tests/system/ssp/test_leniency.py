@@ -173,6 +173,6 @@ def test_a_value_for_a_connector_of_another_type_is_a_use_of_it(tmp_path):
 def test_entries_of_the_archive_that_nothing_needs_are_told_at_the_package(tmp_path):
     ssp = opened(tmp_path, {"SystemStructure.ssd": description(PLAIN), "./": "", "resources/con": "x"}, FMUS)
     assert [str(problem).partition("example.ssp: ")[2] for problem in ssp.ignored] == [
-        "the entry './' is no file",
+        "the entry './' is not a file",
         "the path 'resources/con' holds a name that is reserved on Windows",
     ]

@@ -267,8 +267,8 @@ def test_values_of_other_kinds_go_by_themselves_or_by_a_table(tmp_path, start, t
     ("start", "target", "inner", "expected"),
     [
         ("y", "other", "", "enumerations differ: the source's item 'off' is none of halt, go"),
-        ("y", "other", table("Enumeration", off="stop"), "'stop' is no item of the target: halt, go"),
-        ("y", "other", table("Enumeration", of="halt"), "'of' is no item of the source"),
+        ("y", "other", table("Enumeration", off="stop"), "'stop' is not an item of the target: halt, go"),
+        ("y", "other", table("Enumeration", of="halt"), "'of' is not an item of the source"),
         ("b", "number", "", "types differ: bool and int"),
         ("n", "text", "", "types differ: int and String"),
         ("b", "flag", '<ssc:LinearTransformation factor="2"/>', "a linear transformation is for real values"),
@@ -494,8 +494,8 @@ def test_an_array_takes_the_size_of_its_structural_parameter_and_all_its_values(
         ("e Enumeration middle", "'middle' is none of low, high"),
         ("r String some", "a value of the type String cannot be given to real"),
         ("s Real 1", "a value of the type Real cannot be given to String"),
-        ("x Binary 0", "'0' is no sequence of hexadecimal digits"),
-        ("r Real fast", "'fast' is no Real"),
+        ("x Binary 0", "'0' is not a sequence of hexadecimal digits"),
+        ("r Real fast", "'fast' is not of the type Real"),
     ],
 )
 def test_values_of_other_types_are_refused_where_they_stand(tmp_path, value, expected):
@@ -675,7 +675,7 @@ def test_values_of_an_array_that_nothing_arrives_at_keep_what_they_are_given(tmp
 def test_a_start_value_is_finite(tmp_path, number):
     given = bindings(binding(parameter_set(f"k Real {number}")))
     (found,) = problems(tmp_path, description(elements(component("gain", "input u", more=given))), REAL)
-    assert f"gain.k: '{number}' is no number that an FMU can begin with" in found
+    assert f"gain.k: '{number}' is not a number that an FMU can begin with" in found
 
 
 @pytest.mark.parametrize(

@@ -34,9 +34,9 @@ def space_choices(
     seed: Seed = 0,
     output: Format = Output.TABLE,
 ) -> None:
-    """Tell how often each alternative occurs among the valid configurations.
+    """Show how often each alternative occurs in the valid configurations.
 
-    Names the dead ones, which no valid configuration has, and the forced ones, which all have.
+    Lists dead alternatives, which no valid configuration has, and forced ones, which all have.
     """
     part = opened(design, choose, where, on, off)
     try:

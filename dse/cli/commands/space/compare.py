@@ -27,9 +27,9 @@ def space_compare(
     seed: Seed = 0,
     output: Format = Output.TABLE,
 ) -> None:
-    """Tell how two design spaces differ.
+    """Show how two design spaces differ.
 
-    Alternatives and constraints that came or went, and how many configurations both have, and only one of them.
+    Added and removed alternatives and constraints, and the number of configurations in both and in only one of them.
     """
     found = opened(before, on=on, off=off).difference(opened(after, on=on, off=off), seed)
     if output is Output.JSON:

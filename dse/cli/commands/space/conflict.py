@@ -18,9 +18,9 @@ def space_conflict(
     off: Off = [],
     output: Format = Output.TABLE,
 ) -> None:
-    """Tell why nothing is left.
+    """Explain why no configuration is valid.
 
-    Names a smallest set of constraints that cannot be met together: dropping any one of them helps.
+    Shows a smallest set of constraints that cannot be met together: dropping any one of them resolves this conflict.
     """
     part = opened(design, choose, where, on, off)
     if not part.is_empty():

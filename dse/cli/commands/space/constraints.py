@@ -29,10 +29,10 @@ def space_constraints(
     seed: Seed = 0,
     output: Format = Output.TABLE,
 ) -> None:
-    """Tell what each constraint does.
+    """Show the effect of each constraint.
 
-    How many configurations are left after it and those before it; how many combinations it excludes alone; how
-    many configurations would become valid if it were dropped. A redundant one excludes nothing that others do not.
+    How many configurations are left after it and those before it; how many combinations it excludes alone; how many
+    configurations would become valid without it. A redundant constraint excludes nothing that others do not exclude.
     """
     part = opened(design, choose, where, on, off)
     found = part.impact(constraint, seed)

@@ -26,7 +26,7 @@ def space_count(
 ) -> None:
     """Count the valid configurations.
 
-    Exact where that takes seconds; otherwise an estimate that says so, with its 95 % interval.
+    Exact if that takes only seconds; otherwise an estimate, marked as such, with its 95 % interval.
     """
     part = opened(design, choose, where, on, off)
     tally = part.count(seed, exact=exact)

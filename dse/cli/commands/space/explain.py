@@ -27,9 +27,9 @@ def space_explain(
     off: Off = [],
     output: Format = Output.TABLE,
 ) -> None:
-    """Tell why a configuration is excluded, and which valid one is nearest.
+    """Explain why a configuration is excluded, and show the nearest valid one.
 
-    With some of the choices only: whether they can be completed, and if not, which constraints stand in the way.
+    If only some choices are given: whether they can be completed, and if not, which constraints prevent it.
     """
     if not choose:
         raise typer.BadParameter("name the choices, as --choose sensor=radar", param_hint="--choose")

@@ -40,7 +40,7 @@ def graph_(
 ) -> None:
     """Draw a design space, and one configuration in it.
 
-    Dashed lines lead to alternatives; what no valid configuration can have is grey.
+    Dashed lines lead to alternatives; those that no valid configuration has are grey.
     """
     whole = opened(design, on=on, off=off)
     chosen = _chosen(whole, configuration, choose)

@@ -24,14 +24,15 @@ def space_offer(
     choose: Choose = [],
     cheapest: Annotated[bool, typer.Option("--cheapest", help="Choose the rest so that sum(cost) is least.")] = False,
     surprise: Annotated[
-        int | None, typer.Option("--surprise", metavar="SEED", min=0, help="Have the rest drawn, each as likely.")
+        int | None,
+        typer.Option("--surprise", metavar="SEED", min=0, help="Draw the rest at random, all equally likely."),
     ] = None,
     output: Format = Output.TABLE,
 ) -> None:
-    """Choose like at a car dealer's: what can still be had, and why not the rest.
+    """Configure step by step, as at a car dealership: what is still possible, and why the rest is not.
 
-    Tells what each choice would rule out elsewhere, what follows by itself, and what sums of properties can still be:
-    all exact. The dealership of the driving page shows the same.
+    Shows what each choice would exclude elsewhere, which choices follow from others, and which sums of properties are
+    still possible; all exact. The dealership of the drive page shows the same.
     """
     if cheapest and surprise is not None:
         raise typer.BadParameter("one of --cheapest and --surprise", param_hint="--surprise")

@@ -16,9 +16,10 @@ from dse.cli.terminal import print_line
 from dse.scratch import write_whole
 
 Keep = Annotated[
-    list[str], typer.Option("--keep", metavar="PLACE=A,B", help="Keep only these alternatives; 'absent' is left out.")
+    list[str],
+    typer.Option("--keep", metavar="PLACE=A,B", help="Keep only these alternatives; 'absent' means without the part."),
 ]
-Drop = Annotated[list[str], typer.Option("--drop", metavar="PLACE=C", help="Take these alternatives out.")]
+Drop = Annotated[list[str], typer.Option("--drop", metavar="PLACE=C", help="Remove these alternatives.")]
 
 
 @space_app.command("refine")
@@ -28,7 +29,7 @@ def space_refine(
     drop: Drop = [],
     choose: Choose = [],
     ids: Annotated[
-        str | None, typer.Option("--ids", metavar="ID,ID", help="Keep what occurs in these configurations.")
+        str | None, typer.Option("--ids", metavar="ID,ID", help="Keep the alternatives of these configurations.")
     ] = None,
     target: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE", help="The design to write, as designs/new.yaml.")
@@ -36,7 +37,8 @@ def space_refine(
 ) -> None:
     """Write a design space with fewer alternatives.
 
-    Its configurations are those of the design that choose nothing else, with the same ids. Without -o it is printed.
+    Its configurations are those of the design with only these alternatives; their ids stay the same. Without -o it is
+    printed.
     """
     from dse.loading import write_design
     from dse.space import combinations

@@ -37,7 +37,7 @@ def _record(visit: Visit) -> Steps:
 def _field(visit: Visit) -> Steps:
     base = yield visit.request(visit.node.data["base"])
     if not isinstance(base, Structure) or not 0 <= visit.node.data["field"] < len(base.fields):
-        raise MismatchError("a field of what is no single record")
+        raise MismatchError("a field of what is not a single record")
     place: int = visit.node.data["field"]
     return base.fields[place]
 
@@ -96,7 +96,7 @@ def _subscripts(visit: Visit, base: Array) -> Generator[Request, Value, Sequence
         elif len(value.shape) == 1:
             found.append(value.elements)
         else:
-            raise MismatchError("a slice by what is no vector")
+            raise MismatchError("a slice by what is not a vector")
     return found
 
 

@@ -157,7 +157,7 @@ def _diagonal(given: Given) -> Value:
 def _transpose(given: Given) -> Value:
     (matrix,) = (array(value) for value in given.values)
     if len(matrix.shape) < 2:
-        raise MismatchError("the transpose of what is no matrix")
+        raise MismatchError("the transpose of what is not a matrix")
     rows, columns, *rest = matrix.shape
     block = math.prod(rest)
     elements = [

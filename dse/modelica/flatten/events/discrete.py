@@ -69,7 +69,7 @@ def _real_equation(discrete: Discrete, record: Record) -> None:
     trigger, guard = _activation(discrete, record["activation"], where)
     node = document.nodes.get(record["residual"])
     if node is None or node.kind != "binary" or node.data["operator"] != "subtract":
-        raise fail("a discrete equation that is no assignment is not supported", where)
+        raise fail("a discrete equation that is not an assignment is not supported", where)
     frame = Frame(makes_events=trigger is None)
     left = evaluation.elements(node.data["lhs"], frame)
     right = evaluation.elements(node.data["rhs"], frame)
@@ -176,7 +176,7 @@ def _action(discrete: Discrete, record: Record) -> None:
         raise fail(f"the action '{kind}' at an event is not supported", where)
     message = evaluation.value(data["message"], frame)
     if not isinstance(message, Text):
-        raise fail("a message that is no text is not supported", where)
+        raise fail("a message that is not text is not supported", where)
     if frame.asserts:
         raise fail("a function with an assert inside an assert is not supported", where)
     number = None if trigger is None else conditions.trigger(trigger)

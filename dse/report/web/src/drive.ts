@@ -17,7 +17,7 @@ else
     el(
       "p",
       { class: "problem" },
-      "There is no road to drive on: no bench has a component that implements the interface 'driver'.",
+      "No bench can be driven: no bench has a component that implements the interface 'driver'.",
     ),
   );
 window.addEventListener("hashchange", () => {

@@ -58,11 +58,11 @@ export function startLive(store: Store): void {
   let asked = Infinity;
   const ask = async (): Promise<void> => {
     stop.disabled = true;
-    said.textContent = "asking it to stop \u2026";
+    said.textContent = "requesting a stop \u2026";
     try {
       await post(`/stop?${entry.query}`, {});
       asked = performance.now();
-      said.textContent = "asked to stop; what is finished is stored";
+      said.textContent = "stop requested; finished runs are stored";
     } catch (error) {
       said.textContent = String((error as Error).message);
       stop.disabled = false;
@@ -81,7 +81,7 @@ export function startLive(store: Store): void {
     told.title = now.writer ? `explored by ${now.writer}` : "";
     const more = now.finished - entry.runs;
     news.hidden = more === 0;
-    news.textContent = more > 0 ? `${count(more, "new run")} \u2013 show` : "The study was begun again \u2013 show";
+    news.textContent = more > 0 ? `${count(more, "new run")} \u2013 show` : "The study was restarted \u2013 show";
     if (isRunning && performance.now() - asked > PATIENCE) {
       said.textContent = "it has not stopped yet";
       stop.disabled = false;

@@ -217,7 +217,7 @@ function buildHelp(): HTMLDialogElement {
     el(
       "p",
       { class: "muted" },
-      `Gamepad: triggers for the pedals, left stick to steer, A cruise control, B gap (${GAPS.join(", ")}), bumpers for the set speed. Hands off the wheel leave it to lane keeping, if the car has it.`,
+      `Gamepad: triggers for the pedals, left stick to steer, A cruise control, B gap (${GAPS.join(", ")}), bumpers for the set speed. With hands off the wheel, lane keeping steers, if the car has it.`,
     ),
     el("button", { type: "button", click: () => dialog.close() }, "Resume"),
   );

@@ -52,7 +52,7 @@ export function showDealership(
     "Drive",
   );
   const rest = el("button", { type: "button", click: () => void run(fill) }, "Choose the rest for me");
-  const none = el("button", { type: "button", click: () => void choose({}) }, "Begin again");
+  const none = el("button", { type: "button", click: () => void choose({}) }, "Start over");
   let offer: Offer | null = null;
   let asked = 0;
 
@@ -71,7 +71,7 @@ export function showDealership(
     try {
       await what();
     } catch (error) {
-      problem.textContent = `That did not work: ${(error as Error).message}.`;
+      problem.textContent = `The request failed: ${(error as Error).message}.`;
     }
     draw();
   };
@@ -101,7 +101,7 @@ export function showDealership(
     about.textContent = offer.title;
     left.replaceChildren(
       el("b", {}, grouped(offer.left)),
-      offer.left === "1" ? " car is left of " : " cars are left of ",
+      offer.left === "1" ? " possible car of " : " possible cars of ",
       grouped(offer.total),
     );
     totals.replaceChildren(
@@ -166,7 +166,7 @@ export function address({ bench, chosen }: Order): string {
 
 function drawPoint(offer: Offer, point: Point, pick: (point: Point, alternative: Alternative) => void): HTMLElement {
   const has = point.chosen ?? point.implied;
-  const state = point.chosen ? "" : point.implied ? "follows from the rest" : "open";
+  const state = point.chosen ? "" : point.implied ? "implied by other choices" : "open";
   return el(
     "section",
     { class: "card point", "aria-label": point.title },
@@ -192,9 +192,9 @@ function drawAlternative(
   const more = names.length > MOST_NAMES ? ` and ${names.length - MOST_NAMES} more` : "";
   const note = each.is_possible
     ? names.length && !isTaken
-      ? `rules out ${names.slice(0, MOST_NAMES).join(", ")}${more}`
+      ? `excludes ${names.slice(0, MOST_NAMES).join(", ")}${more}`
       : ""
-    : each.because.join("; ") || "not with the rest";
+    : each.because.join("; ") || "not possible with the other choices";
   return el(
     "button",
     {
@@ -203,7 +203,7 @@ function drawAlternative(
       "data-choice": `${point.path}:${each.name}`,
       "aria-pressed": String(isTaken),
       "aria-disabled": each.is_possible ? undefined : "true",
-      title: names.length > MOST_NAMES && each.is_possible ? `rules out ${names.join(", ")}` : undefined,
+      title: names.length > MOST_NAMES && each.is_possible ? `excludes ${names.join(", ")}` : undefined,
       click: () => {
         if (each.is_possible) pick();
       },

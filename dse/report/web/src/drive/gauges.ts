@@ -65,7 +65,7 @@ export function buildGauges(drive: Drive): Gauges {
   );
   const pace = el("p", {
     class: "pace",
-    title: "Time of the drive; steps that came too late; by how much the last one did; from a key to its effect",
+    title: "Time of the drive; late steps; delay of the last step; latency from a key to its effect",
   });
   let last = 0;
 

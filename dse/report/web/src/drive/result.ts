@@ -28,9 +28,9 @@ const AGAIN = 2000; // ms between two looks for a drive that is not on its board
 const LOOKS = 60;
 const HEADS = {
   finished: "The drive is over",
-  crashed: "The drive broke down",
-  limit: "The drive was ended",
-  lost: "The drive broke off",
+  crashed: "The simulation failed",
+  limit: "The drive was stopped",
+  lost: "The connection was lost",
 };
 
 export function showEnding(page: HTMLElement, ended: Ended, again: () => void, others: () => void): void {

@@ -49,7 +49,7 @@ export function buildTouch(controls: Controls): HTMLElement {
       tap("\u2212", "Set speed down", () => controls.faster(-1)),
       tap("Cruise", "Cruise control on or off", () => (controls.cruise = !controls.cruise)),
       tap("+", "Set speed up", () => controls.faster(1)),
-      tap("Gap", "Another gap", () => controls.key("KeyG", true)),
+      tap("Gap", "Change the gap", () => controls.key("KeyG", true)),
     ),
     el("div", { class: "pedals" }, pedal("brake", "Brake"), pedal("accelerate", "Go")),
   );

@@ -49,7 +49,7 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
   const note = el(
     "p",
     { class: "hint" },
-    "Click anywhere in the plot, or change the numbers. The run is made with the workspace as it is now; nothing is stored.",
+    "Click anywhere in the plot, or change the numbers. The run uses the current workspace; nothing is stored.",
   );
   const panel = el(
     "aside",
@@ -194,7 +194,7 @@ function asking(changed: string[], anyway: () => void): HTMLElement[] {
 function shown(tried: Tried, seconds: number, plots: (() => void)[]): HTMLElement[] {
   const parts: HTMLElement[] = [];
   if (tried.changed.length) {
-    const what = `The workspace has changed since the study was made (${tried.changed.join(", ")}): this is no run of the study.`;
+    const what = `The workspace has changed since the study was made (${tried.changed.join(", ")}): this is not a run of the study.`;
     parts.push(el("p", { class: "problem" }, what));
   }
   if (!tried.done) return [...parts, el("p", { class: "problem" }, `The run failed: ${tried.problem}`)];

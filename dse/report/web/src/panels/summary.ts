@@ -92,10 +92,10 @@ function scopeInWords(store: Store): string {
 
 function meeting(store: Store): string {
   const at = conditionsInWords(store.study, store.state);
-  if (!store.study.requirements.length) return ` came to their end${at}; the bench has no requirements`;
+  if (!store.study.requirements.length) return ` finished${at}; the bench has no requirements`;
   return switchedOn(store).length
     ? ` meet ${requirementsInWords(store)}${at}`
-    : ` came to their end${at}; every requirement is switched off`;
+    : ` finished${at}; every requirement is switched off`;
 }
 
 // What the plot leaves out must be told beside what it shows.

@@ -44,7 +44,7 @@ function figureOf(model: Model, configuration: Configuration, shown: Configurati
   const differs = (path: string, component: string): boolean => others.some((parts) => parts.get(path) !== component);
   const drawn = picture
     ? draw(picture, configuration, differs, seriesColour(shown.indexOf(configuration)))
-    : el("p", { class: "muted" }, "It hangs together in a way that is not pictured.");
+    : el("p", { class: "muted" }, "Its structure is not drawn.");
   return el("figure", {}, el("figcaption", {}, el("b", {}, names), el("code", {}, configuration.id)), drawn);
 }
 

@@ -79,8 +79,8 @@ function absentOf({ absent, steps }: Funnel): HTMLElement[] {
       el("b", {}, `${place} = ${choice}`),
       why
         ? ` appears in no valid configuration because of ${why}.`
-        : " appears in no valid configuration: other choices rule it out, whatever the constraints.",
+        : " appears in no valid configuration: other choices exclude it, independent of the constraints.",
     );
   });
-  return [el("h4", {}, "What no design can have"), el("ul", { class: "changes", id: "absent" }, ...items)];
+  return [el("h4", {}, "Alternatives in no valid design"), el("ul", { class: "changes", id: "absent" }, ...items)];
 }

@@ -63,7 +63,7 @@ function sentences(model: Model, design: number): string[] {
       );
     } else if (mark !== PASS && !failed) told.push(`no run exercised \u201c${title}\u201d`);
   });
-  if (!grouping.whole[design]) told.push("it was not tried at all conditions");
+  if (!grouping.whole[design]) told.push("it was not run at all conditions");
   return told;
 }
 
@@ -132,7 +132,7 @@ function waysOut(model: Model, design: number): HTMLElement[] {
   const decided = variablesOf(study, "design").some(({ lack }) => !lack.includes(configurationOf(model, design)));
   const alone =
     near < 0 && decided && study.configurations.length > 1
-      ? [el("p", { class: "said" }, "No simulated values of its design variables are enough by themselves.")]
+      ? [el("p", { class: "said" }, "No simulated values of its design variables are sufficient on their own.")]
       : [];
   const changes = changesBetween(study, grouping, design, any);
   const pick = (): void =>

@@ -31,7 +31,7 @@ function tableOf(model: Model): HTMLElement {
   const on = study.requirements.map((_, index) => index).filter((index) => !state.thresholds[index]!.off);
   const misses = whole.map((_, design) => on.filter((index) => each[index]![design] !== PASS).length);
   const rows = [row(`all designs${within ? " within the brushes" : ""}`, all, all, null, null)];
-  if (sum(whole) < all) rows.push(row("came to their end at all conditions", sum(whole), all, all - sum(whole), null));
+  if (sum(whole) < all) rows.push(row("finished at all conditions", sum(whole), all, all - sum(whole), null));
   left.set(whole);
   for (const index of on) {
     let [missed, freed] = [0, 0];
@@ -43,7 +43,7 @@ function tableOf(model: Model): HTMLElement {
     }
     rows.push(row(study.requirements[index]!.title, sum(left), all, missed, freed));
   }
-  const heads = ["Requirement", "Left after it and those before", "Share", "Miss it", "Won if it were dropped"].map(
+  const heads = ["Requirement", "Left after it and those before", "Share", "Miss it", "Gained if it were dropped"].map(
     (text, place) => el("th", { scope: "col", class: place ? "numeric" : "" }, text),
   );
   return el(

@@ -15,7 +15,7 @@ export function createFound(store: Store): HTMLElement {
   const explain = (): void => {
     note.textContent = isAsStudied(store.state.thresholds, studyThresholds(study))
       ? ""
-      : "You have moved thresholds: these sentences are about the study\u2019s own.";
+      : "You have changed thresholds: these findings hold for the study\u2019s own thresholds.";
   };
   explain();
   store.subscribe((_, changed) => {

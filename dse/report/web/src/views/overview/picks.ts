@@ -34,7 +34,7 @@ export function createPicks(store: Store): HTMLElement {
             el(
               "p",
               { class: "hint" },
-              "No run passes: there is nothing to pick. Relax or switch off a requirement to see what comes near.",
+              "No run passes: there is nothing to pick. Relax or switch off a requirement to see which runs come close.",
             ),
           ]),
     );

@@ -29,7 +29,7 @@ export function createWarnings(store: Store): HTMLElement {
       : [
           {
             level: "note",
-            text: "Nothing: all runs came to their end, every requirement was exercised in all of them, and no verdict is in doubt.",
+            text: "Nothing: all runs finished, every requirement was exercised in all of them, and no verdict is doubtful.",
           } as Warning,
         ];
     list.replaceChildren(
@@ -86,7 +86,7 @@ function nothingPasses(store: Store): Warning[] {
     .map(({ title }) => title);
   const why = never.length
     ? `No ${noun} meets ${never.join(", nor ")}.`
-    : `Each requirement is met by some ${noun}, but not all by one.`;
+    : `Each requirement is met by some ${noun}, but no ${noun} meets all of them.`;
   return [
     {
       level: "bad",
