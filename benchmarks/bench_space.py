@@ -27,7 +27,7 @@ from dse.space.methods.engine import Engine
 from dse.space.methods.grid.exact import exact_count
 from dse.space.methods.listing.blocks import blocks, first
 from dse.space.methods.mdd.diagram import compile_diagram, count
-from dse.space.methods.optimum.emptiness import is_empty
+from dse.space.methods.optimum.optimizer import is_empty
 from dse.space.methods.sampling.estimate import estimate
 from dse.space.methods.sampling.sample import sample
 from dse.space.questions.conflict import conflict

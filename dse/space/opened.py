@@ -233,7 +233,7 @@ class OpenedSpace:
 
     def funnel(self, seed: int = 0) -> tuple[Tally, ...]:
         """What each constraint and those before it leave, in the order of the file. DseError where that takes long."""
-        from dse.space.questions.funnel import funnel
+        from dse.space.questions.impact import funnel
 
         return funnel(self.engine, seed)
 

@@ -12,10 +12,9 @@ from question_spaces import EXAMPLES, Answers, asked, without_diagram
 from scipy.stats import chisquare
 
 from dse.space.decisions import alternatives
-from dse.space.methods.completing.choosing import Completion
 from dse.space.methods.completing.graph import GraphCompletion
 from dse.space.methods.completing.layers import LayeredCompletion
-from dse.space.methods.completing.narrowing import DiagramCompletion, NarrowedCompletion
+from dse.space.methods.completing.narrowing import Completion, DiagramCompletion, NarrowedCompletion
 from dse.space.methods.completing.wishes import Wish, Wishing
 from dse.space.methods.dnnf.compile import compile_dnnf
 from dse.space.methods.dnnf.trim import UnsupportedError

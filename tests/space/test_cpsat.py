@@ -13,8 +13,7 @@ from random_spaces import design_spaces
 from dse.space.flat import Clause, FlatSpace, Ints, Linear, Rule, Table, Variable, Wide
 from dse.space.lowering import flatten
 from dse.space.methods.mdd.diagram import compile_diagram
-from dse.space.methods.optimum.best import best, sums
-from dse.space.methods.optimum.emptiness import is_empty
+from dse.space.methods.optimum.optimizer import best, is_empty, sums
 
 
 @settings(max_examples=50, deadline=None)

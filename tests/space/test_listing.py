@@ -12,7 +12,7 @@ from dse.domain.expression import Expression, Truth
 from dse.space.flat import FlatSpace, Linear, Table, Variable
 from dse.space.methods.listing.blocks import blocks, first
 from dse.space.methods.mdd.diagram import compile_diagram
-from dse.space.methods.optimum.emptiness import is_empty
+from dse.space.methods.optimum.optimizer import is_empty
 
 
 def places(number: int, values: int) -> FlatSpace:

@@ -32,9 +32,9 @@ from dse.space.methods.listing.blocks import blocks, first
 from dse.space.methods.listing.recheck import valid
 from dse.space.methods.mdd.diagram import compile_diagram
 from dse.space.methods.mdd.expand import expand
-from dse.space.methods.optimum.best import best, best_valued
-from dse.space.methods.optimum.emptiness import is_empty
+from dse.space.methods.optimum.optimizer import best, is_empty
 from dse.space.methods.optimum.pareto import pareto
+from dse.space.methods.optimum.regions import best_valued
 
 MANY = settings(max_examples=60, deadline=None)
 Row = tuple[int, ...]

@@ -21,8 +21,7 @@ from dse.space.methods.budget import TooMuchError
 from dse.space.methods.listing.blocks import first
 from dse.space.methods.mdd.diagram import compile_diagram
 from dse.space.methods.optimum import regions
-from dse.space.methods.optimum.emptiness import is_empty
-from dse.space.methods.optimum.optimizer import Optimizer
+from dse.space.methods.optimum.optimizer import Optimizer, is_empty
 from dse.space.methods.optimum.pareto import pareto
 from dse.space.methods.optimum.regions import best_valued
 

@@ -177,7 +177,7 @@ class Engine:
         """Whether no row is valid. Raises DseError if a complete search has to give up."""
         if self.diagram is None:
             return self.entangled.first() is None
-        from dse.space.methods.optimum.emptiness import is_empty
+        from dse.space.methods.optimum.optimizer import is_empty
 
         try:
             return is_empty(self.diagram)
@@ -237,7 +237,7 @@ class Engine:
         """
         if self.diagram is None:
             return self.entangled.least(weights, number)
-        from dse.space.methods.optimum.best import best
+        from dse.space.methods.optimum.optimizer import best
 
         return best(self.diagram, weights, number).rows
 

@@ -14,7 +14,7 @@ from dse.space.configurations.ids import Identifier
 from dse.space.configurations.resolve import Resolver
 from dse.space.decisions import alternatives
 from dse.space.flat import Rows
-from dse.space.methods.completing.choosing import Completion, completion
+from dse.space.methods.completing.narrowing import Completion, completion
 from dse.space.methods.completing.wishes import Wish, Wishing
 from dse.space.methods.engine import Engine
 from dse.space.methods.sampling.uniform import generator

@@ -17,9 +17,9 @@ from dse.space.lowering.objective import FoldedObjective, LinearObjective, Lower
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.engine import Engine
 from dse.space.methods.mdd.diagram import Diagram
-from dse.space.methods.optimum.best import best_valued
 from dse.space.methods.optimum.optimizer import Ranking, sums
 from dse.space.methods.optimum.pareto import pareto
+from dse.space.methods.optimum.regions import best_valued
 from dse.space.questions.ratio import as_ratio, best_ratio
 from dse.units import DIMENSIONLESS, Dimension, Unit, UnitError, describe, parse_unit
 

@@ -12,8 +12,7 @@ from dse.domain.expression import Binary, Expression
 from dse.space.flat import Ints, Rows
 from dse.space.lowering.objective import LinearObjective, objective
 from dse.space.methods.mdd.diagram import Diagram, extremes
-from dse.space.methods.optimum.best import best
-from dse.space.methods.optimum.optimizer import Ranking, sums
+from dse.space.methods.optimum.optimizer import Ranking, best, sums
 
 _SAFE = 1 << 60
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
 from dse.space.flat import Bools, Ints, Rows
 from dse.space.methods.budget import TooMuchError
+from dse.space.methods.completing.graph import GraphCompletion
 from dse.space.methods.completing.layers import LayeredCompletion
 from dse.space.methods.completing.wishes import Wish
 from dse.space.methods.engine import Engine
@@ -15,7 +17,7 @@ from dse.space.methods.listing.recheck import recheck
 from dse.space.methods.mdd.diagram import Diagram, restrict
 from dse.space.methods.mdd.expand import expand
 from dse.space.methods.mdd.growth import TooWideError
-from dse.space.methods.optimum.emptiness import is_empty
+from dse.space.methods.optimum.optimizer import is_empty
 
 _TRIES = 16
 """Rows drawn before the space is narrowed."""
@@ -130,3 +132,25 @@ def _granting(engine: Engine, wishes: Sequence[Wish]) -> Engine:
             engine = engine if narrowed.is_empty() else narrowed
         return engine
     return engine.having(*(rule for wish in wishes if wish.is_granted(row) for rule in wish.rules()))
+
+
+class Completion(Protocol):
+    """Completes rows of a space."""
+
+    def row(self, wishes: Sequence[Wish], random: np.random.Generator) -> Rows:
+        """A row that grants *wishes* in their order, uniform among those that do; shape (variables,)."""
+
+
+def completion(engine: Engine) -> Completion:
+    """By the diagram of all rules, else the graph of all rules, else by narrowing. Raises DseError if there is no row.
+
+    A pass over a diagram of ten thousand nodes takes half a millisecond, one over a graph of so many some 20 ms; to
+    narrow and search takes from 10 ms up to seconds, where the sums that no diagram holds stand in the way.
+    """
+    if engine.is_empty():
+        raise engine.nothing()
+    if engine.expanded is not None:
+        return LayeredCompletion(engine.expanded)
+    if engine.diagram is None and engine.entangled.graph is not None:
+        return GraphCompletion.of(engine.entangled.graph)
+    return NarrowedCompletion(engine) if engine.diagram is None else DiagramCompletion(engine, engine.diagram)

@@ -15,13 +15,12 @@ import numpy as np
 
 from dse.errors import fail
 from dse.space.flat import Ints, Linear, Rows, Wide
-from dse.space.methods.listing.blocks import Listing
+from dse.space.methods.listing.blocks import MOST_ROUNDS, Listing, cannot_be
 from dse.space.methods.listing.bounds import Cut, cuts_of, divisor, fits, surrogates, tightest
 from dse.space.methods.listing.recheck import recheck
 from dse.space.methods.listing.walk import Rounds
 from dse.space.methods.mdd.diagram import Diagram, extremes
-from dse.space.methods.optimum.beam import beam
-from dse.space.methods.optimum.relaxation import Relaxation, Relaxed
+from dse.space.methods.optimum.relaxation import Relaxation, Relaxed, beam
 
 _STEPS = 8
 """The first bound tried lets in one part in so many of the gap between what is proven and what was found,"""
@@ -230,6 +229,28 @@ class Optimizer:
             listing.walk.tighten(0, bound - int(values[-1]) + 1)
             bound = int(values[-1]) - 1
         return rows, values, True
+
+
+def best(diagram: Diagram, weights: Weights, number: int, *, largest: bool = False) -> Ranking:
+    """The *number* valid rows of least (or largest) sum of weights[variable][value], or all if there are fewer.
+
+    Weights are as in `Linear`. Raises DseError if they are too large for whole numbers of 64 bits.
+    """
+    sign = -1 if largest else 1
+    aim = {variable: sign * values for variable, values in weights.items()}
+    found = Optimizer(diagram, [aim]).best([1], number)
+    return Ranking(found.rows, tuple(sign * int(value) for value in found.values))
+
+
+def is_empty(diagram: Diagram, most_rounds: int | None = MOST_ROUNDS) -> bool:
+    """Whether no row is valid; proven by a bound where that suffices, else by the complete search.
+
+    A row that shows the opposite is looked for by a beam before that. Raises TooMuchError after *most_rounds*, None
+    for no limit.
+    """
+    if cannot_be(diagram):
+        return True
+    return Optimizer(diagram, []).is_vain(None if most_rounds is None else Rounds(most_rounds))
 
 
 def sums(weights: Weights, rows: Rows) -> Ints:
