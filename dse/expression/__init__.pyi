@@ -1,3 +1,4 @@
+from .operators import COMPARISONS as COMPARISONS
 from .parse import parse_expression as parse_expression
 from .sorts import (
     PLAIN as PLAIN,

@@ -13,6 +13,7 @@ from functools import partial
 
 import numpy as np
 
+from dse.expression import COMPARISONS
 from dse.space.flat import Bools, Floats, Ints
 
 _TINY = 1e-290
@@ -91,7 +92,7 @@ def operation(operator: str, operands: Sequence[Numbers | Truths]) -> Numbers | 
     if operator in ("xor", "iff"):
         return _logical(operator, *truths(operands))
     numbers = _numbers(operands)
-    return _compared(operator, *numbers) if operator in _COMPARISONS else calculation(operator, numbers)
+    return _compared(operator, *numbers) if operator in COMPARISONS else calculation(operator, numbers)
 
 
 def calculation(operator: str, operands: Sequence[Numbers]) -> Numbers:
@@ -164,9 +165,6 @@ def _logical(operator: str, left: Truths, right: Truths) -> Truths:
     unlike = (left.true & right.false) | (left.false & right.true)
     true, false = (alike, unlike) if operator == "iff" else (unlike, alike)
     return Truths(true, false, left.undefined | right.undefined, left.fails | right.fails)
-
-
-_COMPARISONS = {"<", "<=", ">", ">=", "==", "!="}
 
 
 def _compared(operator: str, left: Numbers, right: Numbers) -> Truths:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from dse.domain.design import Constraint, DesignSpace
 from dse.domain.expression import Between, Binary, Call, Chosen, Expression, Name, Node, Number
-from dse.expression import Form, children, descend
+from dse.expression import COMPARISONS, Form, children, descend
 from dse.space.configurations.ids import identify
 from dse.space.decisions import Choices, sites
 from dse.space.language.evaluate import compile_in, compile_value
@@ -19,8 +19,6 @@ from dse.units import Dimension, Unit
 
 if TYPE_CHECKING:
     from dse.space.questions.nearest import Nearest
-
-_COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +121,7 @@ def _looked_at(root: Node) -> Iterator[Node]:
         match node:
             case Chosen() | Call(function="same_choice"):
                 yield node
-            case Binary(operator) if operator in _COMPARISONS:
+            case Binary(operator) if operator in COMPARISONS:
                 yield from (side for side in children(node) if not isinstance(side, Number))
             case Between():
                 yield from (side for side in children(node) if not isinstance(side, Number))
