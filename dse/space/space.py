@@ -15,8 +15,8 @@ from dse.space.flat import Rows
 from dse.space.lowering import selecting
 from dse.space.methods.engine import Engine
 from dse.space.methods.tally import Tally
-from dse.space.narrowing.choosing import ABSENT_NAME, choosing, completed, read_choices
-from dse.space.narrowing.constraint_sets import switched
+from dse.space.restriction.choices import ABSENT_NAME, choosing, completed, read_choices
+from dse.space.restriction.constraint_sets import switched
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -147,7 +147,7 @@ class OpenedSpace:
 
     def configuration(self, name: str) -> Configuration:
         """The valid configuration whose id is *name* or starts with it. Raises DseError if that is not one."""
-        from dse.space.questions.finding import find
+        from dse.space.questions.id_search import find
 
         return find(self.space, self.engine, name)
 
@@ -254,8 +254,8 @@ class OpenedSpace:
 
         With *ids* only what occurs in these configurations. Ids stay what they are. Raises DseError if nothing is left.
         """
-        from dse.space.narrowing.choosing import kept_choices
-        from dse.space.narrowing.refine import refine, spanned
+        from dse.space.restriction.choices import kept_choices
+        from dse.space.restriction.refine import refine, spanned
 
         within = {} if ids is None else spanned(self.space, [self.configuration(name).choices for name in ids])
         return refine(self.space, kept_choices(self.space, keep, drop, within))

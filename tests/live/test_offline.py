@@ -18,7 +18,7 @@ from dse.errors import DseError
 from dse.live.offline import bench_of_drive
 from dse.live.seat import Seat, driver_of, prepare_seat, tunables_of, with_driver
 from dse.loading.workspace import Workspace
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.prepared import PreparedBench
 from dse.testbench.runner import Runner

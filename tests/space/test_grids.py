@@ -15,7 +15,7 @@ from hypothesis import given, settings, strategies as st
 from dse.space.flat import ABSENT, FlatSpace, Fold, Gather, Ints, Linear, Rule, Table, Variable, Wide
 from dse.space.methods.budget import Cost, TooMuchError
 from dse.space.methods.grid.exact import exact_count
-from dse.space.methods.grid.meeting import pairs, summed
+from dse.space.methods.grid.halves import pairs, summed
 from dse.space.methods.grid.split import Counting, Execution, counting, execute, heights, split
 from dse.space.methods.grid.sweep import backward, forward
 from dse.space.methods.mdd.diagram import Diagram, compile_diagram, count

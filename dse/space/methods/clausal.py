@@ -17,12 +17,12 @@ import numpy as np
 
 from dse.errors import DseError, fail
 from dse.space.flat import FlatSpace, Ints, Linear, Rows, Wide
-from dse.space.methods import listed
+from dse.space.methods import enumeration
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.dnnf import queries, rows as listing
 from dse.space.methods.dnnf.compile import Dnnf, compile_dnnf
 from dse.space.methods.dnnf.optimum import least
-from dse.space.methods.dnnf.satisfy import satisfiable
+from dse.space.methods.dnnf.satisfiability import satisfiable
 from dse.space.methods.dnnf.trim import UnsupportedError
 from dse.space.methods.listing.recheck import recheck
 from dse.space.methods.listing.search import Effort, first as search_first, rows as search_rows
@@ -47,7 +47,7 @@ _SEEN = 20
 _NORMAL = 1.959963984540054
 
 
-class Entangled:
+class ClausalEngine:
     """Answers about *flat* without a diagram. Rows are rechecked against the rules before anyone sees them."""
 
     def __init__(self, flat: FlatSpace) -> None:
@@ -125,7 +125,7 @@ class Entangled:
         kept = self._kept(number, seed)
         if kept is not None:
             return kept
-        return listed.drawn(self._searched("draw configurations"), number, seed)
+        return enumeration.drawn(self._searched("draw configurations"), number, seed)
 
     def least(self, weights: Mapping[int, Ints], number: int) -> Rows:
         """The *number* rows of least sum of weights, ascending. Raises TooMuchError where rules fit into no graph."""
@@ -141,7 +141,7 @@ class Entangled:
     def shares(self) -> Shares:
         """The share of valid rows that take each value, exactly. Raises EmptyError, DseError if it cannot be known."""
         if self.graph is None:
-            return listed.shares(self.flat, self._searched("compute how often each alternative occurs"))
+            return enumeration.shares(self.flat, self._searched("compute how often each alternative occurs"))
         total = queries.count(self.graph)
         if not total:
             raise EmptyError

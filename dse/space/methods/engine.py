@@ -2,7 +2,7 @@
 
 The order of the attempts: the decision diagram of hierarchy and rules, with sums compiled in where they fit; grids
 of sums over its nodes; tilted sampling, which is an estimate and says so. Where the diagram is too wide in every
-order, as in large feature models, see `dse.space.methods.entangled`. Each method is imported where it is used: together
+order, as in large feature models, see `dse.space.methods.clausal`. Each method is imported where it is used: together
 they take longer to import than most spaces to count.
 """
 
@@ -24,7 +24,7 @@ from dse.space.methods.mdd.diagram import Diagram, count, occurrences, restrict
 from dse.space.methods.tally import Tally
 
 if TYPE_CHECKING:
-    from dse.space.methods.entangled import Entangled
+    from dse.space.methods.clausal import ClausalEngine
     from dse.space.methods.sampling.estimate import Shares
 
 DIAGRAM = 200_000
@@ -88,7 +88,7 @@ class Engine:
         from dse.space.methods.mdd.growth import TooWideError
         from dse.space.methods.mdd.ordering import compile_best
 
-        if self._model is not None and self._model.diagram is None and self._model.entangled.graph is not None:
+        if self._model is not None and self._model.diagram is None and self._model.clausal.graph is not None:
             return None
         try:
             return compile_best(self.flat, DIAGRAM)
@@ -109,11 +109,11 @@ class Engine:
         return self._expanded
 
     @cached_property
-    def entangled(self) -> Entangled:
+    def clausal(self) -> ClausalEngine:
         """What answers where there is no diagram."""
-        from dse.space.methods.entangled import Entangled
+        from dse.space.methods.clausal import ClausalEngine
 
-        return Entangled(self.flat)
+        return ClausalEngine(self.flat)
 
     def is_structural(self) -> bool:
         """Whether all rules are logical, without sums and the like."""
@@ -130,15 +130,15 @@ class Engine:
         if exact is not None:
             return Tally(exact)
         if self.diagram is None:
-            return self.entangled.estimate(seed)
-        from dse.space.methods import listed
+            return self.clausal.estimate(seed)
+        from dse.space.methods import enumeration
         from dse.space.methods.sampling.estimate import RELATIVE, estimate
         from dse.space.methods.sampling.tilt import TooRareError
 
         try:
             return estimate(self.diagram, seed, RELATIVE if relative is None else relative, size=size)
         except TooRareError as error:
-            found = listed.count(self.flat, self.blocks())
+            found = enumeration.count(self.flat, self.blocks())
             if found is None:
                 hint = "what is valid is too rare to be drawn and too much to be listed; try --exact"
                 raise fail(f"the configurations of '{self.flat.name}' cannot be estimated", None, hint) from error
@@ -147,7 +147,7 @@ class Engine:
     def exact_count(self, most_work: float = WORK) -> int | None:
         """How many rows are valid; None if that would take more than *most_work* additions."""
         if self.diagram is None:
-            return self.entangled.exact_count()
+            return self.clausal.exact_count()
         if self.is_structural():
             return count(self.diagram)
         if self._expanded is None and not self._is_too_wide and self._is_hopeless:
@@ -165,9 +165,9 @@ class Engine:
         """How many rows are valid, however long that takes. Raises DseError where it cannot be known."""
         found = self.exact_count(MOST_WORK)
         if found is None and self.diagram is not None:
-            from dse.space.methods import listed
+            from dse.space.methods import enumeration
 
-            found = listed.count(self.flat, self.blocks())
+            found = enumeration.count(self.flat, self.blocks())
         if found is None:
             hint = "ask for an estimate: the same without --exact"
             raise fail(f"the configurations of '{self.flat.name}' are too many to be counted exactly", None, hint)
@@ -176,7 +176,7 @@ class Engine:
     def is_empty(self) -> bool:
         """Whether no row is valid. Raises DseError if a complete search has to give up."""
         if self.diagram is None:
-            return self.entangled.first() is None
+            return self.clausal.first() is None
         from dse.space.methods.optimum.optimizer import is_empty
 
         try:
@@ -187,7 +187,7 @@ class Engine:
     def first(self) -> Rows | None:
         """The first valid row in the engine's order, shape (variables,), or None. Raises like `is_empty`."""
         if self.diagram is None:
-            return self.entangled.first()
+            return self.clausal.first()
         from dse.space.methods.listing.blocks import first
 
         try:
@@ -203,7 +203,7 @@ class Engine:
         from dse.space.methods.listing.blocks import blocks
 
         missing = limit
-        for rows in self.entangled.blocks() if self.diagram is None else blocks(self.diagram):
+        for rows in self.clausal.blocks() if self.diagram is None else blocks(self.diagram):
             yield rows if missing is None else rows[:missing]
             if missing is not None:
                 missing -= len(rows)
@@ -216,17 +216,17 @@ class Engine:
 
     def sample(self, number: int, seed: int = 0) -> Rows:
         """*number* rows drawn uniformly among the valid ones, independently. Raises DseError if there is none."""
-        from dse.space.methods import listed
+        from dse.space.methods import enumeration
         from dse.space.methods.sampling.sample import sample
         from dse.space.methods.sampling.tilt import EmptyError, TooRareError
 
         try:
             if self.diagram is None:
-                return self.entangled.sample(number, seed)
+                return self.clausal.sample(number, seed)
             try:
                 return sample(self.expanded or self.diagram, number, seed)
             except TooRareError:
-                return listed.drawn(listed.every(self.flat, self.rows), number, seed)
+                return enumeration.drawn(enumeration.every(self.flat, self.rows), number, seed)
         except EmptyError as error:
             raise self.nothing() from error
 
@@ -236,7 +236,7 @@ class Engine:
         Raises TooMuchError where there is no diagram and rules do not fit into what is there instead.
         """
         if self.diagram is None:
-            return self.entangled.least(weights, number)
+            return self.clausal.least(weights, number)
         from dse.space.methods.optimum.optimizer import best
 
         return best(self.diagram, weights, number).rows
@@ -246,24 +246,24 @@ class Engine:
 
         Raises DseError if there is no valid row.
         """
-        from dse.space.methods import listed
+        from dse.space.methods import enumeration
         from dse.space.methods.sampling.estimate import estimate_occurrences
         from dse.space.methods.sampling.tilt import EmptyError, TooRareError
 
         try:
             if self.diagram is None:
-                return self.entangled.shares()
+                return self.clausal.shares()
             try:
                 return estimate_occurrences(self.expanded or self.diagram, seed)
             except TooRareError:
-                return listed.shares(self.flat, listed.every(self.flat, self.rows))
+                return enumeration.shares(self.flat, enumeration.every(self.flat, self.rows))
         except EmptyError as error:
             raise self.nothing() from error
 
     def times_taken(self) -> Sequence[Sequence[int]] | None:
         """How many valid rows take each value of each variable, `ABSENT` last; None where that cannot be known."""
         if self.diagram is None:
-            return self.entangled.times_taken()
+            return self.clausal.times_taken()
         return None if self.expanded is None else occurrences(self.expanded)
 
     def nothing(self) -> DseError:

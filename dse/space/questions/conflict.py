@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from dse.domain.design import Constraint
 from dse.errors import DseError, fail
-from dse.space.methods.dnnf.satisfy import conflict as clausal_conflict
+from dse.space.methods.dnnf.satisfiability import conflict as clausal_conflict
 from dse.space.methods.dnnf.trim import UnsupportedError
 from dse.space.methods.engine import Engine
 

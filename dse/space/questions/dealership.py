@@ -18,10 +18,10 @@ from dse.space.flat import Bools, by_path
 from dse.space.methods.engine import Engine
 from dse.space.methods.mdd.diagram import Diagram, count, extremes, restrict
 from dse.space.methods.mdd.scenarios import Scenarios, Words, bits_of, possible, taken, whole
-from dse.space.narrowing.choosing import ABSENT_NAME, read_choices
 from dse.space.output.sums import PropertySum, property_sums
 from dse.space.questions.conflict import minimal_conflict
 from dse.space.questions.offer import ChoicePoint, Offer, OfferedChoice, OfferedTotal, titled
+from dse.space.restriction.choices import ABSENT_NAME, read_choices
 
 _ALSO = ("cost", "mass")
 """Properties whose sum makes sense in any design, whatever its constraints speak of."""

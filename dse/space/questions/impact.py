@@ -11,7 +11,7 @@ from dse.space.flat import NOBODY, Bools, Clause, FlatSpace, Ints, Judge, Linear
 from dse.space.methods.engine import Engine
 from dse.space.methods.tally import Tally, total_of
 
-MOST_ENTANGLED = 100
+MOST_CLAUSAL = 100
 """Constraints of a space without a diagram that are looked at together; each takes about a second."""
 
 _WORK = 2e8
@@ -46,10 +46,10 @@ def impact(engine: Engine, seed: int = 0, names: Iterable[str] = ()) -> tuple[Im
     a diagram are asked for.
     """
     asked = _asked(engine.flat, tuple(names))
-    if len(asked) > MOST_ENTANGLED and engine.diagram is None:
+    if len(asked) > MOST_CLAUSAL and engine.diagram is None:
         example = engine.flat.constraints[asked[0]].name
         what = f"'{engine.flat.name}' is too large to look at {len(asked):,} constraints at once"
-        raise fail(what, None, f"name up to {MOST_ENTANGLED} of them: --constraint {example}")
+        raise fail(what, None, f"name up to {MOST_CLAUSAL} of them: --constraint {example}")
     return tuple(_impact(engine, number, seed) for number in asked)
 
 

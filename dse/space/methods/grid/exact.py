@@ -6,7 +6,7 @@ Ways to each partial sum are carried from the root and from the terminal to a le
 
 from __future__ import annotations
 
-from dse.space.methods.grid.meeting import pairs, summed
+from dse.space.methods.grid.halves import pairs, summed
 from dse.space.methods.grid.split import Counting, caps, counting, execute, split
 from dse.space.methods.mdd.diagram import Diagram, count
 

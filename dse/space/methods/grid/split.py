@@ -13,8 +13,8 @@ from dse.space.flat import Floats, Ints
 from dse.space.methods.budget import Cost, TooMuchError
 from dse.space.methods.grid.axes import Axis, Layers, Span, axes, pruned, reached, spans
 from dse.space.methods.grid.digits import BITS
+from dse.space.methods.grid.halves import Side
 from dse.space.methods.grid.levels import memory_of_levels, run_levels
-from dse.space.methods.grid.meeting import Side
 from dse.space.methods.grid.nodes import Node, Swept, run
 from dse.space.methods.grid.sweep import Schedule, Sweep, backward, forward, schedule
 from dse.space.methods.mdd.diagram import Diagram
