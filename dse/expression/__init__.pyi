@@ -1,4 +1,4 @@
-from .operators import COMPARISONS as COMPARISONS
+from .operators import COMPARISON_OPERATORS as COMPARISON_OPERATORS
 from .parse import parse_expression as parse_expression
 from .sorts import (
     PLAIN as PLAIN,

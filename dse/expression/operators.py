@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 LOGIC = ("iff", "implies", "or", "xor", "and")
 ORDER = ("<", "<=", ">", ">=")
-COMPARISONS = (*ORDER, "==", "!=")
+COMPARISON_OPERATORS = (*ORDER, "==", "!=")
 
 FROM_THE_RIGHT = ("implies", "^")
 """``a ^ b ^ c`` is ``a ^ (b ^ c)``."""
@@ -20,7 +20,7 @@ ASSOCIATIVE = ("and", "or", "+", "*")
 _LEVELS = (
     *((word,) for word in LOGIC),
     ("not",),
-    (*COMPARISONS, "between", "is", "in", "="),
+    (*COMPARISON_OPERATORS, "between", "is", "in", "="),
     ("+", "-"),
     ("*", "/"),
     ("negative",),

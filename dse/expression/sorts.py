@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from dse.domain.expression import Binary, Expression, Node, Number, Span, Unary
 from dse.errors import DseError
-from dse.expression.operators import COMPARISONS, LOGIC
+from dse.expression.operators import COMPARISON_OPERATORS, LOGIC
 from dse.expression.tokens import error_at
 from dse.units import Dimension, describe, divide, multiply, power
 
@@ -79,7 +79,7 @@ def binary_sort(expression: Expression, node: Binary, left: Sort, right: Sort) -
     if node.operator not in ("==", "!="):
         require_number(expression, node.left, left)
         require_number(expression, node.right, right)
-    if node.operator in COMPARISONS:
+    if node.operator in COMPARISON_OPERATORS:
         require_alike(expression, _culprit(expression, node), left, right, "compare")
         return replace(TRUTH, varies=varies)
     match node.operator:

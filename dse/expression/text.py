@@ -18,7 +18,7 @@ from dse.domain.expression import (
     Unary,
 )
 from dse.errors import DseError
-from dse.expression.operators import COMPARISONS, FROM_THE_RIGHT, STRENGTH
+from dse.expression.operators import COMPARISON_OPERATORS, FROM_THE_RIGHT, STRENGTH
 from dse.expression.parse import parse_expression
 from dse.expression.tree import same
 
@@ -53,7 +53,7 @@ def show_expression(node: Node) -> str:
         case Binary():
             own = STRENGTH[node.operator]
             from_the_right = node.operator in FROM_THE_RIGHT
-            left = _within(node.left, own + 1 if from_the_right or node.operator in COMPARISONS else own)
+            left = _within(node.left, own + 1 if from_the_right or node.operator in COMPARISON_OPERATORS else own)
             right = _within(node.right, own if from_the_right else own + 1)
             return f"{left} {node.operator} {right}"
 

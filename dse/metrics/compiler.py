@@ -40,7 +40,7 @@ from dse.expression import (
     require_truth,
     unary_sort,
 )
-from dse.metrics.catalogue import FUNCTIONS, OFFERED, RELATIVE, ROWWISE, Argument, Function, Wants
+from dse.metrics.catalogue import FUNCTIONS, OFFERED, RELATIVE_TO_TARGET, ROWWISE, Argument, Function, Wants
 from dse.metrics.machine import TIME, Instruction, Register
 from dse.units import Dimension, describe, parse_unit, power, si_unit
 
@@ -51,7 +51,7 @@ class FollowUpError(Exception):
     """Something that cannot be compiled because a metric it uses was not, which is reported already."""
 
 
-class Compiler:
+class MetricCompiler:
     """Emits every computation once, however often it is written: one maximum per waveform serves all metrics."""
 
     def __init__(
@@ -157,7 +157,12 @@ class Compiler:
                 continue
             sort, register = self.compile(expression, given)
             self._check_argument(expression, node, argument, given, sort, first)
-            if argument.name == "target" and node.function in RELATIVE and isinstance(given, Number) and not given.si:
+            if (
+                argument.name == "target"
+                and node.function in RELATIVE_TO_TARGET
+                and isinstance(given, Number)
+                and not given.si
+            ):
                 what = f"'{node.function}' is relative to its target, which must not be zero"
                 raise error_in(expression, given.span, what, "use maximum, minimum, final or steady_state_error")
             first = first if registers else sort.dimension

@@ -29,7 +29,7 @@ class Instruction:
 
 
 @dataclass(frozen=True, slots=True)
-class Check:
+class RequirementCheck:
     """A requirement with the registers of its metric and of the condition under which it is exercised.
 
     *condition_metrics* are the registers of the metrics the condition speaks of.
@@ -58,7 +58,7 @@ class MetricProgram:
     literals: tuple[tuple[Register, float], ...]
     instructions: tuple[Instruction, ...]
     metrics: Mapping[str, Register]
-    checks: tuple[Check, ...]
+    checks: tuple[RequirementCheck, ...]
     size: int
 
     def signals_of(self, metric: str) -> frozenset[str]:
@@ -122,14 +122,14 @@ def judge_failed(requirements: Sequence[Requirement]) -> tuple[Judgement, ...]:
     return tuple(Judgement(requirement.name, Verdict.FAILED_TO_RUN, math.nan) for requirement in requirements)
 
 
-def _judge(check: Check, registers: Sequence[Any]) -> Judgement:
+def _judge(check: RequirementCheck, registers: Sequence[Any]) -> Judgement:
     value = float(registers[check.metric])
     margin = float(margin_to_bounds(value, check.at_most, check.at_least))
     verdict = VERDICTS[verdict_codes(margin, _is_exercised(check, registers, value))]
     return Judgement(check.requirement, verdict, margin)
 
 
-def _is_exercised(check: Check, registers: Sequence[Any], value: float) -> bool:
+def _is_exercised(check: RequirementCheck, registers: Sequence[Any], value: float) -> bool:
     """Whether the run came to exercise the requirement; nothing follows from an undefined metric, not even by 'not'."""
     if check.exercised is None:
         return not math.isnan(value)
@@ -141,17 +141,17 @@ def _is_exercised(check: Check, registers: Sequence[Any], value: float) -> bool:
 Codes = NDArray[np.uint8]
 """Verdicts as their positions in `VERDICTS`."""
 
-N = TypeVar("N", float, NDArray[np.float64])
+_N = TypeVar("_N", float, NDArray[np.float64])
 
 
-def margin_to_bounds(value: N, at_most: float | None, at_least: float | None) -> N:
+def margin_to_bounds(value: _N, at_most: float | None, at_least: float | None) -> _N:
     """The distance of *value* to the nearer bound, of which there is one at least: negative outside, NaN where it is.
 
     An open side is no bound at infinity: an infinite time to collision would have no margin to it.
     """
     below: Any = None if at_most is None else at_most - value
     above: Any = None if at_least is None else value - at_least
-    found: N = above if below is None else below if above is None else np.minimum(below, above)
+    found: _N = above if below is None else below if above is None else np.minimum(below, above)
     return found
 
 

@@ -64,13 +64,13 @@ def test_what_is_never_drawn_is_searched():
 
 
 def test_a_list_that_finds_nothing_for_too_long_gives_up(monkeypatch):
-    monkeypatch.setattr(module, "WORK", 2_000)
+    monkeypatch.setattr(module, "SEARCH_WORK", 2_000)
     with pytest.raises(DseError, match="cannot list the configurations of 'pigeons'"):
         list(pigeons(8).blocks())
     assert pigeons(8).exact_count() is None
 
 
 def test_a_list_goes_on_as_long_as_it_finds_rows(monkeypatch):
-    monkeypatch.setattr(module, "WORK", 20_000)
+    monkeypatch.setattr(module, "SEARCH_WORK", 20_000)
     blocks = list(clausal(11, heads(11, 1, None)).blocks())
     assert sum(map(len, blocks)) == 2**11 - 1

@@ -11,7 +11,7 @@ from dse.space.flat import Rows
 
 T = TypeVar("T")
 
-Column = tuple[int | None, Sequence[T]]
+LookupColumn = tuple[int | None, Sequence[T]]
 """A variable and one object for each of its values, and one for `ABSENT`; or None and the one object of every row."""
 
 _AT_A_TIME = 1024
@@ -20,7 +20,7 @@ _AT_A_TIME = 1024
 class Lookup(Generic[T]):
     """For each row one object per column, in the order of *columns*."""
 
-    def __init__(self, columns: Sequence[Column[T]]) -> None:
+    def __init__(self, columns: Sequence[LookupColumn[T]]) -> None:
         objects = [thing for _, entries in columns for thing in entries]
         self._objects = np.fromiter(objects, object, len(objects))
         self._lengths = np.array([len(entries) for _, entries in columns], np.int64)

@@ -24,25 +24,25 @@ from dse.domain.expression import Expression
 from dse.errors import fail
 from dse.expression import error_in
 from dse.space.decisions import Choices, Site
-from dse.space.language.arithmetic import FUNCTIONS, UndefinedError, Value, quota, roll_up
+from dse.space.language.arithmetic import EXACT_FUNCTIONS, ExactValue, UndefinedError, quota, roll_up
 from dse.space.language.interpret import interpret, interpret_condition
 from dse.space.language.places import Places
 from dse.space.language.terms import (
-    Choose,
+    Choice,
     Constant,
     Every,
     Leaf,
-    Operation,
     Quota,
     RollUp,
+    Selected,
     Some,
-    Standing,
     Stated,
     Term,
+    TermOperation,
 )
 
 Source = TypeVar("Source")
-Evaluate = Callable[[Source], Value]
+Evaluate = Callable[[Source], ExactValue]
 """The value of a term, given what is chosen, in whatever form the leaves take it."""
 
 There = Callable[[Sequence[tuple[Site, Any]]], Callable[[Source], list[Any]]]
@@ -94,7 +94,7 @@ def leaf_evaluator(
     """Like `evaluator`, for leaves that are read in another way."""
     evaluate = _Evaluators(expression, leaf, shown).compile(term)
 
-    def guarded(source: Source) -> Value:
+    def guarded(source: Source) -> ExactValue:
         try:
             return evaluate(source)
         except OverflowError as error:
@@ -117,7 +117,7 @@ class _Evaluators(Generic[Source]):
         match term:
             case Constant(value):
                 return lambda _: value
-            case Operation():
+            case TermOperation():
                 return self.operation(term)
             case Every():
                 return self.junction(term.conditions, deciding=False)
@@ -127,7 +127,7 @@ class _Evaluators(Generic[Source]):
                 conditions = [self.compile(condition) for condition in term.conditions]
                 low, high = term.low, term.high
                 return lambda source: quota(low, high, [_truth(condition(source)) for condition in conditions])
-            case Choose():
+            case Choice():
                 return self.choice(term)
         return self.leaf(term)
 
@@ -147,20 +147,20 @@ class _Evaluators(Generic[Source]):
 
         return decide
 
-    def choice(self, term: Choose) -> Evaluate[Source]:
+    def choice(self, term: Choice) -> Evaluate[Source]:
         condition, yes, no = self.compile(term.condition), self.compile(term.yes), self.compile(term.no)
 
-        def choose(source: Source) -> Value:
+        def choose(source: Source) -> ExactValue:
             outcome = condition(source)
             return None if outcome is None else (yes if outcome else no)(source)
 
         return choose
 
-    def operation(self, term: Operation) -> Evaluate[Source]:
-        function = FUNCTIONS[term.operator]
+    def operation(self, term: TermOperation) -> Evaluate[Source]:
+        function = EXACT_FUNCTIONS[term.operator]
         operands = [self.compile(operand) for operand in term.operands]
 
-        def apply(source: Source) -> Value:
+        def apply(source: Source) -> ExactValue:
             values = []
             for operand in operands:
                 value = operand(source)
@@ -184,7 +184,7 @@ def _there(entries: Sequence[tuple[Site, Any]]) -> Callable[[Choices], list[Any]
 def _read(leaf: Leaf, there: There[Source]) -> Evaluate[Source]:
     """How the value of *leaf* is read from a source."""
     match leaf:
-        case Standing(sites, named):
+        case Selected(sites, named):
             name_at = there([(site, site.name) for site in sites])
             return lambda source: next(iter(name_at(source)), None) in named
         case Stated(entries):
@@ -195,7 +195,7 @@ def _read(leaf: Leaf, there: There[Source]) -> Evaluate[Source]:
             return lambda source: roll_up(function, values(source))
 
 
-def _truth(value: Value) -> bool | None:
+def _truth(value: ExactValue) -> bool | None:
     return None if value is None else bool(value)
 
 

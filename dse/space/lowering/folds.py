@@ -9,13 +9,13 @@ import numpy as np
 
 from dse.space.decisions import Site
 from dse.space.flat import NOTHING, Fold, Gather, Ints
-from dse.space.lowering.shape import Shape
+from dse.space.lowering.shape import SpaceShape
 
 
 class Folds:
     """The folds of a rule, each once."""
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: SpaceShape) -> None:
         self.shape = shape
         self.found: list[Fold] = []
         self._known: dict[object, int] = {}

@@ -34,7 +34,7 @@ from dse.space.methods.tally import Tally
 SEARCHED = 2_000_000
 """Values that a complete search tries before it gives up."""
 
-WORK = 50_000_000
+SEARCH_WORK = 50_000_000
 """Variables of rules that a search looks at before it gives up, in all or, where rows are listed, since the last block.
 """
 
@@ -63,7 +63,7 @@ class ClausalEngine:
         if self.graph is not None:
             return queries.count(self.graph)
         try:
-            return sum(1 for _ in search_rows(self.flat, SEARCHED, Effort(WORK)))
+            return sum(1 for _ in search_rows(self.flat, SEARCHED, Effort(SEARCH_WORK)))
         except TooMuchError:
             return None
 
@@ -95,19 +95,19 @@ class ClausalEngine:
         else:
             return None if found is None else recheck(self.flat).insist(found[None, :])[0]
         try:
-            return search_first(self.flat, SEARCHED, Effort(WORK))
+            return search_first(self.flat, SEARCHED, Effort(SEARCH_WORK))
         except TooMuchError as error:
             raise self._gives_up("find a configuration") from error
 
     def blocks(self) -> Iterator[Rows]:
         """Every valid row in blocks, in a stable order. Raises DseError if a search finds no more for too long."""
         if self.graph is None:
-            effort = Effort(WORK)
+            effort = Effort(SEARCH_WORK)
             searched = search_rows(self.flat, effort=effort)
             try:
                 while waiting := list(islice(searched, _BLOCK)):
                     yield np.array(waiting)
-                    effort.left = WORK
+                    effort.left = SEARCH_WORK
             except TooMuchError as error:
                 raise self._gives_up("list the configurations") from error
             return
@@ -174,7 +174,7 @@ class ClausalEngine:
     def _searched(self, what: str) -> Rows:
         """All rows by complete search. Raises EmptyError, DseError that it cannot do *what* if there are too many."""
         try:
-            rows = list(search_rows(self.flat, SEARCHED, Effort(WORK)))
+            rows = list(search_rows(self.flat, SEARCHED, Effort(SEARCH_WORK)))
         except TooMuchError as error:
             raise self._gives_up(what) from error
         if not rows:

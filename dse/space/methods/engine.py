@@ -20,7 +20,7 @@ from dse.errors import DseError, fail
 from dse.space.flat import FlatSpace, Ints, Rows, Rule, Table
 from dse.space.lowering import flatten
 from dse.space.methods.budget import TooMuchError
-from dse.space.methods.mdd.diagram import Diagram, count, occurrences, restrict
+from dse.space.methods.mdd.diagram import DecisionDiagram, count, occurrences, restrict
 from dse.space.methods.tally import Tally
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ DIAGRAM = 200_000
 EXPANSION = 150_000
 """Nodes before reduction of a diagram with the sums compiled in."""
 
-WORK = 5e9
+EVERYDAY_WORK = 5e9
 """Additions of a cell that an everyday exact count may take: a few seconds."""
 
 MOST_WORK = 1e12
@@ -51,8 +51,8 @@ class Engine:
         self,
         flat: FlatSpace,
         model: Engine | None = None,
-        diagram: Diagram | None = None,
-        expanded: Diagram | None = None,
+        diagram: DecisionDiagram | None = None,
+        expanded: DecisionDiagram | None = None,
     ) -> None:
         self.flat = flat
         self._model = model
@@ -81,7 +81,7 @@ class Engine:
         return Engine(flat, self, diagram, expanded)
 
     @cached_property
-    def diagram(self) -> Diagram | None:
+    def diagram(self) -> DecisionDiagram | None:
         """The decision diagram of hierarchy and rules, sums aside; None where it is too wide in every order."""
         if self._diagram is not None:
             return self._diagram
@@ -96,7 +96,7 @@ class Engine:
             return None
 
     @property
-    def expanded(self) -> Diagram | None:
+    def expanded(self) -> DecisionDiagram | None:
         """The diagram of exactly the valid rows; None where it is too wide."""
         if self._expanded is None and self.diagram is not None and not self._is_too_wide:
             from dse.space.methods.mdd.expand import expand
@@ -120,7 +120,7 @@ class Engine:
         return not (self.flat.linears() or self.flat.wides())
 
     def count(
-        self, seed: int = 0, *, most_work: float = WORK, relative: float | None = None, size: int | None = None
+        self, seed: int = 0, *, most_work: float = EVERYDAY_WORK, relative: float | None = None, size: int | None = None
     ) -> Tally:
         """How many rows are valid: exact if that takes no more than *most_work*, else an estimate within *relative*.
 
@@ -132,11 +132,11 @@ class Engine:
         if self.diagram is None:
             return self.clausal.estimate(seed)
         from dse.space.methods import enumeration
-        from dse.space.methods.sampling.estimate import RELATIVE, estimate
+        from dse.space.methods.sampling.estimate import RELATIVE_HALF_WIDTH, estimate
         from dse.space.methods.sampling.tilt import TooRareError
 
         try:
-            return estimate(self.diagram, seed, RELATIVE if relative is None else relative, size=size)
+            return estimate(self.diagram, seed, RELATIVE_HALF_WIDTH if relative is None else relative, size=size)
         except TooRareError as error:
             found = enumeration.count(self.flat, self.blocks())
             if found is None:
@@ -144,7 +144,7 @@ class Engine:
                 raise fail(f"the configurations of '{self.flat.name}' cannot be estimated", None, hint) from error
             return Tally(found)
 
-    def exact_count(self, most_work: float = WORK) -> int | None:
+    def exact_count(self, most_work: float = EVERYDAY_WORK) -> int | None:
         """How many rows are valid; None if that would take more than *most_work* additions."""
         if self.diagram is None:
             return self.clausal.exact_count()
@@ -175,14 +175,7 @@ class Engine:
 
     def is_empty(self) -> bool:
         """Whether no row is valid. Raises DseError if a complete search has to give up."""
-        if self.diagram is None:
-            return self.clausal.first() is None
-        from dse.space.methods.optimum.optimizer import is_empty
-
-        try:
-            return is_empty(self.diagram)
-        except TooMuchError as error:
-            raise self._undecided() from error
+        return self.first() is None
 
     def first(self) -> Rows | None:
         """The first valid row in the engine's order, shape (variables,), or None. Raises like `is_empty`."""

@@ -16,8 +16,8 @@ from dse.space.configurations.ids import identify
 from dse.space.decisions import Choices, sites
 from dse.space.flat import Bools, by_path
 from dse.space.methods.engine import Engine
-from dse.space.methods.mdd.diagram import Diagram, count, extremes, restrict
-from dse.space.methods.mdd.scenarios import Scenarios, Words, bits_of, possible, taken, whole
+from dse.space.methods.mdd.diagram import DecisionDiagram, count, extremes, restrict
+from dse.space.methods.mdd.scenarios import ScenarioBits, Scenarios, bits_of, possible, taken, whole
 from dse.space.output.sums import PropertySum, property_sums
 from dse.space.questions.conflict import minimal_conflict
 from dse.space.questions.offer import ChoicePoint, Offer, OfferedChoice, OfferedTotal, titled
@@ -29,7 +29,7 @@ _ALSO = ("cost", "mass")
 _NOW = 0
 """The scenario in which nothing is chosen but what is chosen."""
 
-Choice = tuple[str, str]
+PlaceChoice = tuple[str, str]
 """A place and what is chosen there."""
 
 Masks = Mapping[int, Bools]
@@ -44,7 +44,7 @@ class Dealership:
             hint = f"choose step by step: dse enumerate {space.name} --interactive"
             raise fail(f"'{space.name}' is too large to compute at once what can be chosen", space.where, hint)
         self.space = space
-        self._diagram: Diagram = engine.expanded
+        self._diagram: DecisionDiagram = engine.expanded
         self._variables = engine.flat.variables
         self._at = by_path(self._variables)
         self._titles = {(site.path, site.name): site.component.title for site in sites(space) if site.component}
@@ -52,7 +52,7 @@ class Dealership:
         self._total = count(self._diagram)
         self._reasons = Reasons(engine)
         self._alone: dict[int, list[int]] = {}
-        self._of: dict[Choice, list[int]] = {}
+        self._of: dict[PlaceChoice, list[int]] = {}
         """The scenarios of each choice: one for each decision that can make it."""
         self._number = _NOW + 1
         for variable, each in enumerate(self._variables):
@@ -106,7 +106,7 @@ class Dealership:
             is_certain = not possible >> self._without[path] & 1
             implied = can[0] if len(can) == 1 and is_certain else ""
 
-            def offered(choice: Choice, told: tuple[str, ...] = (chosen.get(path, ""), implied)) -> OfferedChoice:
+            def offered(choice: PlaceChoice, told: tuple[str, ...] = (chosen.get(path, ""), implied)) -> OfferedChoice:
                 group, is_news = self._groups[choice], choice not in why and choice[1] not in told
                 gone = [each for each in open_ if is_news and each[0] != choice[0] and not made[each] & group]
                 title = titled(choice[1], self._titles.get(choice, ""))
@@ -118,7 +118,7 @@ class Dealership:
     def _scenarios(self, masks: Mapping[str, Masks]) -> Scenarios:
         """Each choice with all that is chosen elsewhere, as *masks* by path; not with what is chosen inside it."""
         everywhere = bits_of(range(self._number), self._number)
-        allowed: dict[int, Words] = {}
+        allowed: dict[int, ScenarioBits] = {}
         for variable, alone in self._alone.items():
             others = everywhere & ~bits_of([*alone, self._without[self._variables[variable].path]], self._number)
             rows = [others | bits_of([each], self._number) for each in alone]
@@ -154,7 +154,7 @@ class Dealership:
         constraints = self._diagram.flat.constraints
         return [tuple(constraints[each] for each in owners) for owners in self._reasons.of(scenarios, groups)]
 
-    def _single(self, diagram: Diagram) -> Choices:
+    def _single(self, diagram: DecisionDiagram) -> Choices:
         """The choices of the only row of *diagram*."""
         row = np.zeros(len(self._variables), np.int16)
         for variable, layer in zip(diagram.order, diagram.layers, strict=True):
@@ -171,7 +171,7 @@ def _joined(masks: Iterable[Masks]) -> Masks:
     return joined
 
 
-def _range(diagram: Diagram, total: PropertySum) -> OfferedTotal:
+def _range(diagram: DecisionDiagram, total: PropertySum) -> OfferedTotal:
     least, greatest = extremes(diagram, total.weights)
     low, high = (total.shown(total.start + int(ends[0][0])) for ends in (least, greatest))
     return OfferedTotal(total.name, titled(total.name), total.unit.symbol, low, high)
@@ -190,7 +190,7 @@ class Reasons:
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
-        self._diagrams: dict[frozenset[int], Diagram | None] = {}
+        self._diagrams: dict[frozenset[int], DecisionDiagram | None] = {}
         self._conflicts: list[tuple[int, ...]] = [(number,) for number in range(len(engine.flat.constraints))]
 
     def of(self, scenarios: Scenarios, groups: Iterable[int]) -> list[tuple[int, ...]]:
@@ -221,7 +221,7 @@ class Reasons:
         self._conflicts = sorted([*self._conflicts, found], key=len)
         return found
 
-    def _diagram(self, owners: frozenset[int]) -> Diagram | None:
+    def _diagram(self, owners: frozenset[int]) -> DecisionDiagram | None:
         if owners not in self._diagrams:
             self._diagrams[owners] = self._engine.only(sorted(owners)).expanded
         return self._diagrams[owners]

@@ -16,8 +16,8 @@ from dse.space.decisions import sites
 from dse.space.lowering.objective import FoldedObjective, LinearObjective, LoweredObjective, objective
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.engine import Engine
-from dse.space.methods.mdd.diagram import Diagram
-from dse.space.methods.optimum.optimizer import Ranking, sums
+from dse.space.methods.mdd.diagram import DecisionDiagram
+from dse.space.methods.optimum.optimizer import RankedRows, sums
 from dse.space.methods.optimum.pareto import pareto
 from dse.space.methods.optimum.regions import best_valued
 from dse.space.questions.ratio import as_ratio, best_ratio
@@ -116,15 +116,15 @@ def _si(dimension: Dimension) -> Unit:
     return Unit(f"SI base units ({describe(dimension)})", Fraction(1), Fraction(0), dimension)
 
 
-def _linear(engine: Engine, lowered: LinearObjective, number: int, *, largest: bool) -> Ranking:
+def _linear(engine: Engine, lowered: LinearObjective, number: int, *, largest: bool) -> RankedRows:
     try:
         rows = engine.least({v: -w if largest else w for v, w in lowered.weights.items()}, number)
     except TooMuchError as error:
         raise _too_large(engine) from error
-    return Ranking(rows, tuple(lowered.value(total) for total in sums(lowered.weights, rows).tolist()))
+    return RankedRows(rows, tuple(lowered.value(total) for total in sums(lowered.weights, rows).tolist()))
 
 
-def _nonlinear(space: DesignSpace, engine: Engine, aim: Aim, lowered: FoldedObjective, number: int) -> Ranking:
+def _nonlinear(space: DesignSpace, engine: Engine, aim: Aim, lowered: FoldedObjective, number: int) -> RankedRows:
     diagram = _diagram(engine)
     sides = as_ratio(space, aim.expression)
     ranking = best_ratio(diagram, *sides, number, largest=aim.largest) if sides else None
@@ -143,7 +143,7 @@ def _sum(lowered: LoweredObjective, aim: Aim) -> LinearObjective:
     raise fail(f"'{aim}' is no sum of properties, as a Pareto set needs", None, "ask for the best under it instead")
 
 
-def _diagram(engine: Engine) -> Diagram:
+def _diagram(engine: Engine) -> DecisionDiagram:
     if engine.diagram is None:
         raise _too_large(engine)
     return engine.diagram

@@ -11,8 +11,8 @@ from dse.domain.design import DesignSpace
 from dse.domain.expression import Binary, Expression
 from dse.space.flat import Ints, Rows
 from dse.space.lowering.objective import LinearObjective, objective
-from dse.space.methods.mdd.diagram import Diagram, extremes
-from dse.space.methods.optimum.optimizer import Ranking, best, sums
+from dse.space.methods.mdd.diagram import DecisionDiagram, extremes
+from dse.space.methods.optimum.optimizer import RankedRows, best, sums
 
 _SAFE = 1 << 60
 
@@ -30,8 +30,8 @@ def as_ratio(space: DesignSpace, expression: Expression) -> tuple[LinearObjectiv
 
 
 def best_ratio(
-    diagram: Diagram, above: LinearObjective, below: LinearObjective, number: int, *, largest: bool
-) -> Ranking | None:
+    diagram: DecisionDiagram, above: LinearObjective, below: LinearObjective, number: int, *, largest: bool
+) -> RankedRows | None:
     """The *number* rows of least (or largest) above / below; of equal ones those that are listed first.
 
     None if *below* may be 0 or negative, or the numbers become too long. Exact: with r the worst quotient of any
@@ -52,10 +52,10 @@ def best_ratio(
         if max(sign * ratio for ratio in found) == worst:
             break
     if not len(rows):
-        return Ranking(rows, ())
+        return RankedRows(rows, ())
     listed = rows[:, diagram.order].tolist()
     order = sorted(range(len(rows)), key=lambda place: (sign * found[place], listed[place]))
-    return Ranking(rows[order], tuple(found[place] for place in order))
+    return RankedRows(rows[order], tuple(found[place] for place in order))
 
 
 def _ratios(above: LinearObjective, below: LinearObjective, rows: Rows) -> list[Fraction]:

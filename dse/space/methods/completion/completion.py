@@ -13,11 +13,11 @@ from dse.space.methods.completion.graph import GraphCompletion
 from dse.space.methods.completion.layers import LayeredCompletion
 from dse.space.methods.completion.preferences import Preference
 from dse.space.methods.engine import Engine
+from dse.space.methods.listing.blocks import first
 from dse.space.methods.listing.recheck import recheck
-from dse.space.methods.mdd.diagram import Diagram, restrict
+from dse.space.methods.mdd.diagram import DecisionDiagram, restrict
 from dse.space.methods.mdd.expand import expand
 from dse.space.methods.mdd.growth import TooWideError
-from dse.space.methods.optimum.optimizer import is_empty
 
 _TRIES = 16
 """Rows drawn before the space is narrowed."""
@@ -63,7 +63,7 @@ class DiagramCompletion:
     Where they do not, the preferences that follow are looked at one by one until they do.
     """
 
-    def __init__(self, engine: Engine, diagram: Diagram) -> None:
+    def __init__(self, engine: Engine, diagram: DecisionDiagram) -> None:
         self._engine = engine
         self._diagram = diagram
         self._recheck = recheck(engine.flat)
@@ -94,7 +94,7 @@ class DiagramCompletion:
             number = max(number - _STEP, 0)
             left = restrict(self._diagram, _masks(likely[:number]))
             whole = _expanded(left)
-            if whole is None and not is_empty(left):
+            if whole is None and first(left) is not None:
                 break
             if not number:
                 break
@@ -102,7 +102,7 @@ class DiagramCompletion:
             if whole is not None:
                 return LayeredCompletion(whole).row(likely[place:], random)
             narrowed = restrict(left, _masks(likely[place : place + 1]))
-            if not is_empty(narrowed):
+            if first(narrowed) is not None:
                 left, whole = narrowed, _expanded(narrowed)
         return None if whole is None else LayeredCompletion(whole).row((), random)
 
@@ -133,7 +133,7 @@ def _masks(preferences: Sequence[Preference]) -> dict[int, Bools]:
     return {variable: mask for preference in preferences for variable, mask in (preference.masks() or {}).items()}
 
 
-def _expanded(diagram: Diagram) -> Diagram | None:
+def _expanded(diagram: DecisionDiagram) -> DecisionDiagram | None:
     try:
         return expand(diagram, _NODES)
     except TooWideError:

@@ -14,12 +14,12 @@ import numpy as np
 
 from dse.space.flat import Rows
 from dse.space.methods.completion.preferences import Preference
-from dse.space.methods.dnnf.cnf import NO_LITERAL, TRUE
+from dse.space.methods.dnnf.cnf import NO_LITERAL, TRUE_LITERAL
 from dse.space.methods.dnnf.compile import Dnnf
 from dse.space.methods.dnnf.descend import descend
-from dse.space.methods.dnnf.graph import Branch
+from dse.space.methods.dnnf.graph import GraphBranch
 from dse.space.methods.dnnf.selection import RandomSelection
-from dse.space.methods.dnnf.simplify import FALSE
+from dse.space.methods.dnnf.simplify import FALSE_LITERAL
 from dse.space.methods.dnnf.weigh import Weighed, weigh
 
 Best = tuple[int, int]
@@ -53,8 +53,8 @@ def _best(weighed: Weighed, preferences: Sequence[Preference]) -> Weighed:
     for of_variable, bests in zip(dnnf.cnf.values, classes, strict=True):
         for literal, best in zip(of_variable, bests, strict=True):
             # What is worth something wherever there is a row decides nothing, and a part is left out in one way.
-            image = FALSE if literal == NO_LITERAL else dnnf.image[literal]
-            if image not in (TRUE, FALSE):
+            image = FALSE_LITERAL if literal == NO_LITERAL else dnnf.image[literal]
+            if image not in (TRUE_LITERAL, FALSE_LITERAL):
                 literals[image] = _both(literals[image], best)
     nodes: list[Best] = []
     branches: list[tuple[int, ...]] = []
@@ -100,7 +100,7 @@ def _of_values(
     return tuple(below), classes
 
 
-def _of_branch(branch: Branch, literals: Sequence[Best], free: Sequence[Best], nodes: Sequence[Best]) -> Best:
+def _of_branch(branch: GraphBranch, literals: Sequence[Best], free: Sequence[Best], nodes: Sequence[Best]) -> Best:
     worth, ways = 0, 1
     for literal in branch.literals:
         worth, ways = worth + literals[literal][0], ways * literals[literal][1]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from dse.space.flat import ABSENT, Floats, Ints, Rows
 from dse.space.methods.completion.preferences import Preference
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 
 _TOGETHER = 60
 """Preferences whose worth a machine word holds."""
@@ -32,7 +32,7 @@ Children = Sequence[NDArray[Any]]
 class LayeredCompletion:
     """Completes rows by a *diagram* that is not empty and whose layers hold all rules."""
 
-    def __init__(self, diagram: Diagram) -> None:
+    def __init__(self, diagram: DecisionDiagram) -> None:
         self._diagram = diagram
         # Without choices there is no layer, and so no next one.
         self._none = [*map(len, diagram.layers), 1][1:]

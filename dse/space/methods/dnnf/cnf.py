@@ -16,7 +16,7 @@ import numpy as np
 from dse.space.flat import ABSENT, NOBODY, Bools, Clause, FlatSpace, Linear, Table, Variable
 from dse.space.methods.dnnf.trim import UnsupportedError
 
-TRUE = 0
+TRUE_LITERAL = 0
 """The literal that always holds."""
 
 NO_LITERAL = -1
@@ -67,11 +67,11 @@ class _Writer:
     def __init__(self, flat: FlatSpace) -> None:
         self._booleans = 1
         # The same clause may belong to several constraints, each of which may be to blame.
-        self._clauses: dict[tuple[tuple[int, ...], int], None] = {((TRUE,), NOBODY): None}
+        self._clauses: dict[tuple[tuple[int, ...], int], None] = {((TRUE_LITERAL,), NOBODY): None}
         self._exists: list[int] = []
         self._values: list[tuple[int, ...]] = []
         for variable in flat.variables:
-            exists = TRUE if variable.parent is None else self._values[variable.parent[0]][variable.parent[1]]
+            exists = TRUE_LITERAL if variable.parent is None else self._values[variable.parent[0]][variable.parent[1]]
             self._exists.append(exists)
             self._values.append(self._decision(variable, exists))
 
@@ -83,9 +83,9 @@ class _Writer:
     def add(self, literals: Sequence[int], owner: int) -> None:
         """At least one of the literals holds."""
         distinct = set(literals)
-        if TRUE in distinct or any(literal ^ 1 in distinct for literal in distinct):
+        if TRUE_LITERAL in distinct or any(literal ^ 1 in distinct for literal in distinct):
             return
-        distinct.discard(TRUE ^ 1)
+        distinct.discard(TRUE_LITERAL ^ 1)
         self._clauses[tuple(sorted(distinct)), owner] = None
 
     def say(self, literals: Sequence[tuple[int, Bools]], owner: int) -> None:
@@ -103,7 +103,7 @@ class _Writer:
                 found.append(([exists, taken ^ 1], amount))
             else:
                 found.append(([literal], amount))
-        if exists != TRUE:
+        if exists != TRUE_LITERAL:
             found.append(([exists ^ 1], 0))
         return found
 
@@ -119,7 +119,7 @@ class _Writer:
             literal = self.new()
             self.add((literal ^ 1, exists), NOBODY)
             return tuple(NO_LITERAL if value is None else literal for value in variable.values)
-        if len(variable.values) == 2 and exists == TRUE:
+        if len(variable.values) == 2 and exists == TRUE_LITERAL:
             literal = self.new()
             return (literal, literal ^ 1)
         values = tuple(self.new() for _ in variable.values)
@@ -151,7 +151,7 @@ class _Writer:
             return _forms_of_optional(
                 exists, values[1 - left_out], (allowed[1 - left_out], allowed[left_out], allowed[ABSENT])
             )
-        absent = allowed[ABSENT] or exists == TRUE
+        absent = allowed[ABSENT] or exists == TRUE_LITERAL
         joined = [literal for literal, allows in zip(values, allowed, strict=False) if allows]
         split = [[literal ^ 1] for literal, allows in zip(values, allowed, strict=False) if not allows]
         if absent:
@@ -237,14 +237,14 @@ def _rest(numbers: list[int], cases: Mapping[int, list[Case]]) -> tuple[list[int
     return least[::-1], most[::-1]
 
 
-Box = tuple[tuple[int, Bools], ...]
+CellBox = tuple[tuple[int, Bools], ...]
 """Cells by variable and mask, shape (values + 1,)."""
 
 _Links = tuple[tuple[tuple[int, int, bool], ...] | None, ...]
 """By axis: the axes it hangs below, by which value, and whether directly; None for a root."""
 
 
-def boxes(flat: FlatSpace, table: Table) -> list[Box]:
+def boxes(flat: FlatSpace, table: Table) -> list[CellBox]:
     """Boxes that hold every forbidden cell a row can reach, and no allowed one that a row can reach.
 
     Greedy: a box grows from the first cell not yet covered, axis by axis, as far as cells are forbidden or out of
@@ -269,13 +269,13 @@ def boxes(flat: FlatSpace, table: Table) -> list[Box]:
 
 
 @lru_cache(maxsize=1024)  # thousands of rules have the same few tables
-def _cover(shape: tuple[int, ...], cells: bytes, links: _Links) -> tuple[Box, ...]:
+def _cover(shape: tuple[int, ...], cells: bytes, links: _Links) -> tuple[CellBox, ...]:
     """Boxes by axis instead of variable."""
     allowed = np.frombuffer(cells, np.bool_).reshape(shape)
     reachable = _reachable(shape, links)
     free_to_take = ~(allowed & reachable)
     to_cover = ~allowed & reachable
-    found: list[Box] = []
+    found: list[CellBox] = []
     while to_cover.any():
         cell = np.unravel_index(int(np.argmax(to_cover)), shape)
         masks = [np.arange(size) == at for size, at in zip(shape, cell, strict=True)]

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from dse.space.methods.grid.halves import pairs, summed
 from dse.space.methods.grid.split import Counting, caps, counting, execute, split
-from dse.space.methods.mdd.diagram import Diagram, count
+from dse.space.methods.mdd.diagram import DecisionDiagram, count
 
 MOST_MEMORY = 4e9
 """Bytes."""
 
-MOST_WORK = 5e10
+MOST_GRID_WORK = 5e10
 """Additions of a cell; some twenty seconds."""
 
 
-def exact_count(diagram: Diagram, most_memory: float = MOST_MEMORY, most_work: float = MOST_WORK) -> int:
+def exact_count(diagram: DecisionDiagram, most_memory: float = MOST_MEMORY, most_work: float = MOST_GRID_WORK) -> int:
     """How many rows of *diagram* meet the Linear rules as well.
 
     TooMuchError, before anything is spent, if that is estimated to take more bytes or additions, or if there are

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from dse.space.flat import Floats, Ints
 from dse.space.methods.budget import Cost, TooMuchError
-from dse.space.methods.grid.axes import Axis, Layers, Span, axes, pruned, reached, spans
-from dse.space.methods.grid.digits import BITS
+from dse.space.methods.grid.axes import Layers, SumAxis, SumSpan, axes, pruned, reached, spans
+from dse.space.methods.grid.digits import DIGIT_BITS
 from dse.space.methods.grid.halves import Side
 from dse.space.methods.grid.levels import memory_of_levels, run_levels
-from dse.space.methods.grid.nodes import Node, Swept, run
+from dse.space.methods.grid.nodes import GridNode, Swept, run
 from dse.space.methods.grid.sweep import Schedule, Sweep, backward, forward, schedule
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 
 _CALL = 15_000
 """What a term costs besides its cells, in additions of a cell, if grids are added one by one."""
@@ -48,10 +48,10 @@ _MOST_BITS = 60.0
 class Counting:
     """What is to be counted: a diagram without hopeless edges; the sums that matter, that of most places first."""
 
-    diagram: Diagram
-    sums: tuple[Axis, ...]
-    before: tuple[Sequence[Span], ...]
-    after: tuple[Sequence[Span], ...]
+    diagram: DecisionDiagram
+    sums: tuple[SumAxis, ...]
+    before: tuple[Sequence[SumSpan], ...]
+    after: tuple[Sequence[SumSpan], ...]
 
     @property
     def layers(self) -> Layers:
@@ -85,7 +85,7 @@ class Split:
     cost: Cost
 
 
-def counting(diagram: Diagram) -> Counting | Diagram:
+def counting(diagram: DecisionDiagram) -> Counting | DecisionDiagram:
     """What is to be counted; a diagram alone if it holds no rule any more. TooMuchError for a rule that is no sum."""
     if diagram.empty or diagram.expanded:
         return diagram
@@ -97,7 +97,7 @@ def counting(diagram: Diagram) -> Counting | Diagram:
     layers = pruned(diagram.layers, sums)
     if not (layers[0] >= 0).any():
         return _nothing(diagram)
-    left: list[tuple[Axis, list[Span], list[Span]]] = []
+    left: list[tuple[SumAxis, list[SumSpan], list[SumSpan]]] = []
     for axis in sums:
         reach = reached(layers, axis.weights)
         least, most = int(reach.least_after[0][0]), int(reach.most_after[0][0])
@@ -162,14 +162,14 @@ def execution(sweep: Sweep, sizes: Sequence[int], most_memory: float) -> Executi
     return Execution(found, found.memory)
 
 
-def execute(sweep: Sweep, chosen: Execution, caps: Sequence[Mapping[Node, int]] = ()) -> Swept:
+def execute(sweep: Sweep, chosen: Execution, caps: Sequence[Mapping[GridNode, int]] = ()) -> Swept:
     """All grids of a sweep."""
     return run_levels(sweep) if chosen.schedule is None else run(sweep, chosen.schedule, caps)
 
 
-def caps(problem: Counting, found: Split) -> tuple[Sequence[Mapping[Node, int]], Sequence[Mapping[Node, int]]]:
+def caps(problem: Counting, found: Split) -> tuple[Sequence[Mapping[GridNode, int]], Sequence[Mapping[GridNode, int]]]:
     """The largest numbers in the grids of all sums but one, if that pays: no finer grid has larger ones."""
-    largest: tuple[list[Mapping[Node, int]], list[Mapping[Node, int]]] = ([], [])
+    largest: tuple[list[Mapping[GridNode, int]], list[Mapping[GridNode, int]]] = ([], [])
     if found.cost.work < _WORTH_CAPS or len(problem.sums) == 1:
         return largest
     for left_out in range(len(problem.sums)):
@@ -184,10 +184,10 @@ def caps(problem: Counting, found: Split) -> tuple[Sequence[Mapping[Node, int]],
 
 def words(heights_: Sequence[float]) -> list[int]:
     """Bytes of a number up to 2^height, as a rule."""
-    return [2 if h < 12 else 4 if h < 31 else 8 if h < 63 else 8 * (int(h) // BITS + 1) for h in heights_]
+    return [2 if h < 12 else 4 if h < 31 else 8 if h < 63 else 8 * (int(h) // DIGIT_BITS + 1) for h in heights_]
 
 
-def _nothing(diagram: Diagram) -> Diagram:
+def _nothing(diagram: DecisionDiagram) -> DecisionDiagram:
     return replace(diagram, layers=tuple(layer[:0] for layer in diagram.layers), empty=True)
 
 
@@ -230,7 +230,7 @@ def _term(side: Side, steps: Sequence[int], size: int) -> float:
     return min(work + _CALL, work * _AT_ONCE)
 
 
-def heights(layers: Layers, sums: Sequence[Axis]) -> tuple[list[float], list[float]]:
+def heights(layers: Layers, sums: Sequence[SumAxis]) -> tuple[list[float], list[float]]:
     """Binary logarithm of the most ways to one cell of a level's grids, of paths before it and of paths after it."""
     before, after = [0.0], [0.0]
     state = _start(len(sums))
@@ -277,5 +277,5 @@ def _start(axes: int) -> _Moments:
     return _Moments(np.ones(1), np.zeros((1, axes)), np.zeros((1, axes)), 0.0)
 
 
-def _weights(sums: Sequence[Axis], level: int, value: Ints) -> Floats:
+def _weights(sums: Sequence[SumAxis], level: int, value: Ints) -> Floats:
     return np.stack([axis.weights[level][value] for axis in sums], axis=1).astype(np.float64)

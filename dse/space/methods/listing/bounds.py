@@ -16,7 +16,7 @@ from math import gcd
 import numpy as np
 
 from dse.space.flat import FlatSpace, Floats, Ints, Linear
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 
 _SAFE = 1 << 61
 _FINE = 8
@@ -114,7 +114,7 @@ def combined(cuts: Sequence[Cut], multipliers: Mapping[int, float]) -> Cut | Non
     return Cut(weights, sum(m * cuts[number].high for number, m in whole.items()), whole)
 
 
-def least(diagram: Diagram, weights: Sequence[Ints], sums: int) -> list[Ints]:
+def least(diagram: DecisionDiagram, weights: Sequence[Ints], sums: int) -> list[Ints]:
     """The least of each of *sums* sums over all completions: per layer, the end included, shape (sums, nodes).
 
     *weights* as `stacked` makes them.
@@ -127,7 +127,7 @@ def least(diagram: Diagram, weights: Sequence[Ints], sums: int) -> list[Ints]:
     return reached[::-1]
 
 
-def stacked(diagram: Diagram, sums: Sequence[Mapping[int, Ints]]) -> list[Ints]:
+def stacked(diagram: DecisionDiagram, sums: Sequence[Mapping[int, Ints]]) -> list[Ints]:
     """The weights of every sum by layer, shape (sums, values + 1)."""
     found = []
     for variable, layer in zip(diagram.order, diagram.layers, strict=True):

@@ -18,16 +18,16 @@ from dse.space.flat import ABSENT, Bools, Ints, Rows, Wide
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.listing.bounds import Cut
 from dse.space.methods.listing.slack import Slack, slack_of
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 from dse.space.methods.mdd.folds import Rest, added, contributions, interval, judged, rests
 
-BLOCK = 1 << 15
+BLOCK_ROWS = 1 << 15
 """Most rows of a block."""
 
 _FIRST = 256
 """Candidates that the first blocks are extended to."""
 
-Places = NDArray[np.int32]
+RowPlaces = NDArray[np.int32]
 
 
 class Rounds:
@@ -51,7 +51,7 @@ class _Trail:
     """
 
     before: _Trail | None
-    parents: Places | None
+    parents: RowPlaces | None
     taken: NDArray[Any]
 
 
@@ -61,7 +61,7 @@ class _Piece:
 
     depth: int
     trail: _Trail | None
-    nodes: Places
+    nodes: RowPlaces
     active: tuple[int, ...]
     left: tuple[Ints, ...]
     folds: tuple[Ints, ...]
@@ -72,15 +72,15 @@ class _Piece:
 class _Layer:
     """The children by node and column; *values* tells of each column its value."""
 
-    child: Places
+    child: RowPlaces
     values: NDArray[np.int16]
     forced: NDArray[np.int16] | None
     """The value at each node, if none has a choice."""
-    only: Places
+    only: RowPlaces
     """Then also the child."""
 
 
-class Walk:
+class DiagramWalk:
     """All rows of a diagram within *cuts* and *wides*, lazily and in order: iterate for blocks of rows.
 
     The bounds of the *movable* cuts may be tightened while the walk is under way; it then leaves out what it has
@@ -90,10 +90,10 @@ class Walk:
 
     def __init__(
         self,
-        diagram: Diagram,
+        diagram: DecisionDiagram,
         cuts: Sequence[Cut],
         wides: Sequence[Wide] = (),
-        block: int = BLOCK,
+        block: int = BLOCK_ROWS,
         movable: frozenset[int] = frozenset(),
         rounds: Rounds | None = None,
     ) -> None:
@@ -260,7 +260,7 @@ class Walk:
         return columns.T
 
 
-def _layer(children: Places, occurring: Ints) -> _Layer:
+def _layer(children: RowPlaces, occurring: Ints) -> _Layer:
     values = np.where(occurring == children.shape[1] - 1, ABSENT, occurring).astype(np.int16)
     child = np.ascontiguousarray(children[:, occurring])
     there = child >= 0
@@ -285,7 +285,7 @@ def _selected(piece: _Piece, keep: Ints) -> _Piece:
     return piece if len(keep) == len(piece.nodes) else _picked(piece, keep, keep.astype(np.int32))
 
 
-def _picked(piece: _Piece, part: Any, positions: Places) -> _Piece:
+def _picked(piece: _Piece, part: Any, positions: RowPlaces) -> _Piece:
     trail = piece.trail
     if trail is not None:
         parents = positions if trail.parents is None else trail.parents[part]

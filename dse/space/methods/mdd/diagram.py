@@ -21,14 +21,14 @@ from dse.space.methods.mdd.automata import Automaton, read
 from dse.space.methods.mdd.distinct import distinct_rows
 from dse.space.methods.mdd.growth import Growth
 
-MOST_NODES = 500_000
+MOST_DIAGRAM_NODES = 500_000
 """Nodes before reduction that a diagram may have unless told otherwise."""
 
 _SAFE = 1 << 62
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Diagram:
+class DecisionDiagram:
     """Rows of a space as paths from node 0 of layer 0 to the terminal, which is node 0 after the last layer.
 
     *order* names the variable of each layer; layers[k][node, value] is a node of layer k + 1 or -1, the last column
@@ -43,7 +43,9 @@ class Diagram:
     expanded: bool
 
 
-def compile_diagram(flat: FlatSpace, order: Sequence[int] | None = None, most_nodes: int = MOST_NODES) -> Diagram:
+def compile_diagram(
+    flat: FlatSpace, order: Sequence[int] | None = None, most_nodes: int = MOST_DIAGRAM_NODES
+) -> DecisionDiagram:
     """Hierarchy, tables and clauses of *flat*, by default in its own order; TooWideError beyond *most_nodes*."""
     order = tuple(range(len(flat.variables))) if order is None else tuple(order)
     reading = read(flat, order)
@@ -61,7 +63,7 @@ def compile_diagram(flat: FlatSpace, order: Sequence[int] | None = None, most_no
 
 def reduced(
     flat: FlatSpace, order: tuple[int, ...], layers: Sequence[NDArray[np.int32]] | None, *, expanded: bool
-) -> Diagram:
+) -> DecisionDiagram:
     """The diagram of layers whose nodes are all reachable, without dead nodes and with equal nodes merged.
 
     Layers None, or a dead root, say that it is empty. Nodes are numbered in the lexicographic order of their children.
@@ -82,11 +84,11 @@ def reduced(
         renamed[:-1][alive] = classes
     if layers is None:
         nothing = tuple(np.zeros((0, len(flat.variables[variable].values) + 1), np.int32) for variable in order)
-        return Diagram(flat, order, nothing, True, expanded)
-    return Diagram(flat, order, tuple(reversed(done)), False, expanded)
+        return DecisionDiagram(flat, order, nothing, True, expanded)
+    return DecisionDiagram(flat, order, tuple(reversed(done)), False, expanded)
 
 
-def restrict(diagram: Diagram, masks: Mapping[int, Bools]) -> Diagram:
+def restrict(diagram: DecisionDiagram, masks: Mapping[int, Bools]) -> DecisionDiagram:
     """The rows whose variables take values in *masks*, by variable, of shape (values + 1,); fast enough to type by."""
     if diagram.empty:
         return diagram
@@ -105,7 +107,7 @@ def restrict(diagram: Diagram, masks: Mapping[int, Bools]) -> Diagram:
     return reduced(diagram.flat, diagram.order, layers, expanded=diagram.expanded)
 
 
-def completions(diagram: Diagram) -> list[NDArray[Any]]:
+def completions(diagram: DecisionDiagram) -> list[NDArray[Any]]:
     """In how many ways each node can be completed: per layer, shape (nodes,), the terminal's layer included.
 
     Exact: int64 while the numbers are small, Python integers in object arrays above.
@@ -121,12 +123,12 @@ def completions(diagram: Diagram) -> list[NDArray[Any]]:
     return numbers[::-1]
 
 
-def count(diagram: Diagram) -> int:
+def count(diagram: DecisionDiagram) -> int:
     """How many rows the diagram has; rules that are not in the layers do not count."""
     return 0 if diagram.empty else int(completions(diagram)[0][0])
 
 
-def occurrences(diagram: Diagram) -> tuple[tuple[int, ...], ...]:
+def occurrences(diagram: DecisionDiagram) -> tuple[tuple[int, ...], ...]:
     """For each variable in file order: in how many rows it takes each of its values, and in how many it is absent."""
     found: list[tuple[int, ...]] = [(0,) * (len(variable.values) + 1) for variable in diagram.flat.variables]
     if diagram.empty:
@@ -147,7 +149,7 @@ def occurrences(diagram: Diagram) -> tuple[tuple[int, ...], ...]:
     return tuple(found)
 
 
-def extremes(diagram: Diagram, weights: Mapping[int, Ints]) -> tuple[list[Ints], list[Ints]]:
+def extremes(diagram: DecisionDiagram, weights: Mapping[int, Ints]) -> tuple[list[Ints], list[Ints]]:
     """Least and greatest sum of weights[variable][value] over the completions of each node.
 
     Per layer, shape (nodes,), the terminal's layer included; variables without weights count 0.

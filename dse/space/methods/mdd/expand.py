@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.space.flat import Bools, Ints, Wide
-from dse.space.methods.mdd.diagram import MOST_NODES, Diagram, reduced
+from dse.space.methods.mdd.diagram import MOST_DIAGRAM_NODES, DecisionDiagram, reduced
 from dse.space.methods.mdd.folds import Rest, added, contributions, interval, is_bounded, judged, rests
 from dse.space.methods.mdd.growth import Growth
 from dse.space.methods.mdd.thresholds import Bounded, bounded, settled
 
 
-def expand(diagram: Diagram, most_nodes: int = MOST_NODES) -> Diagram:
+def expand(diagram: DecisionDiagram, most_nodes: int = MOST_DIAGRAM_NODES) -> DecisionDiagram:
     """Exactly the rows that meet all rules, in the same order; TooWideError beyond *most_nodes* before reduction."""
     flat = diagram.flat
     if diagram.expanded or diagram.empty or not (flat.linears() or flat.wides()):
@@ -73,7 +73,7 @@ class _Watched:
     numbers: _Numbers | None
 
 
-def _watched(diagram: Diagram, wide: Wide) -> _Watched:
+def _watched(diagram: DecisionDiagram, wide: Wide) -> _Watched:
     depth_of = {variable: depth for depth, variable in enumerate(diagram.order)}
     last = max((depth_of[variable] for fold in wide.folds for variable in fold.values), default=-1)
     if is_bounded(wide):
@@ -93,7 +93,7 @@ def _start(watched: _Watched) -> list[Ints]:
 
 
 def _successors(
-    diagram: Diagram, sums: Sequence[Bounded], wides: Sequence[_Watched], depth: int, states: Ints
+    diagram: DecisionDiagram, sums: Sequence[Bounded], wides: Sequence[_Watched], depth: int, states: Ints
 ) -> tuple[Ints, list[Ints]]:
     layer, variable = diagram.layers[depth], diagram.order[depth]
     children = layer[states[0]]

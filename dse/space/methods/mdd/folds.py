@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.space.flat import NOTHING, Bools, Fold, Gather, Ints, Rows, Wide
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 
 _LARGEST = 1 << 62
 
@@ -43,7 +43,7 @@ def is_bounded(wide: Wide) -> bool:
     return all(_largest(fold) < _LARGEST for fold in wide.folds)
 
 
-def rests(diagram: Diagram, fold: Fold) -> list[Rest]:
+def rests(diagram: DecisionDiagram, fold: Fold) -> list[Rest]:
     """The rest of a fold for every layer of the diagram, the end included."""
     neutral = _NEUTRAL[fold.gather]
     start = np.full(1, neutral, np.int64)

@@ -20,9 +20,9 @@ from dse.space.flat import NOTHING, Bools, Floats, Fold, Gather, Ints, Linear, R
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.listing.bounds import fits
 from dse.space.methods.listing.walk import Rounds
-from dse.space.methods.mdd.diagram import Diagram, restrict
+from dse.space.methods.mdd.diagram import DecisionDiagram, restrict
 from dse.space.methods.mdd.folds import fold_rows, interval, rests
-from dse.space.methods.optimum.optimizer import Optimizer, Ranking
+from dse.space.methods.optimum.optimizer import Optimizer, RankedRows
 
 _TRIAL = 24
 """Rounds that a region is searched for before it is parted."""
@@ -56,25 +56,27 @@ class _Region:
 
 
 def best_valued(
-    diagram: Diagram, objective: Valued, number: int, *, largest: bool = False, most_rounds: int | None = None
-) -> Ranking:
+    diagram: DecisionDiagram, objective: Valued, number: int, *, largest: bool = False, most_rounds: int | None = None
+) -> RankedRows:
     """The *number* valid rows of least (or largest) defined value, or all if there are fewer.
 
     Of equal rows those come first that the list has first. Raises TooMuchError if what is best is not proven after
-    *most_rounds* pieces of work of `Walk`.
+    *most_rounds* pieces of work of `DiagramWalk`.
     """
     if number < 1 or diagram.empty:
-        return Ranking(np.zeros((0, len(diagram.order)), np.int16), ())
+        return RankedRows(np.zeros((0, len(diagram.order)), np.int16), ())
     search = _Search(diagram, objective, number, largest, None if most_rounds is None else Rounds(most_rounds))
     ranked = search.ranked()
     rows = np.array([row for _, row in ranked], np.int16).reshape(len(ranked), len(diagram.order))
-    return Ranking(rows, tuple(-value if largest else value for value, _ in ranked))
+    return RankedRows(rows, tuple(-value if largest else value for value, _ in ranked))
 
 
 class _Search:
     """The state of a branch and bound; values are negated if the largest is wanted."""
 
-    def __init__(self, diagram: Diagram, objective: Valued, number: int, largest: bool, rounds: Rounds | None) -> None:
+    def __init__(
+        self, diagram: DecisionDiagram, objective: Valued, number: int, largest: bool, rounds: Rounds | None
+    ) -> None:
         self.diagram = diagram
         self.objective = objective
         self.number = number
@@ -119,7 +121,7 @@ class _Search:
             ends.append((int(low[0]), int(high[0])))
         return _Region(self._optimizer(self.diagram), tuple(ends))
 
-    def _optimizer(self, diagram: Diagram) -> Optimizer:
+    def _optimizer(self, diagram: DecisionDiagram) -> Optimizer:
         weights = [self.objective.folds[place].values for place in self.sums]
         both = ((values, {variable: -part for variable, part in values.items()}) for values in weights)
         return Optimizer(diagram, [side for pair in both for side in pair])

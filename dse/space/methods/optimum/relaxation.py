@@ -16,7 +16,7 @@ import numpy as np
 
 from dse.space.flat import ABSENT, Floats, Ints, Rows
 from dse.space.methods.listing.bounds import least, stacked
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 
 _PATHS = 60
 """Paths looked for in one question at most;"""
@@ -49,7 +49,7 @@ class Relaxed:
 class Relaxation:
     """Paths of a diagram that is not empty, by their sums; answers do depend on which questions were asked before."""
 
-    def __init__(self, diagram: Diagram, sums: Sequence[Mapping[int, Ints]]) -> None:
+    def __init__(self, diagram: DecisionDiagram, sums: Sequence[Mapping[int, Ints]]) -> None:
         self.diagram = diagram
         self.weights = stacked(diagram, sums)
         self._reach = np.array([sum(int(np.abs(part).max()) for part in weights.values()) for weights in sums], object)
@@ -148,11 +148,11 @@ def _highest(
     return float(solved.x[0]) * ranges, solved.x[1:] * ranges / spreads
 
 
-WIDTH = 256
+BEAM_WIDTH = 256
 """Partial rows that are followed."""
 
 
-def beam(relaxation: Relaxation, factors: Sequence[int], highs: Sequence[int | None], width: int = WIDTH) -> Rows:
+def beam(relaxation: Relaxation, factors: Sequence[int], highs: Sequence[int | None], width: int = BEAM_WIDTH) -> Rows:
     """At most *width* rows of small *factors* times the sums, each sum at most its *highs*; shape (rows, variables).
 
     A partial row counts what its best completion comes to. There may be better rows, and rows although none is found.

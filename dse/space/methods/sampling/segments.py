@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from dse.space.flat import Floats, Ints
 from dse.space.methods.listing.bounds import stacked
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 from dse.space.methods.mdd.distinct import distinct
 from dse.space.methods.sampling.tilt import Masses, Tilt, slopes
 
@@ -26,7 +26,7 @@ MOST_ENTRIES = 50_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Segment:
+class DiagramSegment:
     """Where a run of layers can lead, entries in order of the node they start from.
 
     *cumulative*, shape (entries,), ascends: the number of the node plus the probability, from that node, of this
@@ -38,7 +38,7 @@ class Segment:
     sums: Ints
 
 
-Segments = tuple[Segment, ...]
+Segments = tuple[DiagramSegment, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +51,7 @@ class _Paths:
     ways: Floats
 
 
-def halves(diagram: Diagram, tilted: Tilt, most_entries: int = MOST_ENTRIES) -> tuple[Segments, Segments]:
+def halves(diagram: DecisionDiagram, tilted: Tilt, most_entries: int = MOST_ENTRIES) -> tuple[Segments, Segments]:
     """The layers up to a narrow place near the middle, and those from there on."""
     depth = len(diagram.layers)
     middle = range(depth * 2 // 5, depth * 3 // 5 + 1)
@@ -84,11 +84,11 @@ def draw(
     return places, node, sums
 
 
-def _segments(diagram: Diagram, tilted: Tilt, run: tuple[int, int], most_entries: int) -> Segments:
+def _segments(diagram: DecisionDiagram, tilted: Tilt, run: tuple[int, int], most_entries: int) -> Segments:
     """A run of layers in segments of at most *most_entries*, or of one layer where that is not enough."""
     depth, end = run
     weights = stacked(diagram, [linear.weights for linear in tilted.linears])
-    found: list[Segment] = []
+    found: list[DiagramSegment] = []
     while depth < end:
         paths = _longest(diagram.layers[depth:end], weights[depth:end], most_entries)
         best = _best_end(paths)
@@ -131,7 +131,7 @@ def _best_end(paths: Sequence[_Paths]) -> int:
     return min(ends, key=lambda end: (int(paths[end].node.max()), -end))
 
 
-def _segment(paths: _Paths, tilted: Tilt, above: Masses, below: Masses) -> Segment:
+def _segment(paths: _Paths, tilted: Tilt, above: Masses, below: Masses) -> DiagramSegment:
     energy = np.log(paths.ways) + slopes(tilted) @ paths.sums.astype(np.float64)
     energy += _logs(below)[paths.node] - _logs(above)[paths.source]
     chance = np.exp(energy)
@@ -140,7 +140,7 @@ def _segment(paths: _Paths, tilted: Tilt, above: Masses, below: Masses) -> Segme
     for node, (start, end) in enumerate(pairwise(starts.tolist())):
         own = np.cumsum(chance[start:end])
         cumulative[start:end] = node + own / own[-1]
-    return Segment(cumulative, paths.node, paths.sums)
+    return DiagramSegment(cumulative, paths.node, paths.sums)
 
 
 def _logs(masses: Masses) -> Floats:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from dse.space.flat import Floats, Ints, Linear
 from dse.space.methods.listing.bounds import Cut, cuts_of, stacked
-from dse.space.methods.mdd.diagram import Diagram, extremes
+from dse.space.methods.mdd.diagram import DecisionDiagram, extremes
 
 _ITERATIONS = 80
 _HALVINGS = 30
@@ -66,12 +66,12 @@ class Tilt:
 class _Problem:
     """What the bound depends on: *weights* of the cuts per layer, shape (values + 1, cuts); *bounds*, shape (cuts,)."""
 
-    diagram: Diagram
+    diagram: DecisionDiagram
     weights: tuple[Floats, ...]
     bounds: Floats
 
 
-def tilt(diagram: Diagram) -> Tilt:
+def tilt(diagram: DecisionDiagram) -> Tilt:
     """The tilt that makes the bound on the number of valid rows least; Wide rules are not seen.
 
     Raises EmptyError if the diagram is empty, if a sum cannot reach its bounds on any path (in whole numbers), or if
@@ -104,7 +104,7 @@ def slopes(tilted: Tilt) -> Floats:
     return found
 
 
-def node_masses(diagram: Diagram, energies: Sequence[Floats]) -> list[Masses]:
+def node_masses(diagram: DecisionDiagram, energies: Sequence[Floats]) -> list[Masses]:
     """The weight of all completions of each node, per layer, the terminal's included; never overflows."""
     masses = [Masses(np.full(1, 0.5), np.ones(1, np.int64))]
     for layer, energy in zip(reversed(diagram.layers), reversed(energies), strict=True):
@@ -130,7 +130,7 @@ def log_mass(masses: Masses) -> float:
     return log(float(masses.mantissa[0])) + int(masses.exponent[0]) * log(2)
 
 
-def _breakable(diagram: Diagram) -> tuple[Linear, ...]:
+def _breakable(diagram: DecisionDiagram) -> tuple[Linear, ...]:
     """The sum rules that are not in the layers and that some path breaks, without the sides that none breaks."""
     found: list[Linear] = []
     for linear in () if diagram.expanded else diagram.flat.linears():
