@@ -1,9 +1,20 @@
 """Answers about a design space, each by the method that fits; what has to be compiled is compiled once, on first use.
 
-The order of the attempts: the decision diagram of hierarchy and rules, with sums compiled in where they fit; grids
-of sums over its nodes; tilted sampling, which is an estimate and says so. Where the diagram is too wide in every
-order, as in large feature models, see `dse.space.methods.clausal`. Each method is imported where it is used: together
-they take longer to import than most spaces to count.
+Methods are tried in this order:
+
+| method | rules | answers |
+|---|---|---|
+| decision diagram with the sums compiled in (`mdd.expand`) | all, if few partial sums occur | all, exactly |
+| grids of sums over the diagram (`grid`) | sums | the exact count |
+| tilted sampling over the diagram (`sampling`) | all | samples; counts and shares as estimates with an interval |
+| bounds and a search over the diagram (`listing`, `optimum`) | all | lists, the first row, the best rows |
+| decision-DNNF (`dnnf`), where every order makes the diagram too wide | clauses, tables, small counts | all, exactly |
+| search with propagation (`listing.search`), if a rule has no clauses either | all | lists, until the work is spent |
+
+Of the space with x in {1, 2, 4}, y in {0, 3} and x + y <= 4, each finds 4 rows. The module docstrings of the methods
+work that example, or one like it, by hand. Each method is imported where it is used: together they take longer to
+import than most spaces to count. Every method was forced on every problem once: none could be left out, see
+docs/decisions/0007-design-space-engine.md.
 """
 
 from __future__ import annotations

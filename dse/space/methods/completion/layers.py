@@ -2,6 +2,13 @@
 
 A preference is worth twice all that come after it together, so the paths of greatest worth are those that meet the
 preferences in their order. A node keeps the worth of its best completions and in how many ways there are such.
+
+Example: three preferences are worth 4, 2 and 1. A row with only the first (4) beats one with both others (3); among
+rows with the first, one that also has the third (5) is best if none has the second. Of equal rows one is drawn.
+
+Cost: a pass over ten thousand nodes takes half a millisecond. Where the sums fit into no diagram,
+`dse.space.methods.completion.completion` narrows the space first: 2 to 60 ms a row, against 160 to 460 ms by an exact
+optimum (docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations

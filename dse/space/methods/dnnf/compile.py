@@ -1,4 +1,9 @@
-"""A wide space compiled: from decisions and rules to a decision-DNNF that answers by passes over its nodes."""
+"""A wide space compiled: from decisions and rules to a decision-DNNF that answers by passes over its nodes.
+
+The steps: values that no rule tells apart become one (`trim`), rules become clauses (`cnf`), clauses become fewer
+(`simplify`), Booleans are put in an order of decision (`order`), and the search makes the graph (`exhaust`, which has
+an example, the cost and the measurements).
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,13 @@
 """Rules as propagators over domains: what each takes away from the values that are still possible.
 
 A domain is a whole number whose bit v says that value v is possible; the bit after the last value is `ABSENT`.
+
+Example: x in {1, 2, 4}, y in {0, 3}, x + y <= 4. Nothing follows at first: each value still has a partner. Deciding
+y = 3 leaves 1 for x, so the domain of x becomes {1}, bits 0b001, and every rule over x is looked at again.
+
+Cost: variables of the rules looked at; the search that uses them (`dse.space.methods.listing.search`) counts these and
+gives up beyond its allowance. It combines no bounds: it finds the first row of some spaces sooner than a diagram is
+compiled (3 ms), and of L with tight bounds not within a second (docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations

@@ -3,6 +3,15 @@
 Many partial rows of one depth are extended at once. Where a row came from is kept as its position in the block
 before; the columns are put together once, when the rows are complete. A layer where no node has a choice costs
 next to nothing.
+
+Example: x in {1, 2, 4}, y in {0, 3}, x + y <= 4. The slack is what the bound leaves beyond the least completion.
+
+    block of x: 1, 2, 4 with slack 3, 2, 0
+    block of y: 3 more is too much for slack 2 and 0, so the rows are (1, 0), (1, 3), (2, 0), (4, 0)
+
+Cost: partial rows that are extended. With good cuts that is little more than the rows listed: 2.3 million rows a
+second on L, 5.3 million rows in 26 s where one combination in 10^21 is valid
+(docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations

@@ -3,6 +3,16 @@
 A region bounds every fold of the objective. Lagrangian bounds narrow it, the ends of the objective over it say
 whether it can matter, a beam finds good rows in it. It is searched completely if that is little work, and else parted
 in two; the most promising region is the next (Land and Doig, 1960, best bound first).
+
+Example: the least cost / range, with cost in 2 .. 6 and range in 1 .. 3; a beam finds a row of 1.
+
+    all of it: at least 2 / 3, so it may hold a better row, and is parted by the cost
+    cost 4 .. 6: at least 4 / 3, worse than 1, is dropped without a search
+    cost 2 .. 3: at least 2 / 3, is searched
+
+Cost: regions, each with Lagrangian bounds of its folds and up to 24 pieces of search. The objective only has to have
+bounds over an interval. Beyond the allowance of work the question is refused
+(docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations

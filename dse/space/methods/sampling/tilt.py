@@ -4,6 +4,15 @@ Every row gets the weight exp(-sum over cuts of multiplier * (sum - bound)). A r
 least one, so the weights of all rows together bound the number of valid rows from above; the multipliers that make
 this bound least are those of the maximum-entropy distribution whose mean sums keep the bounds (Chernoff bound and
 conjugate family: Siegmund, Importance sampling in the Monte Carlo study of sequential tests, 1976).
+
+Example: ten coins, at most two heads: 56 of 1,024 rows, so 5 % of plain draws are valid.
+
+    the multiplier ln 4 makes the mean number of heads 2: a coin shows heads with probability 1 / 5
+    68 % of the draws are then valid, and the bound is (1 + 1 / 4)^10 * 4^2 = 149 instead of 1,024
+    for uniform rows, each valid one is kept in inverse proportion to its weight: 56 / 149 = 38 % of all draws
+
+Cost: at most 80 steps of a few passes over the diagram each; then a draw is a walk. 10,000 uniform rows of 54
+decisions take 0.7 s (docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations
