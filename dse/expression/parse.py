@@ -38,8 +38,7 @@ from dse.domain.expression import (
     Unary,
 )
 from dse.errors import DseError
-from dse.expression.operators import ASSOCIATIVE, FROM_THE_RIGHT, STRENGTH
-from dse.expression.tokens import Token, TokenKind, error_at, tokenize
+from dse.expression.tokens import ASSOCIATIVE, FROM_THE_RIGHT, STRENGTH, Token, TokenKind, error_at, tokenize
 from dse.expression.tree import DEEPEST, balanced, too_deep
 
 

@@ -8,8 +8,7 @@ from fractions import Fraction
 
 from dse.domain.expression import Binary, Expression, Node, Number, Span, Unary
 from dse.errors import DseError
-from dse.expression.operators import COMPARISON_OPERATORS, LOGIC
-from dse.expression.tokens import error_at
+from dse.expression.tokens import COMPARISON_OPERATORS, LOGIC, error_at
 from dse.units import Dimension, describe, divide, multiply, power
 
 

@@ -18,8 +18,8 @@ from dse.domain.expression import (
     Unary,
 )
 from dse.errors import DseError
-from dse.expression.operators import COMPARISON_OPERATORS, FROM_THE_RIGHT, STRENGTH
 from dse.expression.parse import parse_expression
+from dse.expression.tokens import COMPARISON_OPERATORS, FROM_THE_RIGHT, STRENGTH
 from dse.expression.tree import same
 
 

@@ -5,8 +5,7 @@ are drawn and kept if they meet the others; else a complete search, which may ha
 
 Example of the second way: 12 coins, of which at least 6 show heads. The logical rules leave 4,096 rows. Of 50,000 rows
 drawn from them, about 61 % meet the sum, so the estimate is near the true 2,510. Rules that one row in 2,500 or fewer
-meets are refused.
-Measured on models of up to 2,513 features: docs/decisions/0007-design-space-engine.md.
+meets are refused. Models of up to 2,513 features were measured: docs/decisions/0007-design-space-engine.md.
 """
 
 from __future__ import annotations

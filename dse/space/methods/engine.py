@@ -11,10 +11,9 @@ Methods are tried in this order:
 | decision-DNNF (`dnnf`), where every order makes the diagram too wide | clauses, tables, small counts | all, exactly |
 | search with propagation (`listing.search`), if a rule has no clauses either | all | lists, until the work is spent |
 
-Of the space with x in {1, 2, 4}, y in {0, 3} and x + y <= 4, each finds 4 rows. The module docstrings of the methods
-work that example, or one like it, by hand. Each method is imported where it is used: together they take longer to
-import than most spaces to count. Every method was forced on every problem once: none could be left out, see
-docs/decisions/0007-design-space-engine.md.
+Each module works an example by hand, as x in {1, 2, 4}, y in {0, 3}, x + y <= 4: 4 rows. A method is imported where it
+is used: together they take longer to import than most spaces to count. They were raced: none could be left out
+(docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """A wide space compiled: from decisions and rules to a decision-DNNF that answers by passes over its nodes.
 
-The steps: values that no rule tells apart become one (`trim`), rules become clauses (`cnf`), clauses become fewer
-(`simplify`), Booleans are put in an order of decision (`order`), and the search makes the graph (`exhaust`, which has
-an example, the cost and the measurements).
+Values that no rule tells apart become one (`trim`), rules become clauses (`cnf`), clauses become fewer (`simplify`),
+Booleans get an order of decision (`order`), and a search makes the graph (`exhaust`: an example, the cost).
 """
 
 from __future__ import annotations

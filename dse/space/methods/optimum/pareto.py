@@ -7,8 +7,7 @@ Lacour and Vanderpooten, On the representation of the search region in multi-obj
 Example: rows of cost and mass (1, 5), (3, 3), (4, 4) and (5, 1).
 
     the least cost + mass of all is 6, at (3, 3): what is left has cost < 3 or mass < 3
-    cost < 3: (1, 5). mass < 3: (5, 1). (4, 4) is in neither box
-    the boxes below and beside those points have no row: the set is complete with three points
+    cost < 3: (1, 5). mass < 3: (5, 1). The boxes that are left have no row, so these three points are the set
 
 Cost: one exact optimum for each point and for each box that turns out empty, so it grows with the size of the set; at
 most 2,000 points and about a minute.

@@ -10,9 +10,8 @@ Example: the least cost / range, with cost in 2 .. 6 and range in 1 .. 3; a beam
     cost 4 .. 6: at least 4 / 3, worse than 1, is dropped without a search
     cost 2 .. 3: at least 2 / 3, is searched
 
-Cost: regions, each with Lagrangian bounds of its folds and up to 24 pieces of search. The objective only has to have
-bounds over an interval. Beyond the allowance of work the question is refused
-(docs/decisions/0007-design-space-engine.md).
+Cost: regions, each with Lagrangian bounds of its folds and up to 24 pieces of search. Beyond the allowance of work the
+question is refused (docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations
