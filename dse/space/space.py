@@ -139,7 +139,7 @@ class OpenedSpace:
         """The first *limit* valid configurations, one at a time, in the order of the file.
 
         That is: parts are nested loops, the last part is the fastest, and an optional part is there before it is left
-        out. Each was checked against every constraint in exact arithmetic. A space whose decisions are too entangled
+        out. Each was checked against every constraint in exact arithmetic. A space whose decisions are too connected
         to be compiled in that order is listed in another, always the same. Raises DseError if connections cannot be
         resolved.
         """

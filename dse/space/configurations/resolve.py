@@ -19,8 +19,8 @@ from dse.space.decisions import Choices, Site, decisions, made, sites
 from dse.space.flat import FlatSpace, Rows, Variable
 from dse.space.lowering.shape import shape_of
 
-T = TypeVar("T")
-ResolvedEntry = tuple[str | None, T | None]
+_T = TypeVar("_T")
+ResolvedEntry = tuple[str | None, _T | None]
 """A path and what stands there; (None, None) for nothing."""
 
 _NOTHING: tuple[None, None] = (None, None)
@@ -94,7 +94,7 @@ class Resolver:
         return [row.tobytes() for row in taken]
 
 
-def _mapping(entries: Sequence[ResolvedEntry[T]]) -> dict[str, T]:
+def _mapping(entries: Sequence[ResolvedEntry[_T]]) -> dict[str, _T]:
     found = dict(entries)
     found.pop(None, None)
     return found  # type: ignore[return-value]  # only (None, None) has a None

@@ -28,7 +28,7 @@ from dse.space.language.arithmetic import EXACT_FUNCTIONS, ExactValue, Undefined
 from dse.space.language.interpret import interpret, interpret_condition
 from dse.space.language.places import Places
 from dse.space.language.terms import (
-    Choice,
+    ConditionalTerm,
     Constant,
     Every,
     Leaf,
@@ -41,11 +41,11 @@ from dse.space.language.terms import (
     TermOperation,
 )
 
-Source = TypeVar("Source")
-Evaluate = Callable[[Source], ExactValue]
+_Source = TypeVar("_Source")
+Evaluate = Callable[[_Source], ExactValue]
 """The value of a term, given what is chosen, in whatever form the leaves take it."""
 
-There = Callable[[Sequence[tuple[Site, Any]]], Callable[[Source], list[Any]]]
+There = Callable[[Sequence[tuple[Site, Any]]], Callable[[_Source], list[Any]]]
 """Makes, of values by site, a function that finds those whose site is there in what is chosen, in their order."""
 
 
@@ -79,8 +79,8 @@ def compile_value(expression: Expression, space: DesignSpace) -> Evaluate[Choice
 
 
 def evaluator(
-    expression: Expression, term: Term, there: There[Source], shown: Callable[[Source], str]
-) -> Evaluate[Source]:
+    expression: Expression, term: Term, there: There[_Source], shown: Callable[[_Source], str]
+) -> Evaluate[_Source]:
     """*term* as a function of a source in which *there* finds what is chosen; *shown* tells the source in messages.
 
     The function raises DseError, located in *expression*, for a division by zero and its like.
@@ -89,12 +89,12 @@ def evaluator(
 
 
 def leaf_evaluator(
-    expression: Expression, term: Term, leaf: Callable[[Leaf], Evaluate[Source]], shown: Callable[[Source], str]
-) -> Evaluate[Source]:
+    expression: Expression, term: Term, leaf: Callable[[Leaf], Evaluate[_Source]], shown: Callable[[_Source], str]
+) -> Evaluate[_Source]:
     """Like `evaluator`, for leaves that are read in another way."""
     evaluate = _Evaluators(expression, leaf, shown).compile(term)
 
-    def guarded(source: Source) -> ExactValue:
+    def guarded(source: _Source) -> ExactValue:
         try:
             return evaluate(source)
         except OverflowError as error:
@@ -103,17 +103,17 @@ def leaf_evaluator(
     return guarded
 
 
-class _Evaluators(Generic[Source]):
+class _Evaluators(Generic[_Source]):
     """Turns a term into closures."""
 
     def __init__(
-        self, expression: Expression, leaf: Callable[[Leaf], Evaluate[Source]], shown: Callable[[Source], str]
+        self, expression: Expression, leaf: Callable[[Leaf], Evaluate[_Source]], shown: Callable[[_Source], str]
     ) -> None:
         self.expression = expression
         self.leaf = leaf
         self.shown = shown
 
-    def compile(self, term: Term) -> Evaluate[Source]:
+    def compile(self, term: Term) -> Evaluate[_Source]:
         match term:
             case Constant(value):
                 return lambda _: value
@@ -127,14 +127,14 @@ class _Evaluators(Generic[Source]):
                 conditions = [self.compile(condition) for condition in term.conditions]
                 low, high = term.low, term.high
                 return lambda source: quota(low, high, [_truth(condition(source)) for condition in conditions])
-            case Choice():
+            case ConditionalTerm():
                 return self.choice(term)
         return self.leaf(term)
 
-    def junction(self, conditions: Iterable[Term], *, deciding: bool) -> Evaluate[Source]:
+    def junction(self, conditions: Iterable[Term], *, deciding: bool) -> Evaluate[_Source]:
         compiled = [self.compile(condition) for condition in conditions]
 
-        def decide(source: Source) -> bool | None:
+        def decide(source: _Source) -> bool | None:
             # What stands behind the deciding condition is not looked at, so that it can guard a division.
             outcome: bool | None = not deciding
             for condition in compiled:
@@ -147,20 +147,20 @@ class _Evaluators(Generic[Source]):
 
         return decide
 
-    def choice(self, term: Choice) -> Evaluate[Source]:
+    def choice(self, term: ConditionalTerm) -> Evaluate[_Source]:
         condition, yes, no = self.compile(term.condition), self.compile(term.yes), self.compile(term.no)
 
-        def choose(source: Source) -> ExactValue:
+        def choose(source: _Source) -> ExactValue:
             outcome = condition(source)
             return None if outcome is None else (yes if outcome else no)(source)
 
         return choose
 
-    def operation(self, term: TermOperation) -> Evaluate[Source]:
+    def operation(self, term: TermOperation) -> Evaluate[_Source]:
         function = EXACT_FUNCTIONS[term.operator]
         operands = [self.compile(operand) for operand in term.operands]
 
-        def apply(source: Source) -> ExactValue:
+        def apply(source: _Source) -> ExactValue:
             values = []
             for operand in operands:
                 value = operand(source)
@@ -181,7 +181,7 @@ def _there(entries: Sequence[tuple[Site, Any]]) -> Callable[[Choices], list[Any]
     return lambda choices: [value for site, value in entries if site.is_there(choices)]
 
 
-def _read(leaf: Leaf, there: There[Source]) -> Evaluate[Source]:
+def _read(leaf: Leaf, there: There[_Source]) -> Evaluate[_Source]:
     """How the value of *leaf* is read from a source."""
     match leaf:
         case Selected(sites, named):

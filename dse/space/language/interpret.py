@@ -41,7 +41,7 @@ from dse.expression import (
 from dse.space.decisions import Site
 from dse.space.language.places import Places
 from dse.space.language.terms import (
-    Choice,
+    ConditionalTerm,
     Constant,
     Every,
     Quota,
@@ -228,7 +228,7 @@ class _Interpreter:
         condition_sort, condition = self.term(node.condition)
         require_truth(self.expression, node.condition, condition_sort)
         (yes_sort, yes), (no_sort, no) = self.term(node.yes), self.term(node.no)
-        return choice_sort(self.expression, node.span, yes_sort, no_sort), Choice(condition, yes, no)
+        return choice_sort(self.expression, node.span, yes_sort, no_sort), ConditionalTerm(condition, yes, no)
 
     def error(self, span: Span, what: str, advice: str) -> DseError:
         return error_in(self.expression, span, what, advice)

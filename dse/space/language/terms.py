@@ -71,7 +71,7 @@ class Some:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Choice:
+class ConditionalTerm:
     """``if … then … else …``; undefined where the condition is."""
 
     condition: Term
@@ -91,7 +91,7 @@ class Quota:
 Leaf = Selected | Stated | RollUp
 """The terms that look at what is chosen."""
 
-Term = Constant | Leaf | TermOperation | Every | Some | Choice | Quota
+Term = Constant | Leaf | TermOperation | Every | Some | ConditionalTerm | Quota
 
 
 def parts(term: Term) -> tuple[Term, ...]:
@@ -101,7 +101,7 @@ def parts(term: Term) -> tuple[Term, ...]:
             return term.operands
         case Every() | Some() | Quota():
             return term.conditions
-        case Choice():
+        case ConditionalTerm():
             return (term.condition, term.yes, term.no)
     return ()
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from dse.space.decisions import Site
 from dse.space.flat import Ints
-from dse.space.language.terms import Choice, Constant, Entries, RollUp, Selected, Stated, Term, TermOperation
+from dse.space.language.terms import ConditionalTerm, Constant, Entries, RollUp, Selected, Stated, Term, TermOperation
 from dse.space.lowering.formulas import (
     FALSE_FORMULA,
     TRUE_FORMULA,
@@ -90,7 +90,7 @@ def affine(shape: SpaceShape, term: Term) -> Affine:
             return found
         case TermOperation("negative", (operand,)):
             return affine(shape, operand).times(Fraction(-1))
-        case Choice(Selected(sites, named), yes, no) if None not in named:
+        case ConditionalTerm(Selected(sites, named), yes, no) if None not in named:
             chosen, other = affine(shape, yes), affine(shape, no)
             if chosen.is_number() and other.is_number() and not (chosen.there or other.there):
                 difference = chosen.constant - other.constant

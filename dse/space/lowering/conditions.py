@@ -5,7 +5,7 @@ from __future__ import annotations
 from dse.errors import DseError
 from dse.space.decisions import Site
 from dse.space.language.terms import (
-    Choice,
+    ConditionalTerm,
     Constant,
     Every,
     Quota,
@@ -73,7 +73,7 @@ class ConditionLowering:
             case TermOperation() if term.operator in OPPOSITE:
                 found = compare(shape, term, outcome)
                 return found if found is not None else atom(shape, term, outcome)
-            case Choice(condition, yes, no):
+            case ConditionalTerm(condition, yes, no):
                 met = conjoin(shape, [self.formula(condition, True), self.formula(yes, outcome)])
                 unmet = conjoin(shape, [self.formula(condition, False), self.formula(no, outcome)])
                 return disjoin(shape, [met, unmet])

@@ -10,7 +10,7 @@ import numpy as np
 from dse.domain.design import DesignSpace
 from dse.domain.expression import Expression
 from dse.errors import DseError, Problem, raise_if_any
-from dse.space.flat import NOBODY, NOTHING, FlatSpace, Fold, Gather, Ints, Rule
+from dse.space.flat import NO_OWNER, NO_VALUE, FlatSpace, Fold, Gather, Ints, Rule
 from dse.space.language.interpret import interpret_condition
 from dse.space.language.places import Places
 from dse.space.language.terms import Constant, Every, Term, TermOperation, parts
@@ -69,7 +69,7 @@ def selecting(space: DesignSpace, expression: Expression, most_cells: int = MOST
     if not may_fail(shape, expression, term):
         with suppress(TooLargeError):
             formula = ConditionLowering(shape).formula(term, True)
-    return rules_of(shape, expression, [formula], NOBODY, most_cells)
+    return rules_of(shape, expression, [formula], NO_OWNER, most_cells)
 
 
 def _too_many_values(space: DesignSpace, shape: SpaceShape) -> Iterator[Problem]:
@@ -135,13 +135,13 @@ def _reach(shape: SpaceShape, fold: Fold) -> tuple[int, int]:
 
 def _reach_of_some(fold: Fold) -> tuple[int, int]:
     """Of what may be nothing: from the least contribution, or what a product may become."""
-    found: list[Ints] = [values[values != NOTHING] for values in fold.values.values()]
+    found: list[Ints] = [values[values != NO_VALUE] for values in fold.values.values()]
     numbers = [int(value) for values in found for value in (values.min(), values.max())]
-    if fold.start != NOTHING:
+    if fold.start != NO_VALUE:
         numbers.append(fold.start)
     if fold.gather is not Gather.PRODUCT:
-        return min(numbers), NOTHING
-    largest = max(1, abs(fold.start)) if fold.start != NOTHING else 1
+        return min(numbers), NO_VALUE
+    largest = max(1, abs(fold.start)) if fold.start != NO_VALUE else 1
     for values in found:
         largest *= max(1, int(np.abs(values).max()))
-    return -largest if min(numbers) < 0 else min(1, *numbers), NOTHING
+    return -largest if min(numbers) < 0 else min(1, *numbers), NO_VALUE

@@ -12,7 +12,7 @@ from dse.space.flat import Bools, Fold, Gather, Ints, Wide
 from dse.space.language import intervals
 from dse.space.language.evaluate import Evaluate, leaf_evaluator
 from dse.space.language.intervals import NumberBounds, TruthBounds
-from dse.space.language.terms import Choice, Constant, Every, Leaf, Quota, Some, Term, TermOperation, leaves
+from dse.space.language.terms import ConditionalTerm, Constant, Every, Leaf, Quota, Some, Term, TermOperation, leaves
 from dse.space.lowering.counts import tally
 from dse.space.lowering.folds import Folds
 from dse.space.lowering.formulas import Atom, BoundedSum, Formula, FormulaJunction, Literal
@@ -60,7 +60,7 @@ class Calculator:
                 return intervals.junction(intervals.truths(below(conditions)), every=isinstance(term, Every))
             case Quota(least, most, conditions):
                 return intervals.quota(least, most, intervals.truths(below(conditions)))
-            case Choice(condition, yes, no):
+            case ConditionalTerm(condition, yes, no):
                 (met,) = intervals.truths(below([condition]))
                 return intervals.choice(met, *below([yes, no]))
         return self._readings[id(term)].bounds(low, high)

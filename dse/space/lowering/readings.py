@@ -16,13 +16,13 @@ from typing import Protocol, TypeVar
 import numpy as np
 
 from dse.space.decisions import Site
-from dse.space.flat import NOTHING, Floats, Gather, Ints
+from dse.space.flat import NO_VALUE, Floats, Gather, Ints
 from dse.space.language.arithmetic import ExactValue
 from dse.space.language.intervals import NumberBounds, TruthBounds, calculation, defined_between, ends, scaled
 from dse.space.language.terms import Entries, Leaf, RollUp, Selected, Stated
 from dse.space.lowering.folds import Folds
 
-T = TypeVar("T")
+_T = TypeVar("_T")
 _LARGEST = 2**62
 _BITS = 30
 
@@ -128,7 +128,7 @@ class _Extreme:
 
     def value(self, folds: Sequence[int]) -> Fraction | None:
         rank = folds[self.fold]
-        return None if rank == NOTHING else self.values[rank]
+        return None if rank == NO_VALUE else self.values[rank]
 
     def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> NumberBounds:
         last = len(self.values) - 1
@@ -136,8 +136,8 @@ class _Extreme:
         return NumberBounds(
             self.low[np.clip(least, 0, last)],
             self.high[np.clip(most, 0, last)],
-            least != NOTHING,
-            most == NOTHING,
+            least != NO_VALUE,
+            most == NO_VALUE,
             np.zeros(least.shape, bool),
         )
 
@@ -152,15 +152,15 @@ class _Product:
     largest: int
 
     def value(self, folds: Sequence[int]) -> Fraction:
-        if folds[self.fold] == NOTHING:
+        if folds[self.fold] == NO_VALUE:
             return Fraction(1)
         return Fraction(folds[self.fold], self.denominator ** folds[self.count])
 
     def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> NumberBounds:
         least, most = low[self.fold], high[self.fold]
         # What may be nothing may be 1.
-        top_low = np.where(most == NOTHING, np.minimum(least, 1), least)
-        top_high = np.where(most == NOTHING, np.where(least == NOTHING, 1, self.largest), most)
+        top_low = np.where(most == NO_VALUE, np.minimum(least, 1), least)
+        top_high = np.where(most == NO_VALUE, np.where(least == NO_VALUE, 1, self.largest), most)
         base = np.full(least.shape, float(self.denominator))
         top = defined_between(*scaled(top_low, top_high, Fraction(1)))
         return calculation("/", [top, _raised(defined_between(base, base), low[self.count], high[self.count])])

@@ -186,7 +186,7 @@ class ClausalEngine:
         return np.array(rows, np.int16)
 
     def _gives_up(self, what: str) -> DseError:
-        hint = "its rules are too entangled for every method; fix some choices, or leave some constraints out"
+        hint = "no method fits its rules: fix some choices, or leave some constraints out"
         return fail(f"cannot {what} of '{self.flat.name}'", None, hint)
 
 

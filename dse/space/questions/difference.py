@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from dse.space.flat import (
     ABSENT,
-    NOBODY,
-    NOTHING,
+    NO_OWNER,
+    NO_VALUE,
     Clause,
     FlatSpace,
     Fold,
@@ -158,14 +158,14 @@ def _table(table: Table, views: list[_View]) -> Table:
             shape[scope.index(view.variable)] = len(view.values)
         index.append(view.values.reshape(shape))
     allowed = np.asarray(table.allowed[tuple(index)]) if index else table.allowed
-    return Table(scope, allowed.reshape(allowed.shape if scope else ()), NOBODY)
+    return Table(scope, allowed.reshape(allowed.shape if scope else ()), NO_OWNER)
 
 
 def _linear(linear: Linear, views: list[_View], here: FlatSpace) -> Linear:
     weights, constant = _gathered(linear.weights, views, here)
     low = None if linear.low is None else linear.low - constant
     high = None if linear.high is None else linear.high - constant
-    return replace(linear, weights=weights, low=low, high=high, owner=NOBODY)
+    return replace(linear, weights=weights, low=low, high=high, owner=NO_OWNER)
 
 
 def _fold(fold: Fold, views: list[_View], here: FlatSpace) -> Fold:
@@ -177,7 +177,7 @@ def _fold(fold: Fold, views: list[_View], here: FlatSpace) -> Fold:
     for number, there in fold.values.items():
         view = views[number]
         seen = there[view.values]
-        if view.variable is not None and (seen != NOTHING).any():
+        if view.variable is not None and (seen != NO_VALUE).any():
             values[view.variable] = seen
     return replace(fold, values=values)
 

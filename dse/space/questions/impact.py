@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from dse.domain.design import Constraint
 from dse.errors import Problem, closest, fail, raise_if_any
-from dse.space.flat import NOBODY, Bools, Clause, FlatSpace, Ints, Judge, Linear, Rule, Table, Wide, single
+from dse.space.flat import NO_OWNER, Bools, Clause, FlatSpace, Ints, Judge, Linear, Rule, Table, Wide, single
 from dse.space.methods.engine import Engine
 from dse.space.methods.tally import Tally, total_of
 
@@ -96,10 +96,10 @@ def _opposites(rule: Rule) -> tuple[tuple[Rule, ...], ...]:
     """Disjoint cases, each several rules to be met together, whose union is the opposite of *rule*."""
     match rule:
         case Table():
-            return ((replace(rule, allowed=~rule.allowed, owner=NOBODY),),)
+            return ((replace(rule, allowed=~rule.allowed, owner=NO_OWNER),),)
         case Linear():
-            below = () if rule.low is None else ((replace(rule, low=None, high=rule.low - 1, owner=NOBODY),),)
-            above = () if rule.high is None else ((replace(rule, low=rule.high + 1, high=None, owner=NOBODY),),)
+            below = () if rule.low is None else ((replace(rule, low=None, high=rule.low - 1, owner=NO_OWNER),),)
+            above = () if rule.high is None else ((replace(rule, low=rule.high + 1, high=None, owner=NO_OWNER),),)
             return (*below, *above)
         case Clause():
             return (tuple(single(variable, ~mask) for variable, mask in rule.literals),)

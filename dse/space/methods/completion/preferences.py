@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dse.space.flat import NOBODY, Bools, Clause, FlatSpace, Ints, Rows, Rule, Variable, by_path, single
+from dse.space.flat import NO_OWNER, Bools, Clause, FlatSpace, Ints, Rows, Rule, Variable, by_path, single
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,7 +35,7 @@ class Preference:
         """That it is met."""
         masks = self.masks()
         if masks is None:
-            return (Clause(tuple((variable, marks == 1) for variable, marks in self.marks.items()), NOBODY),)
+            return (Clause(tuple((variable, marks == 1) for variable, marks in self.marks.items()), NO_OWNER),)
         return tuple(single(variable, mask) for variable, mask in masks.items())
 
 

@@ -13,7 +13,7 @@ from math import isqrt
 
 import numpy as np
 
-from dse.space.flat import ABSENT, NOBODY, Bools, Clause, FlatSpace, Linear, Table, Variable
+from dse.space.flat import ABSENT, NO_OWNER, Bools, Clause, FlatSpace, Linear, Table, Variable
 from dse.space.methods.dnnf.trim import UnsupportedError
 
 TRUE_LITERAL = 0
@@ -67,7 +67,7 @@ class _Writer:
     def __init__(self, flat: FlatSpace) -> None:
         self._booleans = 1
         # The same clause may belong to several constraints, each of which may be to blame.
-        self._clauses: dict[tuple[tuple[int, ...], int], None] = {((TRUE_LITERAL,), NOBODY): None}
+        self._clauses: dict[tuple[tuple[int, ...], int], None] = {((TRUE_LITERAL,), NO_OWNER): None}
         self._exists: list[int] = []
         self._values: list[tuple[int, ...]] = []
         for variable in flat.variables:
@@ -117,7 +117,7 @@ class _Writer:
             return (exists,)
         if len(variable.values) == 2 and None in variable.values:
             literal = self.new()
-            self.add((literal ^ 1, exists), NOBODY)
+            self.add((literal ^ 1, exists), NO_OWNER)
             return tuple(NO_LITERAL if value is None else literal for value in variable.values)
         if len(variable.values) == 2 and exists == TRUE_LITERAL:
             literal = self.new()
@@ -136,11 +136,11 @@ class _Writer:
                 parts = [some[start : start + step] for start in range(0, len(some), step)]
                 some = tuple(self.new() for _ in parts)
                 pending.extend(zip(parts, some, strict=True))
-            self.add((above ^ 1, *some), NOBODY)
+            self.add((above ^ 1, *some), NO_OWNER)
             for literal in some:
-                self.add((literal ^ 1, above), NOBODY)
+                self.add((literal ^ 1, above), NO_OWNER)
             for one, other in combinations(some, 2):
-                self.add((one ^ 1, other ^ 1), NOBODY)
+                self.add((one ^ 1, other ^ 1), NO_OWNER)
 
     def _forms(self, number: int, mask: Bools) -> list[list[int]]:
         """Clauses that together say that the variable takes what its mask allows."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dse.space.flat import NOBODY, FlatSpace, Rows
+from dse.space.flat import NO_OWNER, FlatSpace, Rows
 from dse.space.methods.dnnf.cnf import encode
 from dse.space.methods.dnnf.compile import Dnnf
 from dse.space.methods.dnnf.graph import DecisionGraph
@@ -36,11 +36,11 @@ def conflict(flat: FlatSpace) -> tuple[int, ...] | None:
     UnsupportedError as `compile_dnnf` does.
     """
     cnf = encode(trim(flat).core)
-    owners = sorted({owner for owner in cnf.owners if owner != NOBODY})
+    owners = sorted({owner for owner in cnf.owners if owner != NO_OWNER})
     switch = {owner: 2 * (cnf.booleans + at) for at, owner in enumerate(owners)}
     solver = ClauseSolver(cnf.booleans + len(owners))
     for clause, owner in zip(cnf.clauses, cnf.owners, strict=True):
-        solver.add(clause if owner == NOBODY else (*clause, switch[owner] ^ 1))
+        solver.add(clause if owner == NO_OWNER else (*clause, switch[owner] ^ 1))
     blamed = solver.explain([switch[owner] for owner in owners])
     if blamed is None:
         return None

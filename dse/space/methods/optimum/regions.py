@@ -25,7 +25,7 @@ from typing import Protocol
 
 import numpy as np
 
-from dse.space.flat import NOTHING, Bools, Floats, Fold, Gather, Ints, Linear, Rows, Wide
+from dse.space.flat import NO_VALUE, Bools, Floats, Fold, Gather, Ints, Linear, Rows, Wide
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.listing.bounds import fits
 from dse.space.methods.listing.walk import Rounds
@@ -321,4 +321,4 @@ def _masks(fold: Fold, low: int, high: int) -> Mapping[int, Bools]:
     """The values that no row can take whose fold is a least or greatest entry within the ends."""
     if fold.gather is Gather.MIN:
         return {variable: values >= low for variable, values in fold.values.items()}
-    return {variable: (values <= high) | (values == NOTHING) for variable, values in fold.values.items()}
+    return {variable: (values <= high) | (values == NO_VALUE) for variable, values in fold.values.items()}
