@@ -15,7 +15,7 @@ from dse.space.methods.mdd.diagram import DecisionDiagram, extremes
 from dse.space.methods.tally import Tally
 from dse.space.output.sums import PropertySum
 
-PickedValue = tuple[int, int]
+ValuePick = tuple[int, int]
 """A decision by the number of its variable, and one of its values."""
 
 PICKING_HALF_WIDTH = 0.02
@@ -54,9 +54,7 @@ class Picking:
     *totals* are the sums whose ranges are asked for.
     """
 
-    def __init__(
-        self, engine: Engine, totals: tuple[PropertySum, ...] = (), picks: tuple[PickedValue, ...] = ()
-    ) -> None:
+    def __init__(self, engine: Engine, totals: tuple[PropertySum, ...] = (), picks: tuple[ValuePick, ...] = ()) -> None:
         self.engine = engine
         self.totals = totals
         self.picks = picks
@@ -129,7 +127,7 @@ class Picking:
             return ()
         return tuple(self._range(layers, total) for total in self.totals if total.is_small)
 
-    def _with(self, picks: tuple[PickedValue, ...]) -> Picking:
+    def _with(self, picks: tuple[ValuePick, ...]) -> Picking:
         return Picking(self.engine, self.totals, picks)
 
     @cached_property
@@ -182,7 +180,7 @@ class Picking:
         parent = self.variables[variable].parent
         return parent is None or self._settled.get(parent[0]) == parent[1]
 
-    def _without(self, variable: int, kept: int | None = None) -> tuple[PickedValue, ...]:
+    def _without(self, variable: int, kept: int | None = None) -> tuple[ValuePick, ...]:
         """The picks of other decisions, without those below a branch of *variable* other than *kept*."""
         gone = {variable}
         for number, below in enumerate(self.variables):

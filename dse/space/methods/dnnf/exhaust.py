@@ -6,8 +6,7 @@ Example: (a or b), (not a or c), (d or e). The first two clauses share a, the th
     component {a, b, c}: decide a. True: c follows, b is free, 2 models. False: b follows, c is free, 2 models
     components are independent, so their models multiply: 3 * (2 + 2) = 12
 
-A component that occurs again is looked up, whatever was decided to get there. Counts, samples and best rows are then
-passes over the graph.
+A component that occurs again is looked up. Counts, samples and best rows are then passes over the graph.
 
 Cost: the number of components, which in the worst case doubles with each Boolean. The order of the decisions is what
 keeps it small: 1,211 nodes for a model of 2,513 features, 9,854 without `dse.space.methods.dnnf.order`
