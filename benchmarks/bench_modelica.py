@@ -19,7 +19,7 @@ from dse.cosim.simulator import Simulator
 from dse.domain.component import Component, ModelicaSource
 from dse.fmu.component_build import build, build_all
 from dse.loading.workspace import Workspace
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.prepared_bench import PreparedBench
 

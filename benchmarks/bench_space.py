@@ -27,7 +27,6 @@ from dse.space.methods.engine import Engine
 from dse.space.methods.grid.exact import exact_count
 from dse.space.methods.listing.blocks import blocks, first
 from dse.space.methods.mdd.diagram import compile_diagram, count
-from dse.space.methods.optimum.emptiness import is_empty
 from dse.space.methods.sampling.estimate import estimate
 from dse.space.methods.sampling.sample import sample
 from dse.space.questions.conflict import conflict
@@ -107,7 +106,7 @@ def explained() -> None:
     show(f"empty L, minimal conflict of {len(found)}", seconds, "s", "< 1")
     numbers = [constraint.name for constraint in engine.flat.constraints]
     owners = {numbers.index(constraint.name) for constraint in found}
-    assert all(not is_empty(compile_diagram(engine.flat.only(owners - {owner}))) for owner in owners)
+    assert all(first(compile_diagram(engine.flat.only(owners - {owner}))) is not None for owner in owners)
     seconds, table = timed(lambda: impact(Engine.of(spaces.space_l())))
     show(f"L, what each of {len(table)} constraints does", seconds, "s", "")
 

@@ -11,7 +11,7 @@ from workspaces import written
 
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.loading.workspace import Workspace
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.runner import Runner
 

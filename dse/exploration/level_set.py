@@ -2,6 +2,16 @@
 
 Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006: algorithm 2.1, (5.9) for the likelihood and
 (5.10) to (5.12) for values that are held out.
+
+Example: x - 0.3, known at 0, 0.5 and 1, with a length scale of 1.
+
+    at                  0.1      0.2      0.3      0.4
+    mean               -0.229   -0.140   -0.035    0.080
+    deviation           0.034    0.051    0.048    0.029
+    probability > 0     0.000    0.003    0.230    0.997      so the sign is in doubt only near 0.3
+
+Cost: the Cholesky factor of n points, n^3 / 3, for each shape that is tried; at most 150 points are fitted. After that
+a further point of a batch costs n. Measured: docs/decisions/0025-boundary.md.
 """
 
 from __future__ import annotations

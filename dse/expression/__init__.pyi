@@ -13,7 +13,7 @@ from .sorts import (
     unary_sort as unary_sort,
 )
 from .text import decimal as decimal, show_expression as show_expression, text_of as text_of
-from .tokens import KEYWORDS as KEYWORDS, error_at as error_at
+from .tokens import COMPARISON_OPERATORS as COMPARISON_OPERATORS, KEYWORDS as KEYWORDS, error_at as error_at
 from .tree import (
     DEEPEST as DEEPEST,
     balanced as balanced,

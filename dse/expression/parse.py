@@ -38,7 +38,7 @@ from dse.domain.expression import (
     Unary,
 )
 from dse.errors import DseError
-from dse.expression.tokens import Token, TokenKind, error_at, tokenize
+from dse.expression.tokens import ASSOCIATIVE, FROM_THE_RIGHT, STRENGTH, Token, TokenKind, error_at, tokenize
 from dse.expression.tree import DEEPEST, balanced, too_deep
 
 
@@ -59,22 +59,8 @@ def parse_expression(text: str, where: Origin = None) -> Expression:
 
 
 _NESTING = 100
-_IMPLIES, _OR, _XOR, _AND, _NOT, _COMPARE, _SUM, _PRODUCT, _NEGATIVE, _POWER = range(2, 12)
-_BINDING = {
-    "iff": 1,
-    "implies": _IMPLIES,
-    "or": _OR,
-    "xor": _XOR,
-    "and": _AND,
-    **dict.fromkeys(("<", "<=", ">", ">=", "==", "!=", "between", "is", "in", "not", "="), _COMPARE),
-    "+": _SUM,
-    "-": _SUM,
-    "*": _PRODUCT,
-    "/": _PRODUCT,
-    "^": _POWER,
-}
-_FROM_THE_RIGHT = frozenset({"implies", "^"})
-_ASSOCIATIVE = frozenset({"and", "or", "+", "*"})
+_INFIX = {**STRENGTH, "not": STRENGTH["in"]}
+"""Between two values ``not`` belongs to the ``in`` or ``between`` behind it."""
 _LONG = DEEPEST // 2
 """Terms beyond which a chain of an associative operator is read as a tree of few levels, not from the left."""
 
@@ -105,10 +91,10 @@ class _Parser:
         left = self.operand()
         compared = False
         while self.peek().kind in (TokenKind.SYMBOL, TokenKind.KEYWORD):
-            binding = _BINDING.get(self.peek().text, -1)
+            binding = _INFIX.get(self.peek().text, -1)
             if binding < max(weakest, 1):
                 break
-            if binding == _COMPARE:
+            if binding == STRENGTH["=="]:
                 if compared:
                     raise self.error("comparisons do not chain", self.peek().span, "write a < b and b < c")
                 compared = True
@@ -116,10 +102,10 @@ class _Parser:
                 continue
             end = self.since(start)[1]
             operator = self.take().text
-            if operator in _ASSOCIATIVE:
+            if operator in ASSOCIATIVE:
                 left = self.chain(operator, (left, (start, end)), binding)
                 continue
-            right = self.expression(binding if operator in _FROM_THE_RIGHT else binding + 1)
+            right = self.expression(binding if operator in FROM_THE_RIGHT else binding + 1)
             left = Binary(operator, left, right, self.since(start))
         self.nesting -= 1
         return left
@@ -159,9 +145,9 @@ class _Parser:
                     # -5 °C is a temperature below zero, not the opposite of one above.
                     number = self.take()
                     return _number(number, -1, (start, number.span[1]))
-                return Unary("-", self.expression(_NEGATIVE), self.since(start))
+                return Unary("-", self.expression(STRENGTH["negative"]), self.since(start))
             case TokenKind.KEYWORD, "not":
-                return Unary("not", self.expression(_NOT), self.since(start))
+                return Unary("not", self.expression(STRENGTH["not"]), self.since(start))
             case TokenKind.KEYWORD, "if":
                 condition = self.expression(0)
                 self.expect("then", "if condition then a else b")
@@ -210,16 +196,16 @@ class _Parser:
                 positive = self.comparison(left, start)
                 return Unary("not", positive, positive.span)
             case "between":
-                low = self.expression(_SUM)
+                low = self.expression(STRENGTH["+"])
                 self.expect("and", "x between low and high")
-                return Between(left, low, self.expression(_SUM), self.since(start))
+                return Between(left, low, self.expression(STRENGTH["+"]), self.since(start))
             case "is":
                 negative = self.is_next("not") and bool(self.take())
                 options: tuple[Token, ...] = (self.option(),)
             case "in":
                 options = self.options()
             case _:
-                return Binary(operator.text, left, self.expression(_SUM), self.since(start))
+                return Binary(operator.text, left, self.expression(STRENGTH["+"]), self.since(start))
         if not isinstance(left, Name):
             raise self.error(f"'{operator.text}' needs a place on its left", left.span, "write place is component")
         spans = (left.span, *(option.span for option in options))

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from dse.domain.expression import Binary, Expression, Node, Number, Span, Unary
 from dse.errors import DseError
-from dse.expression.tokens import error_at
+from dse.expression.tokens import COMPARISON_OPERATORS, LOGIC, error_at
 from dse.units import Dimension, describe, divide, multiply, power
 
 
@@ -71,21 +71,16 @@ def unary_sort(expression: Expression, node: Unary, operand: Sort) -> Sort:
 def binary_sort(expression: Expression, node: Binary, left: Sort, right: Sort) -> Sort:
     """The sort of a binary operation on values of the sorts *left* and *right*. Raises DseError."""
     varies = left.varies or right.varies
-    match node.operator:
-        case "and" | "or" | "xor" | "implies" | "iff":
-            require_truth(expression, node.left, left)
-            require_truth(expression, node.right, right)
-            return replace(TRUTH, varies=varies)
-        case "==" | "!=":
-            require_alike(expression, _culprit(expression, node), left, right, "compare")
-            return replace(TRUTH, varies=varies)
-        case "<" | "<=" | ">" | ">=":
-            require_number(expression, node.left, left)
-            require_number(expression, node.right, right)
-            require_alike(expression, _culprit(expression, node), left, right, "compare")
-            return replace(TRUTH, varies=varies)
-    require_number(expression, node.left, left)
-    require_number(expression, node.right, right)
+    if node.operator in LOGIC:
+        require_truth(expression, node.left, left)
+        require_truth(expression, node.right, right)
+        return replace(TRUTH, varies=varies)
+    if node.operator not in ("==", "!="):
+        require_number(expression, node.left, left)
+        require_number(expression, node.right, right)
+    if node.operator in COMPARISON_OPERATORS:
+        require_alike(expression, _culprit(expression, node), left, right, "compare")
+        return replace(TRUTH, varies=varies)
     match node.operator:
         case "+" | "-":
             verb = "add" if node.operator == "+" else "subtract"

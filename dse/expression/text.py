@@ -19,11 +19,8 @@ from dse.domain.expression import (
 )
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
+from dse.expression.tokens import COMPARISON_OPERATORS, FROM_THE_RIGHT, STRENGTH
 from dse.expression.tree import same
-
-_COMPARE, _SUM, _NEGATIVE, _ATOM = 7, 8, 10, 12
-_STRENGTH = {"iff": 1, "implies": 2, "or": 3, "xor": 4, "and": 5, "not": 6, "+": _SUM, "-": _SUM, "*": 9, "/": 9}
-_STRENGTH |= {"^": 11, **dict.fromkeys(("<", "<=", ">", ">=", "==", "!="), _COMPARE)}
 
 
 def show_expression(node: Node) -> str:
@@ -44,19 +41,19 @@ def show_expression(node: Node) -> str:
             named = [f"{name} = {show_expression(value)}" for name, value in node.options]
             return f"{node.function}({', '.join([*map(show_expression, node.arguments), *named])})"
         case Unary("not"):
-            return f"not {_within(node.operand, _STRENGTH['not'])}"
+            return f"not {_within(node.operand, STRENGTH['not'])}"
         case Unary():
-            return f"-{_within(node.operand, _NEGATIVE)}"
+            return f"-{_within(node.operand, STRENGTH['negative'])}"
         case Between():
-            value, low, high = (_within(part, _SUM) for part in (node.value, node.low, node.high))
+            value, low, high = (_within(part, STRENGTH["+"]) for part in (node.value, node.low, node.high))
             return f"{value} between {low} and {high}"
         case Conditional():
             yes, no = show_expression(node.yes), show_expression(node.no)
             return f"if {show_expression(node.condition)} then {yes} else {no}"
         case Binary():
-            own = _STRENGTH[node.operator]
-            from_the_right = node.operator in ("implies", "^")
-            left = _within(node.left, own + 1 if from_the_right or own == _COMPARE else own)
+            own = STRENGTH[node.operator]
+            from_the_right = node.operator in FROM_THE_RIGHT
+            left = _within(node.left, own + 1 if from_the_right or node.operator in COMPARISON_OPERATORS else own)
             right = _within(node.right, own if from_the_right else own + 1)
             return f"{left} {node.operator} {right}"
 
@@ -100,7 +97,7 @@ def _in(node: Chosen) -> str:
 
 def _within(node: Node, least: int) -> str:
     # A prefix that could swallow what follows, or be swallowed, always has brackets as an operand.
-    loose = isinstance(node, Conditional) or (isinstance(node, Unary) and least > _STRENGTH["not"])
+    loose = isinstance(node, Conditional) or (isinstance(node, Unary) and least > STRENGTH["not"])
     text = show_expression(node)
     return f"({text})" if loose or _strength(node) < least else text
 
@@ -108,11 +105,11 @@ def _within(node: Node, least: int) -> str:
 def _strength(node: Node) -> int:
     match node:
         case Binary():
-            return _STRENGTH[node.operator]
+            return STRENGTH[node.operator]
         case Unary():
-            return _STRENGTH["not"] if node.operator == "not" else _NEGATIVE
+            return STRENGTH["not" if node.operator == "not" else "negative"]
         case Chosen() | Between():
-            return _COMPARE
+            return STRENGTH["is"]
         case Number():
-            return _NEGATIVE if node.si < 0 else _ATOM
-    return _ATOM
+            return STRENGTH["negative"] if node.si < 0 else STRENGTH["atom"]
+    return STRENGTH["atom"]

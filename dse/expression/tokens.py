@@ -1,4 +1,4 @@
-"""Cuts the text of an expression into tokens; here it is decided where a number's unit ends.
+"""The operators of the language, and the text of an expression as tokens: where a number's unit ends is decided here.
 
 A unit follows its number at once or after blanks and has no blanks inside: words joined by ``.``, ``*`` or
 ``/``, each with an optional exponent (``m/s2``, ``m^-3``, ``kg.m^2``, ``%``), or ``1/`` and such words. So an
@@ -10,6 +10,7 @@ Keywords are never units: an inch is written ``inch``.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
@@ -18,9 +19,17 @@ from dse.domain.expression import Origin, Span, locate
 from dse.errors import DseError, fail
 from dse.units import DIMENSIONLESS, LARGEST, Unit, UnitError, parse_unit
 
-KEYWORDS = frozenset(
-    {"and", "or", "xor", "not", "implies", "iff", "if", "then", "else", "between", "is", "in", "true", "false"}
-)
+LOGIC = ("iff", "implies", "or", "xor", "and")
+COMPARISON_OPERATORS = ("<", "<=", ">", ">=", "==", "!=")
+ASSOCIATIVE = ("and", "or", "+", "*")
+FROM_THE_RIGHT = ("implies", "^")
+"""``a ^ b ^ c`` is ``a ^ (b ^ c)``."""
+
+_LEVELS = (*LOGIC, "not", f"{' '.join(COMPARISON_OPERATORS)} between is in =", "+ -", "* /", "negative", "^", "atom")
+STRENGTH: Mapping[str, int] = {word: level for level, words in enumerate(_LEVELS, 1) for word in words.split()}
+"""How strongly each operator binds; ``negative`` is the minus before a value, ``atom`` is a value."""
+
+KEYWORDS = frozenset({*LOGIC, "not", "if", "then", "else", "between", "is", "in", "true", "false"})
 """Words that cannot be names."""
 
 

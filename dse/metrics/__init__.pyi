@@ -6,6 +6,13 @@ from .catalogue import (
     metric_function as metric_function,
     same as same,
 )
+from .machine import (
+    Codes as Codes,
+    margin_to_bounds as margin_to_bounds,
+    overall_codes as overall_codes,
+    verdict_codes as verdict_codes,
+    worst_codes as worst_codes,
+)
 from .program import MetricProgram as MetricProgram, compile_metrics as compile_metrics, judge_failed as judge_failed
 from .resolution import between_rows as between_rows
 from .rows import (
@@ -13,11 +20,4 @@ from .rows import (
     compile_number as compile_number,
     compile_rule as compile_rule,
     compile_value as compile_value,
-)
-from .verdicts import (
-    Codes as Codes,
-    margin_to_bounds as margin_to_bounds,
-    overall_codes as overall_codes,
-    verdict_codes as verdict_codes,
-    worst_codes as worst_codes,
 )

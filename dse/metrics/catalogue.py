@@ -173,5 +173,5 @@ ROWWISE: Mapping[str, Callable[..., Any]] = {
     "max": np.maximum,
 }
 
-RELATIVE = frozenset({"overshoot", "undershoot", "reach_time", "settling_time"})
+RELATIVE_TO_TARGET = frozenset({"overshoot", "undershoot", "reach_time", "settling_time"})
 """Functions whose result or band is a share of the target: undefined for a target of zero."""

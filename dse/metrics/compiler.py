@@ -40,9 +40,8 @@ from dse.expression import (
     require_truth,
     unary_sort,
 )
-from dse.metrics.catalogue import FUNCTIONS, OFFERED, RELATIVE, ROWWISE, Argument, Function, Wants
+from dse.metrics.catalogue import FUNCTIONS, OFFERED, RELATIVE_TO_TARGET, ROWWISE, Argument, Function, Wants
 from dse.metrics.machine import TIME, Instruction, Register
-from dse.metrics.operators import OPERATORS, is_true, select
 from dse.units import Dimension, describe, parse_unit, power, si_unit
 
 Typed = tuple[Sort, Register]
@@ -52,7 +51,7 @@ class FollowUpError(Exception):
     """Something that cannot be compiled because a metric it uses was not, which is reported already."""
 
 
-class Compiler:
+class MetricCompiler:
     """Emits every computation once, however often it is written: one maximum per waveform serves all metrics."""
 
     def __init__(
@@ -158,7 +157,12 @@ class Compiler:
                 continue
             sort, register = self.compile(expression, given)
             self._check_argument(expression, node, argument, given, sort, first)
-            if argument.name == "target" and node.function in RELATIVE and isinstance(given, Number) and not given.si:
+            if (
+                argument.name == "target"
+                and node.function in RELATIVE_TO_TARGET
+                and isinstance(given, Number)
+                and not given.si
+            ):
                 what = f"'{node.function}' is relative to its target, which must not be zero"
                 raise error_in(expression, given.span, what, "use maximum, minimum, final or steady_state_error")
             first = first if registers else sort.dimension
@@ -263,3 +267,46 @@ def _offered(expression: Expression, node: Call) -> Function:
 
 def _form(argument: Argument) -> str:
     return argument.name if argument.default is None else f"{argument.name} = {argument.default:g}"
+
+
+def is_true(x: Any) -> Any:
+    """Whether a recorded 0 or 1 stands for true."""
+    return np.not_equal(x, 0.0)
+
+
+def differs(x: Any, y: Any) -> Any:
+    """x != y; false where one is NaN."""
+    return np.logical_or(np.less(x, y), np.greater(x, y))
+
+
+def implies(x: Any, y: Any) -> Any:
+    """not x or y."""
+    return np.logical_or(np.logical_not(x), y)
+
+
+def select(condition: Any, yes: Any, no: Any) -> Any:
+    """*yes* where the condition holds, else *no*."""
+    if np.ndim(condition) == 0:
+        return yes if condition else no
+    return np.where(condition, yes, no)
+
+
+OPERATORS: Mapping[str, Callable[..., Any]] = {
+    "+": np.add,
+    "-": np.subtract,
+    "*": np.multiply,
+    "/": np.divide,
+    "^": np.power,
+    "<": np.less,
+    "<=": np.less_equal,
+    ">": np.greater,
+    ">=": np.greater_equal,
+    "==": np.equal,
+    "!=": differs,
+    "and": np.logical_and,
+    "or": np.logical_or,
+    "xor": np.logical_xor,
+    "implies": implies,
+    "iff": np.equal,
+}
+"""The operators of the expression language."""

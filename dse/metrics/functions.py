@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Waveform = NDArray[np.float64]
-Condition = NDArray[np.bool_]
+ConditionArray = NDArray[np.bool_]
 
 
 def rise_time(time: Waveform, x: Waveform, target: float) -> float:
@@ -78,7 +78,7 @@ def final(x: Waveform) -> float:
     return x.item(-1)
 
 
-def at_first(x: Waveform, condition: Condition) -> float:
+def at_first(x: Waveform, condition: ConditionArray) -> float:
     """The value in the first row in which *condition* holds, in x's unit; NaN if it never does."""
     row = int(np.argmax(condition))
     return x.item(row) if condition[row] else math.nan
@@ -139,7 +139,7 @@ def root_average_square(x: Waveform, widths: Waveform) -> float:
     return math.sqrt(average(x * x, widths))
 
 
-def time_held(condition: Condition, widths: Waveform) -> float:
+def time_held(condition: ConditionArray, widths: Waveform) -> float:
     """Seconds during which *condition* holds; each row stands for half the way to its neighbours."""
     return float(np.add.reduce(widths[condition]))
 

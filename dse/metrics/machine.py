@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.domain.bench import VERDICTS, Judgement, Requirement, Verdict
 from dse.errors import fail
-from dse.metrics.verdicts import margin_to_bounds, verdict_codes
 from dse.units import Unit
 
 Register = int
@@ -30,7 +29,7 @@ class Instruction:
 
 
 @dataclass(frozen=True, slots=True)
-class Check:
+class RequirementCheck:
     """A requirement with the registers of its metric and of the condition under which it is exercised.
 
     *condition_metrics* are the registers of the metrics the condition speaks of.
@@ -59,7 +58,7 @@ class MetricProgram:
     literals: tuple[tuple[Register, float], ...]
     instructions: tuple[Instruction, ...]
     metrics: Mapping[str, Register]
-    checks: tuple[Check, ...]
+    checks: tuple[RequirementCheck, ...]
     size: int
 
     def signals_of(self, metric: str) -> frozenset[str]:
@@ -123,17 +122,70 @@ def judge_failed(requirements: Sequence[Requirement]) -> tuple[Judgement, ...]:
     return tuple(Judgement(requirement.name, Verdict.FAILED_TO_RUN, math.nan) for requirement in requirements)
 
 
-def _judge(check: Check, registers: Sequence[Any]) -> Judgement:
+def _judge(check: RequirementCheck, registers: Sequence[Any]) -> Judgement:
     value = float(registers[check.metric])
     margin = float(margin_to_bounds(value, check.at_most, check.at_least))
     verdict = VERDICTS[verdict_codes(margin, _is_exercised(check, registers, value))]
     return Judgement(check.requirement, verdict, margin)
 
 
-def _is_exercised(check: Check, registers: Sequence[Any], value: float) -> bool:
+def _is_exercised(check: RequirementCheck, registers: Sequence[Any], value: float) -> bool:
     """Whether the run came to exercise the requirement; nothing follows from an undefined metric, not even by 'not'."""
     if check.exercised is None:
         return not math.isnan(value)
     if any(math.isnan(registers[register]) for register in check.condition_metrics):
         return False
     return bool(registers[check.exercised])
+
+
+Codes = NDArray[np.uint8]
+"""Verdicts as their positions in `VERDICTS`."""
+
+_N = TypeVar("_N", float, NDArray[np.float64])
+
+
+def margin_to_bounds(value: _N, at_most: float | None, at_least: float | None) -> _N:
+    """The distance of *value* to the nearer bound, of which there is one at least: negative outside, NaN where it is.
+
+    An open side is no bound at infinity: an infinite time to collision would have no margin to it.
+    """
+    below: Any = None if at_most is None else at_most - value
+    above: Any = None if at_least is None else value - at_least
+    found: _N = above if below is None else below if above is None else np.minimum(below, above)
+    return found
+
+
+def verdict_codes(margin: Any, exercised: Any, done: Any = True) -> Any:
+    """The verdict with that *margin* as its position in `VERDICTS`; all three may be arrays of runs.
+
+    A metric that is undefined although the run exercised the requirement has not met it: no comparison with NaN holds.
+    """
+    return _BY_CASE[4 * done + 2 * exercised + (margin >= 0)]
+
+
+def overall_codes(verdicts: Sequence[Codes], done: NDArray[np.bool_]) -> Codes:
+    """The verdict on all requirements: one failure fails a run, and without one a gap leaves it open."""
+    ranks = [np.zeros(len(done), dtype=np.uint8), *(_RANK[codes] for codes in verdicts)]
+    found: Codes = np.where(done, _BY_RANK[np.maximum.reduce(ranks)], _FAILED).astype(np.uint8)
+    return found
+
+
+def worst_codes(codes: Codes, groups: Sequence[NDArray[np.intp]]) -> Codes:
+    """The verdict on a requirement of each of *groups* of runs, by their positions: fail if one fails, else failed to
+    run if one did, else pass if one passes: what is exercised at one condition only is met if it is met there."""
+    if not groups:
+        return codes[:0]
+    ranks = _WORST[codes[np.concatenate(groups)]]
+    starts = np.cumsum([0, *map(len, groups[:-1])])
+    found: Codes = _BY_WORST[np.maximum.reduceat(ranks, starts)].astype(np.uint8)
+    return found
+
+
+_PASS, _FAIL, _OPEN, _FAILED = (
+    VERDICTS.index(verdict) for verdict in (Verdict.PASS, Verdict.FAIL, Verdict.NOT_EXERCISED, Verdict.FAILED_TO_RUN)
+)
+_BY_CASE = np.array([_FAILED] * 4 + [_OPEN, _OPEN, _FAIL, _PASS], dtype=np.uint8)
+_BY_RANK = np.array([_PASS, _OPEN, _FAIL, _FAILED], dtype=np.uint8)
+_RANK = np.argsort(_BY_RANK).astype(np.uint8)
+_BY_WORST = np.array([_OPEN, _PASS, _FAILED, _FAIL], dtype=np.uint8)
+_WORST = np.argsort(_BY_WORST).astype(np.uint8)

@@ -11,8 +11,8 @@ from dse.domain.expression import Expression, Name
 from dse.errors import Problems, closest, fail, raise_if_any
 from dse.expression import Sort, descend, error_in, require_number, require_truth
 from dse.metrics.catalogue import FUNCTIONS, Function
-from dse.metrics.compiler import Compiler, FollowUpError
-from dse.metrics.machine import Check, MetricProgram, Register, judge_failed
+from dse.metrics.compiler import FollowUpError, MetricCompiler
+from dse.metrics.machine import MetricProgram, Register, RequirementCheck, judge_failed
 from dse.units import describe, si_unit
 
 __all__ = ["MetricProgram", "compile_metrics", "judge_failed"]
@@ -31,9 +31,9 @@ def compile_metrics(
     *signals* are those of them that are waveforms, the others keep one value for a run. *functions* can be used besides
     those of installed packages. Raises DseError with every unknown name, wrong unit and misused function, located.
     """
-    compiler = Compiler(types, signals, [metric.name for metric in metrics], functions)
+    compiler = MetricCompiler(types, signals, [metric.name for metric in metrics], functions)
     problems = Problems()
-    checks: list[Check] = []
+    checks: list[RequirementCheck] = []
     for metric in metrics:
         with problems, suppress(FollowUpError):
             _compile_metric(compiler, metric)
@@ -45,7 +45,9 @@ def compile_metrics(
     return _program(compiler, {metric.name: metric for metric in metrics}, checks)
 
 
-def _program(compiler: Compiler, metrics: Mapping[str, Metric], checks: Sequence[Check]) -> MetricProgram:
+def _program(
+    compiler: MetricCompiler, metrics: Mapping[str, Metric], checks: Sequence[RequirementCheck]
+) -> MetricProgram:
     dimensions = {name: sort.dimension for name, (sort, _) in compiler.metrics.items()}
     return MetricProgram(
         tuple(name for name in compiler.inputs if name in compiler.signals),
@@ -63,7 +65,7 @@ def _program(compiler: Compiler, metrics: Mapping[str, Metric], checks: Sequence
     )
 
 
-def _compile_metric(compiler: Compiler, metric: Metric) -> None:
+def _compile_metric(compiler: MetricCompiler, metric: Metric) -> None:
     expression = metric.expression
     sort, register = compiler.compile(expression, expression.root)
     require_number(expression, expression.root, sort)
@@ -76,7 +78,7 @@ def _compile_metric(compiler: Compiler, metric: Metric) -> None:
     compiler.metrics[metric.name] = sort, register
 
 
-def _compile_requirement(compiler: Compiler, requirement: Requirement) -> Check:
+def _compile_requirement(compiler: MetricCompiler, requirement: Requirement) -> RequirementCheck:
     name, where = requirement.metric, requirement.where
     if name not in compiler.metrics:
         if name in compiler.names:
@@ -93,14 +95,14 @@ def _compile_requirement(compiler: Compiler, requirement: Requirement) -> Check:
         raise fail(what, where, f"give the bound in {_si(sort)}")
     condition = requirement.exercised_when
     if condition is None:
-        return Check(requirement.name, requirement.at_most, requirement.at_least, register, None)
+        return RequirementCheck(requirement.name, requirement.at_most, requirement.at_least, register, None)
     exercised = _compile_condition(compiler, condition)
     spoken_of = [node.path for node in descend(condition.root) if isinstance(node, Name)]
     metrics = tuple(compiler.metrics[path][1] for path in spoken_of if path in compiler.metrics)
-    return Check(requirement.name, requirement.at_most, requirement.at_least, register, exercised, metrics)
+    return RequirementCheck(requirement.name, requirement.at_most, requirement.at_least, register, exercised, metrics)
 
 
-def _compile_condition(compiler: Compiler, expression: Expression) -> Register:
+def _compile_condition(compiler: MetricCompiler, expression: Expression) -> Register:
     sort, register = compiler.compile(expression, expression.root)
     require_truth(expression, expression.root, sort)
     if sort.varies:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from dse.domain.bench import Judgement
 from dse.metrics import functions
-from dse.metrics.functions import Condition, Waveform
+from dse.metrics.functions import ConditionArray, Waveform
 from dse.metrics.machine import MetricProgram
 
 _CORNER = 0.5
@@ -112,11 +112,11 @@ def _of_minimum(_step: float, _value: float, x: Waveform) -> float:
     return _above(-x)
 
 
-def _of_duration(step: float, _value: float, condition: Condition, _widths: Waveform) -> float:
+def _of_duration(step: float, _value: float, condition: ConditionArray, _widths: Waveform) -> float:
     return step * float(np.count_nonzero(condition[1:] != condition[:-1]))
 
 
-def _of_at_first(_step: float, _value: float, x: Waveform, condition: Condition) -> float:
+def _of_at_first(_step: float, _value: float, x: Waveform, condition: ConditionArray) -> float:
     row = int(np.argmax(condition))
     return abs(x.item(row) - x.item(row - 1)) if row else 0.0
 

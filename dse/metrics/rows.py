@@ -13,7 +13,7 @@ from dse.domain.component import Type
 from dse.domain.expression import Expression
 from dse.errors import fail
 from dse.expression import error_in, require_number, require_truth
-from dse.metrics.compiler import Compiler
+from dse.metrics.compiler import MetricCompiler
 from dse.metrics.machine import MetricProgram
 from dse.units import Dimension, describe
 
@@ -49,7 +49,7 @@ def compile_value(expression: Expression, types: Mapping[str, Type], wanted: Typ
 
 def compile_number(expression: Expression, types: Mapping[str, Type]) -> tuple[RowProgram, Dimension]:
     """*expression* over the parameters *types*, and the dimension it has. Raises DseError."""
-    compiler = Compiler(types, frozenset(types), (), {})
+    compiler = MetricCompiler(types, frozenset(types), (), {})
     sort, register = compiler.compile(expression, expression.root)
     require_number(expression, expression.root, sort)
     return _program(compiler, register), sort.dimension
@@ -57,7 +57,7 @@ def compile_number(expression: Expression, types: Mapping[str, Type]) -> tuple[R
 
 def compile_rule(expression: Expression, types: Mapping[str, Type]) -> RowProgram:
     """A condition over the parameters *types*. Raises DseError."""
-    compiler = Compiler(types, frozenset(types), (), {})
+    compiler = MetricCompiler(types, frozenset(types), (), {})
     sort, register = compiler.compile(expression, expression.root)
     require_truth(expression, expression.root, sort)
     if not compiler.inputs:
@@ -65,7 +65,7 @@ def compile_rule(expression: Expression, types: Mapping[str, Type]) -> RowProgra
     return _program(compiler, register)
 
 
-def _program(compiler: Compiler, register: int) -> RowProgram:
+def _program(compiler: MetricCompiler, register: int) -> RowProgram:
     literals = tuple((at, value) for value, at in compiler.literals.items())
     instructions = tuple(compiler.instructions.values())
     names = tuple(compiler.inputs)

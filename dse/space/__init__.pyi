@@ -4,8 +4,6 @@ from .configurations.wiring import architecture_outputs as architecture_outputs,
 from .decisions import alternatives as alternatives, combinations as combinations
 from .flat import Rows as Rows
 from .methods.tally import Tally as Tally, significant as significant
-from .narrowing.constraint_sets import switched as switched
-from .opened import OpenedSpace as OpenedSpace, open_space as open_space
 from .output.sheet import Sheet as Sheet
 from .output.sums import summed_properties as summed_properties
 from .questions.dealership import Dealership as Dealership
@@ -22,3 +20,5 @@ from .questions.offer import (
 )
 from .questions.optimum import Aim as Aim, Ranked as Ranked, read_aims as read_aims
 from .questions.picking import Option as Option, Picking as Picking, Range as Range
+from .restriction.constraint_sets import switched as switched
+from .space import OpenedSpace as OpenedSpace, open_space as open_space

@@ -14,7 +14,7 @@ from dse.domain.design import Alternative, Compound, DesignSpace, Node, Optional
 Choices = Mapping[str, str]
 """What is chosen, by the path of the decision; an optional part that is left out is not in it."""
 
-Condition = tuple[tuple[str, str], ...]
+BranchCondition = tuple[tuple[str, str], ...]
 """Choices (path, name) that must all have been made; empty is always true."""
 
 
@@ -49,7 +49,7 @@ class Site:
     path: str
     name: str
     component: Component | None
-    condition: Condition
+    condition: BranchCondition
     branch: tuple[int, int] | None = None
 
     def is_there(self, choices: Choices) -> bool:
@@ -114,7 +114,7 @@ class _Survey:
         self.sites: list[Site] = []
 
     def below(
-        self, node: Node, path: str, condition: Condition, branch: tuple[int, int] | None
+        self, node: Node, path: str, condition: BranchCondition, branch: tuple[int, int] | None
     ) -> tuple[Decision, ...]:
         """The decisions that are made wherever *node* is there."""
         match node:
@@ -142,7 +142,7 @@ class _Survey:
         return (Decision(path, position, tuple(branches)),)
 
 
-def _shortened(condition: Condition, times: Mapping[str, int]) -> Condition:
+def _shortened(condition: BranchCondition, times: Mapping[str, int]) -> BranchCondition:
     """Without the choices that a later one implies, because its decision exists only below them."""
     for start in range(len(condition) - 1, 0, -1):
         if times[condition[start][0]] == 1:

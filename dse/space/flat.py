@@ -21,7 +21,7 @@ from dse.domain.design import Constraint
 ABSENT = -1
 """The value of a variable that does not exist."""
 
-NOBODY = -1
+NO_OWNER = -1
 """Owner of a rule that belongs to the structure or to a question, not to a constraint of the user."""
 
 Bools = NDArray[np.bool_]
@@ -49,7 +49,7 @@ class Table:
 
     scope: tuple[int, ...]
     allowed: Bools
-    owner: int = NOBODY
+    owner: int = NO_OWNER
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +60,7 @@ class Clause:
     """
 
     literals: tuple[tuple[int, Bools], ...]
-    owner: int = NOBODY
+    owner: int = NO_OWNER
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +74,7 @@ class Linear:
     weights: Mapping[int, Ints]
     low: int | None
     high: int | None
-    owner: int = NOBODY
+    owner: int = NO_OWNER
     scale: Fraction = field(default=Fraction(1))
 
 
@@ -87,7 +87,7 @@ class Gather(StrEnum):
     PRODUCT = "product"
 
 
-NOTHING = np.iinfo(np.int64).max
+NO_VALUE = np.iinfo(np.int64).max
 """In a MIN, MAX or PRODUCT fold: the entry of a value that contributes nothing; also the fold of nothing at all."""
 
 
@@ -121,7 +121,7 @@ class Wide:
 
     folds: tuple[Fold, ...]
     judge: Judge
-    owner: int = NOBODY
+    owner: int = NO_OWNER
 
 
 Rule = Table | Clause | Linear | Wide
@@ -157,7 +157,7 @@ class FlatSpace:
 
     def only(self, owners: Collection[int]) -> FlatSpace:
         """With the rules of these constraints alone (numbers in *constraints*) and those that nobody owns."""
-        return replace(self, rules=tuple(rule for rule in self.rules if rule.owner in owners or rule.owner == NOBODY))
+        return replace(self, rules=tuple(rule for rule in self.rules if rule.owner in owners or rule.owner == NO_OWNER))
 
     def having(self, *rules: Rule) -> FlatSpace:
         """With further rules."""

@@ -75,7 +75,7 @@ def test_an_alternative_that_no_design_has_is_told_with_what_forbids_it(folder: 
 
 
 def test_a_space_that_is_too_large_is_not_counted_and_why(monkeypatch: pytest.MonkeyPatch, folder, results, tmp_path):
-    monkeypatch.setattr("dse.space.questions.funnel.MOST_CONSTRAINTS", 3)
+    monkeypatch.setattr("dse.space.questions.impact.MOST_CONSTRAINTS", 3)
     with StudyFolder.open(results.folder) as store:
         definition = store.header.definition
     with StudyFolder.create(tmp_path / "out", definition) as store:

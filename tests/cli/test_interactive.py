@@ -15,7 +15,7 @@ from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Op
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.space.configurations.ids import IdentifiedChoices
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.units import parse_quantity
 
 

@@ -18,7 +18,7 @@ from dse.errors import DseError
 from dse.live.driver_in_the_loop import DriverInTheLoop, driver_of, prepare_driver, tunables_of, with_driver
 from dse.live.recorded_drive import bench_of_drive
 from dse.loading.workspace import Workspace
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.prepared_bench import PreparedBench
 from dse.testbench.runner import Runner

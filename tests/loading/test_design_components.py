@@ -10,7 +10,7 @@ from dse.errors import DseError
 from dse.fmu.component_build import build
 from dse.loading.workspace import Workspace
 from dse.space.check import check_space
-from dse.space.opened import open_space
+from dse.space.space import open_space
 
 
 def problems(action, *arguments):

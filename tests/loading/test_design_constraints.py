@@ -9,8 +9,8 @@ from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.loading.workspace import Workspace
 from dse.space.check import check_space
-from dse.space.narrowing.constraint_sets import switched
-from dse.space.opened import open_space
+from dse.space.restriction.constraint_sets import switched
+from dse.space.space import open_space
 
 COMPONENTS = """\
 components:

@@ -9,8 +9,8 @@ from verdict_cases import BOUNDS, cases
 from dse.domain.bench import VERDICTS, Metric, Requirement, overall_verdict
 from dse.domain.component import Kind, Type
 from dse.expression.parse import parse_expression
+from dse.metrics.machine import margin_to_bounds, overall_codes, verdict_codes
 from dse.metrics.program import compile_metrics
-from dse.metrics.verdicts import margin_to_bounds, overall_codes, verdict_codes
 from dse.units import DIMENSIONLESS
 
 NUMBER = Type(Kind.REAL, DIMENSIONLESS)

@@ -18,7 +18,7 @@ from private_memory import keeps
 from dse.domain.run import RunRequest
 from dse.fmu import find_compiler
 from dse.loading.workspace import Workspace
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.runner import Runner
 

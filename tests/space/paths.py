@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 
 
-def contains(diagram: Diagram, row: tuple[int, ...]) -> bool:
+def contains(diagram: DecisionDiagram, row: tuple[int, ...]) -> bool:
     """Whether a row is a path of the diagram."""
     node = -1 if diagram.empty else 0
     for variable, layer in zip(diagram.order, diagram.layers, strict=True):

@@ -18,7 +18,7 @@ from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, No
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.space.decisions import Site, combinations as ways, sites
-from dse.space.flat import NOTHING, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table
+from dse.space.flat import NO_VALUE, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table
 from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places
 from dse.units import parse_quantity
@@ -299,9 +299,9 @@ def folded(fold: Fold, rows: Rows) -> list[int]:
         value = fold.start
         for variable, values in fold.values.items():
             contribution = int(values[row[variable]])
-            if fold.gather is not Gather.SUM and contribution == NOTHING:
+            if fold.gather is not Gather.SUM and contribution == NO_VALUE:
                 continue
-            nothing = fold.gather is not Gather.SUM and value == NOTHING
+            nothing = fold.gather is not Gather.SUM and value == NO_VALUE
             value = contribution if nothing else combine[fold.gather](value, contribution)
         found.append(int(value))
     return found

@@ -11,7 +11,8 @@ from dse.errors import DseError
 from dse.space.flat import FlatSpace, Fold, Gather, Ints, Linear, Variable
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.mdd.diagram import compile_diagram
-from dse.space.methods.optimum.best import best, best_valued
+from dse.space.methods.optimum.optimizer import best
+from dse.space.methods.optimum.regions import best_valued
 
 
 def places(number: int, values: int) -> FlatSpace:

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from dse.space.flat import ABSENT, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table, Variable, Wide
+from dse.space.methods.dnnf.cnf import MOST_STATES
 from dse.space.methods.dnnf.compile import compile_dnnf
-from dse.space.methods.dnnf.counter import MOST_STATES
 from dse.space.methods.dnnf.queries import count, occurrences
 from dse.space.methods.dnnf.rows import rows, sample
-from dse.space.methods.dnnf.satisfy import conflict, satisfiable
+from dse.space.methods.dnnf.satisfiability import conflict, satisfiable
 from dse.space.methods.dnnf.trim import UnsupportedError, trim
 from dse.space.methods.mdd.growth import TooWideError
 

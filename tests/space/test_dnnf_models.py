@@ -16,7 +16,7 @@ from dse.space.lowering import flatten
 from dse.space.methods.dnnf.compile import Dnnf, compile_dnnf
 from dse.space.methods.dnnf.queries import count, occurrences
 from dse.space.methods.dnnf.rows import rows, sample
-from dse.space.methods.dnnf.satisfy import conflict, satisfiable
+from dse.space.methods.dnnf.satisfiability import conflict, satisfiable
 
 SHARED = Path(__file__).parents[3] / "shared/data/uvl"
 MODELS = ("android51", "automotive01", "busybox854", "routefinding")

@@ -7,7 +7,7 @@ import pytest
 
 from dse.errors import DseError
 from dse.space.flat import FlatSpace, Linear, Table, Variable
-from dse.space.methods import listed
+from dse.space.methods import enumeration
 from dse.space.methods.engine import Engine
 from dse.space.methods.sampling.tilt import TooRareError
 from dse.space.methods.tally import Tally
@@ -38,9 +38,9 @@ def test_what_a_bound_proves_empty_is_neither_expanded_nor_counted(monkeypatch):
 def test_rows_to_draw_from_are_kept_up_to_so_many_decisions(monkeypatch):
     monkeypatch.setattr("dse.space.methods.sampling.sample.sample", too_rare)
     space = coins(10, heads(10, 1, 1))
-    monkeypatch.setattr(listed, "_KEPT_CELLS", 100)
+    monkeypatch.setattr(enumeration, "_KEPT_CELLS", 100)
     assert Engine(space).sample(5).sum(axis=1).tolist() == [1] * 5
-    monkeypatch.setattr(listed, "_KEPT_CELLS", 99)
+    monkeypatch.setattr(enumeration, "_KEPT_CELLS", 99)
     with pytest.raises(DseError, match="too rare to be drawn"):
         Engine(space).sample(5)
 

@@ -18,9 +18,9 @@ from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places
 from dse.space.methods.engine import Engine
 from dse.space.methods.tally import Tally
-from dse.space.opened import open_space
 from dse.space.questions.explain import broken_by
-from dse.space.questions.finding import find
+from dse.space.questions.id_search import find
+from dse.space.space import open_space
 from dse.units import parse_quantity
 
 ANY = Interface("any", ())

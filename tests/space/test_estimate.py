@@ -200,7 +200,7 @@ def test_an_estimate_lies_in_its_interval_even_where_nearly_everything_is_valid(
 
 
 def test_a_deep_diagram_is_given_fewer_draws(monkeypatch):
-    monkeypatch.setattr(sampling, "MOST_CELLS", 5_000)
+    monkeypatch.setattr(sampling, "MOST_DRAWN_CELLS", 5_000)
     monkeypatch.setattr(sampling, "_WORDS", 1_000)
     diagram = compile_diagram(coins(100, heads(100, 50, 50)))
     drawn = []

@@ -13,7 +13,7 @@ from dse.expression.parse import parse_expression
 from dse.space.check import check_space
 from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.units import parse_quantity, parse_unit
 
 ANY = Interface("any", ())

@@ -12,7 +12,7 @@ from paths import contains
 
 from dse.space.flat import (
     ABSENT,
-    NOTHING,
+    NO_VALUE,
     Bools,
     FlatSpace,
     Fold,
@@ -43,24 +43,24 @@ class AtLeast:
             shape = low[0].shape if low else (1,)
             return np.ones(shape, np.bool_), np.ones(shape, np.bool_)
         other_low, other_high = (low[1], high[1]) if len(low) > 1 else (np.int64(self.limit), np.int64(self.limit))
-        some_nothing = (high[0] == NOTHING) | (other_high == NOTHING)
-        all_nothing = (low[0] == NOTHING) | (other_low == NOTHING)
+        some_nothing = (high[0] == NO_VALUE) | (other_high == NO_VALUE)
+        all_nothing = (low[0] == NO_VALUE) | (other_low == NO_VALUE)
         return (high[0] >= other_low) & ~all_nothing, (low[0] < other_high) | some_nothing
 
     def holds(self, folds: Sequence[int]) -> bool:
         if not folds:
             return self.limit > 0
         other = folds[1] if len(folds) > 1 else self.limit
-        return folds[0] != NOTHING and other != NOTHING and folds[0] >= other
+        return folds[0] != NO_VALUE and other != NO_VALUE and folds[0] >= other
 
 
 def folded(fold: Fold, row: Sequence[int]) -> int:
     found = [int(values[row[variable]]) for variable, values in fold.values.items()]
     if fold.gather is Gather.SUM:
         return fold.start + sum(found)
-    found = [value for value in (fold.start, *found) if value != NOTHING]
+    found = [value for value in (fold.start, *found) if value != NO_VALUE]
     if not found:
-        return NOTHING
+        return NO_VALUE
     return {Gather.MIN: min, Gather.MAX: max, Gather.PRODUCT: prod}[fold.gather](found)  # type: ignore[operator]
 
 
@@ -135,12 +135,12 @@ def some_fold(draw: st.DrawFn, variables: Sequence[Variable]) -> Fold:
         if draw(st.booleans()):
             of_variable = draw(entries(len(variable.values), largest))
             if gather is not Gather.SUM:
-                of_variable[-1] = NOTHING
-                of_variable[draw(st.integers(0, len(variable.values)))] = NOTHING
+                of_variable[-1] = NO_VALUE
+                of_variable[draw(st.integers(0, len(variable.values)))] = NO_VALUE
             values[number] = of_variable
     start = draw(st.integers(-3, 3))
     if gather is not Gather.SUM and draw(st.booleans()):
-        start = NOTHING
+        start = NO_VALUE
     return Fold(gather, values, start)
 
 
@@ -224,8 +224,8 @@ def test_a_layer_expanded_in_many_blocks_is_the_same(monkeypatch: pytest.MonkeyP
     draw = np.random.default_rng(5)
     variables = tuple(Variable(f"x{n}", ("a", "b", "c")) for n in range(8))
     weights = {n: np.array([*draw.integers(-9, 9, 3), 0]) for n in range(8)}
-    factors = {n: np.array([*draw.integers(-(10**9), 10**9, 3), NOTHING]) for n in range(8)}
-    rules = (Linear(weights, -5, 9), Wide((Fold(Gather.PRODUCT, factors, NOTHING),), AtLeast(10**60, False)))
+    factors = {n: np.array([*draw.integers(-(10**9), 10**9, 3), NO_VALUE]) for n in range(8)}
+    rules = (Linear(weights, -5, 9), Wide((Fold(Gather.PRODUCT, factors, NO_VALUE),), AtLeast(10**60, False)))
     space = FlatSpace("blocks", variables, (), rules)
     at_once = expand(compile_diagram(space))
     monkeypatch.setattr("dse.space.methods.mdd.growth._BLOCK", 40)

@@ -15,10 +15,10 @@ from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Op
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.space.methods.engine import Engine
-from dse.space.opened import open_space
 from dse.space.output import export
 from dse.space.output.export import WRITERS, save
 from dse.space.output.sheet import Sheet
+from dse.space.space import open_space
 from dse.units import parse_quantity
 
 

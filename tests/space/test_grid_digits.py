@@ -9,9 +9,18 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from dse.space.flat import FlatSpace, Linear, Variable
-from dse.space.methods.grid.digits import BITS, Digits, carry, digits_for, running_sums, scalar_product, split, word
+from dse.space.methods.grid.digits import (
+    DIGIT_BITS,
+    Digits,
+    carry,
+    digits_for,
+    running_sums,
+    scalar_product,
+    split,
+    word,
+)
 from dse.space.methods.grid.levels import run_levels
-from dse.space.methods.grid.nodes import Grid, run
+from dse.space.methods.grid.nodes import SumGrid, run
 from dse.space.methods.grid.split import Counting, counting
 from dse.space.methods.grid.sweep import Sweep, backward, forward, schedule
 from dse.space.methods.mdd.diagram import compile_diagram
@@ -21,16 +30,16 @@ def digits(numbers: list[int], shape: tuple[int, ...], number: int) -> Digits:
     """Whole numbers as *number* digits."""
     if number == 1:
         return (np.array(numbers, np.uint64).reshape(shape),)
-    mask = (1 << BITS) - 1
+    mask = (1 << DIGIT_BITS) - 1
     return tuple(
-        np.array([value >> (BITS * place) & mask for value in numbers], np.uint64).reshape(shape)
+        np.array([value >> (DIGIT_BITS * place) & mask for value in numbers], np.uint64).reshape(shape)
         for place in range(number)
     )
 
 
 def numbers(parts: Digits) -> list[int]:
     return [
-        sum(int(part) << (BITS * place) for place, part in enumerate(cell))
+        sum(int(part) << (DIGIT_BITS * place) for place, part in enumerate(cell))
         for cell in zip(*(part.reshape(-1).tolist() for part in parts), strict=True)
     ]
 
@@ -53,7 +62,7 @@ def test_splitting_and_carrying_keep_the_numbers(values: list[int], number: int)
     doubled = [part * np.uint64(5) for part in parts]
     carry(doubled)
     assert numbers(tuple(doubled)) == [5 * value for value in values]
-    assert all(int(part.max()) < 1 << BITS for part in doubled[:-1])
+    assert all(int(part.max()) < 1 << DIGIT_BITS for part in doubled[:-1])
 
 
 @pytest.mark.parametrize(
@@ -69,7 +78,7 @@ def test_products_of_the_largest_words_add_up_exactly(left: int, right: int, len
 @given(st.data(), st.integers(1, 3), st.integers(1, 3))
 def test_scalar_products_of_any_digits_are_exact(data: st.DataObject, one: int, other: int) -> None:
     def draw(number: int) -> list[int]:
-        most = 2**64 - 1 if number == 1 else (1 << (BITS * number)) - 1
+        most = 2**64 - 1 if number == 1 else (1 << (DIGIT_BITS * number)) - 1
         return data.draw(st.lists(st.integers(0, most), min_size=6, max_size=6))
 
     left, right = draw(one), draw(other)
@@ -127,7 +136,7 @@ def test_a_bound_on_the_numbers_keeps_a_grid_in_the_least_word() -> None:
     free = run(sweep, order)
     capped = run(sweep, order, [free.largest])
 
-    def total(grid: Grid) -> int:
+    def total(grid: SumGrid) -> int:
         return sum(numbers(grid.digits))
 
     assert {node: total(grid) for node, grid in capped.grids.items()} == {

@@ -14,12 +14,11 @@ from hypothesis import given, settings, strategies as st
 
 from dse.space.flat import ABSENT, FlatSpace, Fold, Gather, Ints, Linear, Rule, Table, Variable, Wide
 from dse.space.methods.budget import Cost, TooMuchError
-from dse.space.methods.grid.density import heights
 from dse.space.methods.grid.exact import exact_count
-from dse.space.methods.grid.meeting import pairs, summed
-from dse.space.methods.grid.split import Counting, Execution, counting, execute, split
+from dse.space.methods.grid.halves import pairs, summed
+from dse.space.methods.grid.split import Counting, Execution, counting, execute, heights, split
 from dse.space.methods.grid.sweep import backward, forward
-from dse.space.methods.mdd.diagram import Diagram, compile_diagram, count
+from dse.space.methods.mdd.diagram import DecisionDiagram, compile_diagram, count
 
 
 def ints(*numbers: int) -> Ints:
@@ -102,7 +101,7 @@ def test_the_order_of_the_layers_does_not_matter(space: FlatSpace, random: Rando
     assert exact_count(compile_diagram(space, order)) == brute_force(space)
 
 
-def cost(diagram: Diagram) -> Cost:
+def cost(diagram: DecisionDiagram) -> Cost:
     """What the count would take at least work."""
     found = counting(diagram)
     assert isinstance(found, Counting)

@@ -56,7 +56,7 @@ def test_without_a_diagram_the_best_are_as_good(found, text, largest, most):
     aim = Aim(parse_expression(text), largest)
     worth, kept = values(found, aim.expression)
     wide = without_diagram(found.engine)
-    assume(wide.entangled.graph is not None)
+    assume(wide.clausal.graph is not None)
     best = best_configurations(found.space, wide, aim, most)
     assert [entry.values[0] for entry in best] == sorted(worth, reverse=largest)[:most]
     reached = [dict(entry.choices) for entry in best]
@@ -107,7 +107,7 @@ def test_the_nearest_configuration_is_valid_and_loses_as_little_as_can_be(found,
     near = nearest(found.engine, choices)
     assert_is_nearest(found, choices, kept, near)
     wide = without_diagram(found.engine)
-    if wide.entangled.graph is not None:
+    if wide.clausal.graph is not None:
         assert_is_nearest(found, choices, kept, nearest(wide, choices))
 
 

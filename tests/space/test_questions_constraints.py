@@ -10,11 +10,9 @@ from hypothesis import given, strategies as st
 from question_spaces import EXAMPLES, asked, without_diagram
 
 from dse.errors import DseError
-from dse.space.questions.conflict import conflict
+from dse.space.questions.conflict import conflict, minimal_conflict
 from dse.space.questions.explain import broken_by
-from dse.space.questions.funnel import funnel
-from dse.space.questions.impact import impact
-from dse.space.questions.minimal import minimal_conflict
+from dse.space.questions.impact import funnel, impact
 from dse.space.questions.occurrence import occurrences
 
 

@@ -6,8 +6,7 @@ from hypothesis import given
 from question_spaces import EXAMPLES, asked, related, without_diagram
 
 from dse.space.methods.engine import Engine
-from dse.space.questions.difference import difference
-from dse.space.questions.overlay import overlay
+from dse.space.questions.difference import difference, overlay
 
 
 def valid_choices(found):

@@ -17,7 +17,7 @@ from dse.loading.writing.design import write_components, write_design
 from dse.space.check import check_space
 from dse.space.configurations.resolve import Resolver
 from dse.space.decisions import decisions, flat
-from dse.space.narrowing.refine import refine, spanned
+from dse.space.restriction.refine import refine, spanned
 from dse.units import parse_quantity
 
 SHAFT = Interface("shaft", (Port("out", Causality.OUTPUT, Type(Kind.REAL)),))

@@ -29,14 +29,14 @@ from dse.space.methods.dnnf.queries import count
 from dse.space.methods.dnnf.trim import UnsupportedError
 from dse.space.methods.engine import Engine
 from dse.space.methods.grid.exact import exact_count
-from dse.space.narrowing.refine import refine
-from dse.space.opened import open_space
 from dse.space.questions.conflict import conflict
 from dse.space.questions.explain import broken_by
 from dse.space.questions.nearest import nearest
 from dse.space.questions.occurrence import occurrences
 from dse.space.questions.optimum import Aim, best_configurations
 from dse.space.questions.picking import Picking
+from dse.space.restriction.refine import refine
+from dse.space.space import open_space
 from dse.units import parse_quantity
 
 MASS = Aim(parse_expression("sum(mass)"), largest=True)

@@ -9,7 +9,7 @@ from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Op
 from dse.errors import DseError, Location
 from dse.space.check import check_space
 from dse.space.configurations.wiring import architecture_outputs, wire
-from dse.space.opened import open_space
+from dse.space.space import open_space
 
 REAL = Type(Kind.REAL)
 

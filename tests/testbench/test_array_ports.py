@@ -16,7 +16,7 @@ from dse.fmu.component_build import build
 from dse.interchange.importing.component import import_component
 from dse.interchange.importing.ssp import import_ssp
 from dse.loading.workspace import Workspace
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.testbench.check import check_workspace
 from dse.testbench.fuse import fuse_study
 from dse.testbench.runner import Runner

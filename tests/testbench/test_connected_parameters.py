@@ -14,7 +14,7 @@ from dse.domain.run import RunRequest
 from dse.errors import DseError
 from dse.interchange.importing.component import import_component
 from dse.loading.workspace import Workspace
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.testbench.check import check_workspace
 from dse.testbench.fuse import fuse_study
 from dse.testbench.runner import Runner

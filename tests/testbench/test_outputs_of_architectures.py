@@ -11,7 +11,7 @@ from dse.domain.bench import TestBench as Bench
 from dse.domain.design import Configuration
 from dse.errors import DseError
 from dse.loading.workspace import Workspace
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.testbench.prepare import check_bench
 
 ROOT = Path(__file__).parents[2]

@@ -9,7 +9,7 @@ import pytest
 from dse.cosim.failure.run_failed import RunFailed
 from dse.cosim.simulator import Simulator
 from dse.loading.workspace import Workspace
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.testbench.prepare import prepare_bench
 
 ROOT = Path(__file__).parents[2]

@@ -15,7 +15,7 @@ from dse.domain.run import Outcome, RunRequest
 from dse.errors import DseError
 from dse.fmu.component_build import build
 from dse.loading.workspace import Workspace
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.testbench.check import check_workspace
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.runner import Runner

@@ -20,7 +20,7 @@ from dse.domain.run import Run, RunRequest
 from dse.live.recorded_drive import bench_of_drive
 from dse.loading.workspace import Workspace
 from dse.report import SceneSignals
-from dse.space.opened import open_space
+from dse.space.space import open_space
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.runner import Runner
 from dse.testbench.wired_bench import wire_bench

@@ -1,4 +1,21 @@
-"""A wired system as the tables the kernel works on."""
+"""A wired system as the tables the kernel works on.
+
+All numbers that outputs give lie in one table, *values*, element by element. Inputs that need a place of their own lie
+in a second, *staged*, and *sources* has the position in *values* that each comes from. A communication step is then
+three loops without a name or a hash: read all outputs into *values*, copy values[sources] to *staged*, write inputs.
+
+Example: a plant with the outputs x and v, and a controller with the inputs speed (from v) and place (from x).
+
+    values    x, v               positions 0 and 1
+    staged    speed, place
+    sources   1, 0
+    x = 5, v = 2: staged becomes values[[1, 0]] = 2, 5, which the controller gets
+
+In the plain loop an input whose output has the same layout is not staged: it is written from where the output lies.
+
+Cost: memory of 8 bytes for each value, and about one copy for each input and step. Why the loop is C:
+docs/decisions/0001-kernel-in-c.md; what the other loops add: docs/decisions/0012-algorithms.md.
+"""
 
 from __future__ import annotations
 

@@ -5,6 +5,16 @@ of may be the fault of the run at hand, of one before, or of nobody here: the ru
 process, and what comes of that is its result; so it does not depend on how runs fell to workers. The rest of its batch
 goes to another worker. The same holds for a configuration that was being loaded. A death outside of any run is counted:
 with a few in a row that no run came back before, the exploration is given up. Nothing is tried without end.
+
+Example: a batch has the runs 1, 2, 3 and 4, and its worker dies in run 2.
+
+    run 1 was sent, or is read from what the worker had spooled: it is stored
+    run 2 is repeated alone in a fresh process: a result, or a second death, which makes it a failed run with its cause
+    runs 3 and 4 go back to the front of the queue, as a batch of their own
+    five workers in a row that die outside of a run, before any of them made one, end the exploration with an error
+
+Cost: one look at the workers each 0.05 s, and one process start for each run that is repeated
+(0.3 s). Why processes with a pipe each: docs/decisions/0006-study-folder.md; memory and threads: 0011-trust.md.
 """
 
 from __future__ import annotations

@@ -13,14 +13,14 @@ from dse.domain.component import Component
 from dse.domain.design import Compound, Configuration, Connection, DesignSpace, walk
 from dse.errors import Problem, raise_if_any
 from dse.space.configurations.ids import Identifier
-from dse.space.configurations.lookup import Column, Lookup
+from dse.space.configurations.lookup import Lookup, LookupColumn
 from dse.space.configurations.wiring import wire
 from dse.space.decisions import Choices, Site, decisions, made, sites
 from dse.space.flat import FlatSpace, Rows, Variable
 from dse.space.lowering.shape import shape_of
 
-T = TypeVar("T")
-Entry = tuple[str | None, T | None]
+_T = TypeVar("_T")
+ResolvedEntry = tuple[str | None, _T | None]
 """A path and what stands there; (None, None) for nothing."""
 
 _NOTHING: tuple[None, None] = (None, None)
@@ -94,26 +94,26 @@ class Resolver:
         return [row.tobytes() for row in taken]
 
 
-def _mapping(entries: Sequence[Entry[T]]) -> dict[str, T]:
+def _mapping(entries: Sequence[ResolvedEntry[_T]]) -> dict[str, _T]:
     found = dict(entries)
     found.pop(None, None)
     return found  # type: ignore[return-value]  # only (None, None) has a None
 
 
-def _choice_column(number: int, variable: Variable) -> Column[Entry[str]]:
+def _choice_column(number: int, variable: Variable) -> LookupColumn[ResolvedEntry[str]]:
     entries = [_NOTHING if name is None else (variable.path, name) for name in variable.values]
     return number, [*entries, _NOTHING]
 
 
-def part_columns(variables: Sequence[Variable], there: Sequence[Site]) -> list[Column[Entry[Component]]]:
+def part_columns(variables: Sequence[Variable], there: Sequence[Site]) -> list[LookupColumn[ResolvedEntry[Component]]]:
     """A column for each run of components that stand at one path by one decision, in the order of the file."""
-    columns: list[Column[Entry[Component]]] = []
+    columns: list[LookupColumn[ResolvedEntry[Component]]] = []
     components = [site for site in there if site.component]
     for (path, variable), run in groupby(components, lambda site: (site.path, site.branch and site.branch[0])):
         if variable is None:
             columns += [(None, [(path, site.component)]) for site in run]
             continue
-        entries: list[Entry[Component]] = [_NOTHING] * (len(variables[variable].values) + 1)
+        entries: list[ResolvedEntry[Component]] = [_NOTHING] * (len(variables[variable].values) + 1)
         for site in run:
             assert site.branch  # noqa: S101  # the run's decision puts it there
             entries[site.branch[1]] = (path, site.component)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 Real = Fraction | float
-Value = Real | bool | str | None
+ExactValue = Real | bool | str | None
 
 _MOST_BITS = 100_000
 
@@ -90,7 +90,7 @@ def roll_up(function: str, values: Sequence[Fraction]) -> Fraction | None:
     return max(values)
 
 
-FUNCTIONS: Mapping[str, Callable[..., Value]] = {
+EXACT_FUNCTIONS: Mapping[str, Callable[..., ExactValue]] = {
     "+": operator.add,
     "-": operator.sub,
     "*": operator.mul,

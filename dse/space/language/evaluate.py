@@ -24,28 +24,28 @@ from dse.domain.expression import Expression
 from dse.errors import fail
 from dse.expression import error_in
 from dse.space.decisions import Choices, Site
-from dse.space.language.arithmetic import FUNCTIONS, UndefinedError, Value, quota, roll_up
+from dse.space.language.arithmetic import EXACT_FUNCTIONS, ExactValue, UndefinedError, quota, roll_up
 from dse.space.language.interpret import interpret, interpret_condition
 from dse.space.language.places import Places
 from dse.space.language.terms import (
-    Choose,
+    ConditionalTerm,
     Constant,
     Every,
     Leaf,
-    Operation,
     Quota,
     RollUp,
+    Selected,
     Some,
-    Standing,
     Stated,
     Term,
+    TermOperation,
 )
 
-Source = TypeVar("Source")
-Evaluate = Callable[[Source], Value]
+_Source = TypeVar("_Source")
+Evaluate = Callable[[_Source], ExactValue]
 """The value of a term, given what is chosen, in whatever form the leaves take it."""
 
-There = Callable[[Sequence[tuple[Site, Any]]], Callable[[Source], list[Any]]]
+There = Callable[[Sequence[tuple[Site, Any]]], Callable[[_Source], list[Any]]]
 """Makes, of values by site, a function that finds those whose site is there in what is chosen, in their order."""
 
 
@@ -79,8 +79,8 @@ def compile_value(expression: Expression, space: DesignSpace) -> Evaluate[Choice
 
 
 def evaluator(
-    expression: Expression, term: Term, there: There[Source], shown: Callable[[Source], str]
-) -> Evaluate[Source]:
+    expression: Expression, term: Term, there: There[_Source], shown: Callable[[_Source], str]
+) -> Evaluate[_Source]:
     """*term* as a function of a source in which *there* finds what is chosen; *shown* tells the source in messages.
 
     The function raises DseError, located in *expression*, for a division by zero and its like.
@@ -89,12 +89,12 @@ def evaluator(
 
 
 def leaf_evaluator(
-    expression: Expression, term: Term, leaf: Callable[[Leaf], Evaluate[Source]], shown: Callable[[Source], str]
-) -> Evaluate[Source]:
+    expression: Expression, term: Term, leaf: Callable[[Leaf], Evaluate[_Source]], shown: Callable[[_Source], str]
+) -> Evaluate[_Source]:
     """Like `evaluator`, for leaves that are read in another way."""
     evaluate = _Evaluators(expression, leaf, shown).compile(term)
 
-    def guarded(source: Source) -> Value:
+    def guarded(source: _Source) -> ExactValue:
         try:
             return evaluate(source)
         except OverflowError as error:
@@ -103,21 +103,21 @@ def leaf_evaluator(
     return guarded
 
 
-class _Evaluators(Generic[Source]):
+class _Evaluators(Generic[_Source]):
     """Turns a term into closures."""
 
     def __init__(
-        self, expression: Expression, leaf: Callable[[Leaf], Evaluate[Source]], shown: Callable[[Source], str]
+        self, expression: Expression, leaf: Callable[[Leaf], Evaluate[_Source]], shown: Callable[[_Source], str]
     ) -> None:
         self.expression = expression
         self.leaf = leaf
         self.shown = shown
 
-    def compile(self, term: Term) -> Evaluate[Source]:
+    def compile(self, term: Term) -> Evaluate[_Source]:
         match term:
             case Constant(value):
                 return lambda _: value
-            case Operation():
+            case TermOperation():
                 return self.operation(term)
             case Every():
                 return self.junction(term.conditions, deciding=False)
@@ -127,14 +127,14 @@ class _Evaluators(Generic[Source]):
                 conditions = [self.compile(condition) for condition in term.conditions]
                 low, high = term.low, term.high
                 return lambda source: quota(low, high, [_truth(condition(source)) for condition in conditions])
-            case Choose():
+            case ConditionalTerm():
                 return self.choice(term)
         return self.leaf(term)
 
-    def junction(self, conditions: Iterable[Term], *, deciding: bool) -> Evaluate[Source]:
+    def junction(self, conditions: Iterable[Term], *, deciding: bool) -> Evaluate[_Source]:
         compiled = [self.compile(condition) for condition in conditions]
 
-        def decide(source: Source) -> bool | None:
+        def decide(source: _Source) -> bool | None:
             # What stands behind the deciding condition is not looked at, so that it can guard a division.
             outcome: bool | None = not deciding
             for condition in compiled:
@@ -147,20 +147,20 @@ class _Evaluators(Generic[Source]):
 
         return decide
 
-    def choice(self, term: Choose) -> Evaluate[Source]:
+    def choice(self, term: ConditionalTerm) -> Evaluate[_Source]:
         condition, yes, no = self.compile(term.condition), self.compile(term.yes), self.compile(term.no)
 
-        def choose(source: Source) -> Value:
+        def choose(source: _Source) -> ExactValue:
             outcome = condition(source)
             return None if outcome is None else (yes if outcome else no)(source)
 
         return choose
 
-    def operation(self, term: Operation) -> Evaluate[Source]:
-        function = FUNCTIONS[term.operator]
+    def operation(self, term: TermOperation) -> Evaluate[_Source]:
+        function = EXACT_FUNCTIONS[term.operator]
         operands = [self.compile(operand) for operand in term.operands]
 
-        def apply(source: Source) -> Value:
+        def apply(source: _Source) -> ExactValue:
             values = []
             for operand in operands:
                 value = operand(source)
@@ -181,10 +181,10 @@ def _there(entries: Sequence[tuple[Site, Any]]) -> Callable[[Choices], list[Any]
     return lambda choices: [value for site, value in entries if site.is_there(choices)]
 
 
-def _read(leaf: Leaf, there: There[Source]) -> Evaluate[Source]:
+def _read(leaf: Leaf, there: There[_Source]) -> Evaluate[_Source]:
     """How the value of *leaf* is read from a source."""
     match leaf:
-        case Standing(sites, named):
+        case Selected(sites, named):
             name_at = there([(site, site.name) for site in sites])
             return lambda source: next(iter(name_at(source)), None) in named
         case Stated(entries):
@@ -195,7 +195,7 @@ def _read(leaf: Leaf, there: There[Source]) -> Evaluate[Source]:
             return lambda source: roll_up(function, values(source))
 
 
-def _truth(value: Value) -> bool | None:
+def _truth(value: ExactValue) -> bool | None:
     return None if value is None else bool(value)
 
 

@@ -41,16 +41,16 @@ from dse.expression import (
 from dse.space.decisions import Site
 from dse.space.language.places import Places
 from dse.space.language.terms import (
-    Choose,
+    ConditionalTerm,
     Constant,
     Every,
-    Operation,
     Quota,
     RollUp,
+    Selected,
     Some,
-    Standing,
     Stated,
     Term,
+    TermOperation,
 )
 from dse.units import power
 
@@ -96,7 +96,7 @@ class _Interpreter:
             case Unary():
                 sort, operand = self.term(node.operand)
                 sort = unary_sort(self.expression, node, sort)
-                return sort, Operation("not" if node.operator == "not" else "negative", (operand,), node.span)
+                return sort, TermOperation("not" if node.operator == "not" else "negative", (operand,), node.span)
             case Binary("and" | "or"):
                 return TRUTH, self.junction(node)
             case Binary():
@@ -123,7 +123,7 @@ class _Interpreter:
             named |= self.places.names_at(node.place)
         if "absent" in node.options:
             named.add(None)
-        return Standing(sites, frozenset(named))
+        return Selected(sites, frozenset(named))
 
     def call(self, node: Call) -> tuple[Sort, Term]:
         function, arguments = node.function, node.arguments
@@ -146,7 +146,7 @@ class _Interpreter:
             known = (*ROLLUPS, *_FUNCTIONS, *QUOTAS, "same_choice")
             raise self.error(node.span, f"unknown function '{function}'", closest(function, known))
         sort = self.function_sort(node, [sort for sort, _ in pairs])
-        return sort, Operation(function, tuple(operand for _, operand in pairs), node.span)
+        return sort, TermOperation(function, tuple(operand for _, operand in pairs), node.span)
 
     def function_sort(self, node: Call, sorts: Sequence[Sort]) -> Sort:
         function = node.function
@@ -219,16 +219,16 @@ class _Interpreter:
         sort = binary_sort(self.expression, node, left_sort, right_sort)
         operator = node.operator
         if operator == "implies":
-            return sort, Some((Operation("not", (left,), node.left.span), right))
+            return sort, Some((TermOperation("not", (left,), node.left.span), right))
         if operator in ("==", "!=") and left_sort.form is Form.TRUTH:
             operator = "iff" if operator == "==" else "xor"
-        return sort, Operation(operator, (left, right), node.span)
+        return sort, TermOperation(operator, (left, right), node.span)
 
     def conditional(self, node: Conditional) -> tuple[Sort, Term]:
         condition_sort, condition = self.term(node.condition)
         require_truth(self.expression, node.condition, condition_sort)
         (yes_sort, yes), (no_sort, no) = self.term(node.yes), self.term(node.no)
-        return choice_sort(self.expression, node.span, yes_sort, no_sort), Choose(condition, yes, no)
+        return choice_sort(self.expression, node.span, yes_sort, no_sort), ConditionalTerm(condition, yes, no)
 
     def error(self, span: Span, what: str, advice: str) -> DseError:
         return error_in(self.expression, span, what, advice)
@@ -236,4 +236,6 @@ class _Interpreter:
 
 def _alike(one: tuple[Site, ...], other: tuple[Site, ...], span: Span) -> Term:
     named = [frozenset([choice]) for choice in (*dict.fromkeys(site.name for site in one), None)]
-    return Every(tuple(Some((Operation("not", (Standing(one, each),), span), Standing(other, each))) for each in named))
+    return Every(
+        tuple(Some((TermOperation("not", (Selected(one, each),), span), Selected(other, each))) for each in named)
+    )

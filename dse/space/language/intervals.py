@@ -13,6 +13,7 @@ from functools import partial
 
 import numpy as np
 
+from dse.expression import COMPARISON_OPERATORS
 from dse.space.flat import Bools, Floats, Ints
 
 _TINY = 1e-290
@@ -22,7 +23,7 @@ _LARGEST_POWER = 64
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Numbers:
+class NumberBounds:
     """Numbers between *low* and *high*; whether they may be defined, may be undefined, and may fail to exist."""
 
     low: Floats
@@ -33,7 +34,7 @@ class Numbers:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Truths:
+class TruthBounds:
     """What a condition may be, and whether it may fail."""
 
     true: Bools
@@ -42,23 +43,23 @@ class Truths:
     fails: Bools
 
 
-def known(value: Fraction | float, form: tuple[int, ...]) -> Numbers:
+def known(value: Fraction | float, form: tuple[int, ...]) -> NumberBounds:
     """The same number everywhere."""
     low, high = ends(value)
     yes, no = np.ones(form, bool), np.zeros(form, bool)
-    return Numbers(np.full(form, low), np.full(form, high), yes, no, no)
+    return NumberBounds(np.full(form, low), np.full(form, high), yes, no, no)
 
 
-def certain(value: bool, form: tuple[int, ...]) -> Truths:
+def certain(value: bool, form: tuple[int, ...]) -> TruthBounds:
     """The same truth everywhere."""
     yes, no = np.ones(form, bool), np.zeros(form, bool)
-    return Truths(yes if value else no, no if value else yes, no, no)
+    return TruthBounds(yes if value else no, no if value else yes, no, no)
 
 
-def defined_between(low: Floats, high: Floats) -> Numbers:
+def defined_between(low: Floats, high: Floats) -> NumberBounds:
     """Numbers between *low* and *high*, all defined."""
     yes, no = np.ones(low.shape, bool), np.zeros(low.shape, bool)
-    return Numbers(low, high, yes, no, no)
+    return NumberBounds(low, high, yes, no, no)
 
 
 def ends(value: Fraction | float) -> tuple[float, float]:
@@ -83,18 +84,18 @@ def scaled(low: Ints, high: Ints, scale: Fraction) -> tuple[Floats, Floats]:
     return below - np.abs(below) * _SLACK, above + np.abs(above) * _SLACK
 
 
-def operation(operator: str, operands: Sequence[Numbers | Truths]) -> Numbers | Truths:
+def operation(operator: str, operands: Sequence[NumberBounds | TruthBounds]) -> NumberBounds | TruthBounds:
     """What ``operator(*operands)`` may be."""
     if operator == "not":
         (truth,) = truths(operands)
-        return Truths(truth.false, truth.true, truth.undefined, truth.fails)
+        return TruthBounds(truth.false, truth.true, truth.undefined, truth.fails)
     if operator in ("xor", "iff"):
         return _logical(operator, *truths(operands))
     numbers = _numbers(operands)
-    return _compared(operator, *numbers) if operator in _COMPARISONS else calculation(operator, numbers)
+    return _compared(operator, *numbers) if operator in COMPARISON_OPERATORS else calculation(operator, numbers)
 
 
-def calculation(operator: str, operands: Sequence[Numbers]) -> Numbers:
+def calculation(operator: str, operands: Sequence[NumberBounds]) -> NumberBounds:
     """What the number ``operator(*operands)`` may be."""
     defined = np.logical_and.reduce([operand.defined for operand in operands])
     undefined = np.logical_or.reduce([operand.undefined for operand in operands])
@@ -103,10 +104,10 @@ def calculation(operator: str, operands: Sequence[Numbers]) -> Numbers:
         low, high, own = _ENDS[operator](*operands)
     vague = defined & (own | ~np.isfinite(low) | ~np.isfinite(high))
     usable = defined & ~vague
-    return Numbers(np.where(usable, low, 0.0), np.where(usable, high, 0.0), defined, undefined, fails | vague)
+    return NumberBounds(np.where(usable, low, 0.0), np.where(usable, high, 0.0), defined, undefined, fails | vague)
 
 
-def junction(conditions: Sequence[Truths], *, every: bool) -> Truths:
+def junction(conditions: Sequence[TruthBounds], *, every: bool) -> TruthBounds:
     """What ``and``, if *every*, or ``or`` of *conditions* may be; what stands behind the deciding one does not fail."""
     first = conditions[0]
     fails = first.fails
@@ -120,10 +121,10 @@ def junction(conditions: Sequence[Truths], *, every: bool) -> Truths:
         undecided = undecided & (agree | condition.undefined)
         undefined = undefined | condition.undefined
     undefined = undefined & undecided
-    return Truths(*((all_agree, one_decides) if every else (one_decides, all_agree)), undefined, fails)
+    return TruthBounds(*((all_agree, one_decides) if every else (one_decides, all_agree)), undefined, fails)
 
 
-def quota(low: int | None, high: int | None, conditions: Sequence[Truths]) -> Truths:
+def quota(low: int | None, high: int | None, conditions: Sequence[TruthBounds]) -> TruthBounds:
     """What it may be that between *low* and *high* of *conditions* are true."""
     lowest, highest = low or 0, len(conditions) if high is None else high
     most_true = np.add.reduce([condition.true.astype(np.int64) for condition in conditions])
@@ -132,44 +133,43 @@ def quota(low: int | None, high: int | None, conditions: Sequence[Truths]) -> Tr
     false: Bools = (least_open < lowest) | (most_true > highest)
     undefined = np.logical_or.reduce([condition.undefined for condition in conditions])
     fails = np.logical_or.reduce([condition.fails for condition in conditions])
-    return Truths(true, false, undefined, fails)
+    return TruthBounds(true, false, undefined, fails)
 
 
-def choice(condition: Truths, yes: Numbers | Truths, no: Numbers | Truths) -> Numbers | Truths:
+def choice(
+    condition: TruthBounds, yes: NumberBounds | TruthBounds, no: NumberBounds | TruthBounds
+) -> NumberBounds | TruthBounds:
     """What ``if condition then yes else no`` may be."""
     fails = condition.fails | (condition.true & yes.fails) | (condition.false & no.fails)
     undefined = condition.undefined | (condition.true & yes.undefined) | (condition.false & no.undefined)
-    if isinstance(yes, Truths) and isinstance(no, Truths):
+    if isinstance(yes, TruthBounds) and isinstance(no, TruthBounds):
         true = (condition.true & yes.true) | (condition.false & no.true)
-        return Truths(true, (condition.true & yes.false) | (condition.false & no.false), undefined, fails)
+        return TruthBounds(true, (condition.true & yes.false) | (condition.false & no.false), undefined, fails)
     one, other = _numbers([yes, no])
     take, leave = condition.true & one.defined, condition.false & other.defined
     low = np.minimum(np.where(take, one.low, np.inf), np.where(leave, other.low, np.inf))
     high = np.maximum(np.where(take, one.high, -np.inf), np.where(leave, other.high, -np.inf))
     there = take | leave
-    return Numbers(np.where(there, low, 0.0), np.where(there, high, 0.0), there, undefined, fails)
+    return NumberBounds(np.where(there, low, 0.0), np.where(there, high, 0.0), there, undefined, fails)
 
 
-def truths(operands: Sequence[Numbers | Truths]) -> list[Truths]:
+def truths(operands: Sequence[NumberBounds | TruthBounds]) -> list[TruthBounds]:
     """*operands*, which are conditions."""
-    return [operand for operand in operands if isinstance(operand, Truths)]
+    return [operand for operand in operands if isinstance(operand, TruthBounds)]
 
 
-def _numbers(operands: Sequence[Numbers | Truths]) -> list[Numbers]:
-    return [operand for operand in operands if isinstance(operand, Numbers)]
+def _numbers(operands: Sequence[NumberBounds | TruthBounds]) -> list[NumberBounds]:
+    return [operand for operand in operands if isinstance(operand, NumberBounds)]
 
 
-def _logical(operator: str, left: Truths, right: Truths) -> Truths:
+def _logical(operator: str, left: TruthBounds, right: TruthBounds) -> TruthBounds:
     alike = (left.true & right.true) | (left.false & right.false)
     unlike = (left.true & right.false) | (left.false & right.true)
     true, false = (alike, unlike) if operator == "iff" else (unlike, alike)
-    return Truths(true, false, left.undefined | right.undefined, left.fails | right.fails)
+    return TruthBounds(true, false, left.undefined | right.undefined, left.fails | right.fails)
 
 
-_COMPARISONS = {"<", "<=", ">", ">=", "==", "!="}
-
-
-def _compared(operator: str, left: Numbers, right: Numbers) -> Truths:
+def _compared(operator: str, left: NumberBounds, right: NumberBounds) -> TruthBounds:
     if operator in (">", ">="):
         left, right, operator = right, left, {">": "<", ">=": "<="}[operator]
     match operator:
@@ -183,40 +183,40 @@ def _compared(operator: str, left: Numbers, right: Numbers) -> Truths:
             true, false = (true, false) if operator == "==" else (false, true)
     defined = left.defined & right.defined
     undefined = left.undefined | right.undefined
-    return Truths(true & defined, false & defined, undefined, left.fails | right.fails)
+    return TruthBounds(true & defined, false & defined, undefined, left.fails | right.fails)
 
 
 _Ends = tuple[Floats, Floats, Bools]
 
 
-def _never(operand: Numbers) -> Bools:
+def _never(operand: NumberBounds) -> Bools:
     return np.zeros(operand.low.shape, bool)
 
 
-def _add(left: Numbers, right: Numbers) -> _Ends:
+def _add(left: NumberBounds, right: NumberBounds) -> _Ends:
     return _down(left.low + right.low), _up(left.high + right.high), _never(left)
 
 
-def _subtract(left: Numbers, right: Numbers) -> _Ends:
+def _subtract(left: NumberBounds, right: NumberBounds) -> _Ends:
     return _down(left.low - right.high), _up(left.high - right.low), _never(left)
 
 
-def _negative(operand: Numbers) -> _Ends:
+def _negative(operand: NumberBounds) -> _Ends:
     return -operand.high, -operand.low, _never(operand)
 
 
-def _multiply(left: Numbers, right: Numbers) -> _Ends:
+def _multiply(left: NumberBounds, right: NumberBounds) -> _Ends:
     corners = [_corner(a * b, (a == 0) | (b == 0)) for a in (left.low, left.high) for b in (right.low, right.high)]
     return _outermost(corners)
 
 
-def _divide(left: Numbers, right: Numbers) -> _Ends:
+def _divide(left: NumberBounds, right: NumberBounds) -> _Ends:
     corners = [_corner(a / b, a == 0) for a in (left.low, left.high) for b in (right.low, right.high)]
     low, high, vague = _outermost(corners)
     return low, high, vague | ((right.low <= 0) & (right.high >= 0))
 
 
-def _power(base: Numbers, exponent: Numbers) -> _Ends:
+def _power(base: NumberBounds, exponent: NumberBounds) -> _Ends:
     whole = (exponent.low == exponent.high) & (exponent.low == np.floor(exponent.low))
     number = np.where(whole, exponent.low, 0.0)
     # |x|^n grows with |x|; an even n turns what is negative round.
@@ -241,21 +241,21 @@ def _signed(base: Floats, number: Floats) -> Floats:
     return powered
 
 
-def _absolute(operand: Numbers) -> _Ends:
+def _absolute(operand: NumberBounds) -> _Ends:
     low = np.where(operand.low > 0, operand.low, np.where(operand.high < 0, -operand.high, 0.0))
     return low, np.maximum(np.abs(operand.low), np.abs(operand.high)), _never(operand)
 
 
-def _square_root(operand: Numbers) -> _Ends:
+def _square_root(operand: NumberBounds) -> _Ends:
     low = np.sqrt(np.maximum(operand.low, 0.0))
     return _down(low), _up(np.sqrt(np.maximum(operand.high, 0.0))), operand.low < 0
 
 
-def _floor(operand: Numbers) -> _Ends:
+def _floor(operand: NumberBounds) -> _Ends:
     return np.floor(operand.low), np.floor(operand.high), _never(operand)
 
 
-def _extreme(of: np.ufunc, *operands: Numbers) -> _Ends:
+def _extreme(of: np.ufunc, *operands: NumberBounds) -> _Ends:
     lows, highs = [operand.low for operand in operands], [operand.high for operand in operands]
     return of.reduce(lows), of.reduce(highs), _never(operands[0])
 

@@ -25,7 +25,7 @@ class Constant:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Standing:
+class Selected:
     """True where one of *sites* is there whose name is among *named*; None is the name of nothing."""
 
     sites: tuple[Site, ...]
@@ -48,7 +48,7 @@ class RollUp:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Operation:
+class TermOperation:
     """A function of *operands*, undefined as soon as one of them is; a division by zero is told at *span*."""
 
     operator: str
@@ -71,7 +71,7 @@ class Some:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Choose:
+class ConditionalTerm:
     """``if … then … else …``; undefined where the condition is."""
 
     condition: Term
@@ -88,20 +88,20 @@ class Quota:
     conditions: tuple[Term, ...]
 
 
-Leaf = Standing | Stated | RollUp
+Leaf = Selected | Stated | RollUp
 """The terms that look at what is chosen."""
 
-Term = Constant | Leaf | Operation | Every | Some | Choose | Quota
+Term = Constant | Leaf | TermOperation | Every | Some | ConditionalTerm | Quota
 
 
 def parts(term: Term) -> tuple[Term, ...]:
     """The terms directly below *term*."""
     match term:
-        case Operation():
+        case TermOperation():
             return term.operands
         case Every() | Some() | Quota():
             return term.conditions
-        case Choose():
+        case ConditionalTerm():
             return (term.condition, term.yes, term.no)
     return ()
 
@@ -120,7 +120,7 @@ def leaves(term: Term) -> Iterator[Leaf]:
 def sites_of(leaf: Leaf) -> Iterator[Site]:
     """The sites *leaf* looks at."""
     match leaf:
-        case Standing():
+        case Selected():
             yield from leaf.sites
         case Stated() | RollUp():
             yield from (site for site, _ in leaf.entries)

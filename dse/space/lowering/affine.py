@@ -15,14 +15,23 @@ import numpy as np
 
 from dse.space.decisions import Site
 from dse.space.flat import Ints
-from dse.space.language.terms import Choose, Constant, Entries, Operation, RollUp, Standing, Stated, Term
-from dse.space.lowering.formulas import FALSE, TRUE, BoundedSum, Formula, conjoin, disjoin, literal, negation
-from dse.space.lowering.shape import Branch, Shape
+from dse.space.language.terms import ConditionalTerm, Constant, Entries, RollUp, Selected, Stated, Term, TermOperation
+from dse.space.lowering.formulas import (
+    FALSE_FORMULA,
+    TRUE_FORMULA,
+    BoundedSum,
+    Formula,
+    conjoin,
+    disjoin,
+    literal,
+    negation,
+)
+from dse.space.lowering.shape import SpaceShape, VariableValue
 
-LARGEST = 2**62
+LARGEST_SUM = 2**62
 """Partial sums of weights stay below it."""
 
-Weights = dict[int, dict[int, Fraction]]
+AffineWeights = dict[int, dict[int, Fraction]]
 """What each value of each variable contributes; nothing where it is not in it."""
 
 OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
@@ -37,7 +46,7 @@ class Affine:
     """*constant* + *weights* + factor * term for each of *others*, defined where all of *there* hold."""
 
     constant: Fraction = Fraction(0)
-    weights: Weights = field(default_factory=dict)
+    weights: AffineWeights = field(default_factory=dict)
     others: list[tuple[Fraction, Term]] = field(default_factory=list)
     there: list[Formula] = field(default_factory=list)
 
@@ -62,7 +71,7 @@ class Affine:
         return not self.weights and not self.others
 
 
-def affine(shape: Shape, term: Term) -> Affine:
+def affine(shape: SpaceShape, term: Term) -> Affine:
     """*term*, a number, as a sum as far as it is one."""
     match term:
         case Constant(value):
@@ -75,35 +84,35 @@ def affine(shape: Shape, term: Term) -> Affine:
             return _weighted(entries)
         case RollUp("count", entries):
             return _weighted([(site, Fraction(1)) for site, _ in entries])
-        case Operation("+" | "-" as sign, (left, right)):
+        case TermOperation("+" | "-" as sign, (left, right)):
             found = affine(shape, left)
             found.add(affine(shape, right), Fraction(1 if sign == "+" else -1))
             return found
-        case Operation("negative", (operand,)):
+        case TermOperation("negative", (operand,)):
             return affine(shape, operand).times(Fraction(-1))
-        case Choose(Standing(sites, named), yes, no) if None not in named:
+        case ConditionalTerm(Selected(sites, named), yes, no) if None not in named:
             chosen, other = affine(shape, yes), affine(shape, no)
             if chosen.is_number() and other.is_number() and not (chosen.there or other.there):
                 difference = chosen.constant - other.constant
                 found = _weighted([(site, difference) for site in sites if site.name in named])
                 found.constant += other.constant
                 return found
-        case Operation("*" | "/" as sign, (left, right)):
+        case TermOperation("*" | "/" as sign, (left, right)):
             scaled = _scaled(sign, affine(shape, left), affine(shape, right))
             if scaled is not None:
                 return scaled
     return Affine(others=[(Fraction(1), term)])
 
 
-def presence(shape: Shape, entries: Entries) -> Formula:
+def presence(shape: SpaceShape, entries: Entries) -> Formula:
     """That one of the sites is there."""
     branches = [site.branch for site, _ in entries]
     if None in branches or shape.is_certain(branch for branch in branches if branch):
-        return TRUE
+        return TRUE_FORMULA
     return one_taken(shape, (branch for branch in branches if branch))
 
 
-def one_taken(shape: Shape, branches: Iterable[Branch]) -> Formula:
+def one_taken(shape: SpaceShape, branches: Iterable[VariableValue]) -> Formula:
     """That one of *branches* is taken."""
     values: dict[int, list[int]] = {}
     for variable, value in branches:
@@ -111,7 +120,7 @@ def one_taken(shape: Shape, branches: Iterable[Branch]) -> Formula:
     return disjoin(shape, [literal(shape, variable, shape.mask(variable, some)) for variable, some in values.items()])
 
 
-def relation(shape: Shape, number: Affine, operator: str) -> Formula | None:
+def relation(shape: SpaceShape, number: Affine, operator: str) -> Formula | None:
     """Where ``number operator 0`` holds, *others* and *there* aside; None if the weights are too large."""
     if sum(weight for values in number.weights.values() for weight in values.values()) < 0:
         # The two ends of a range are bounds of one sum.
@@ -130,17 +139,17 @@ def relation(shape: Shape, number: Affine, operator: str) -> Formula | None:
             return between(shape, weights, ceil(bound), None, unit)
         case ">":
             return between(shape, weights, floor(bound) + 1, None, unit)
-    equal = FALSE if bound.denominator != 1 else between(shape, weights, int(bound), int(bound), unit)
+    equal = FALSE_FORMULA if bound.denominator != 1 else between(shape, weights, int(bound), int(bound), unit)
     return equal if operator == "==" else negation(shape, equal)
 
 
-def whole_sums(shape: Shape, number: Affine) -> tuple[dict[int, Ints], Fraction, Fraction] | None:
-    """Weights in whole units, the unit, and the constant beside their sum; None if sums could reach `LARGEST` units.
+def whole_sums(shape: SpaceShape, number: Affine) -> tuple[dict[int, Ints], Fraction, Fraction] | None:
+    """Weights in whole units, the unit, and the constant beside their sum; None if sums could reach `LARGEST_SUM`.
 
     The least weight of a variable that always exists is 0: what is there whatever is chosen is in the constant.
     """
     constant = number.constant
-    shifted: Weights = {}
+    shifted: AffineWeights = {}
     for variable, values in number.weights.items():
         least = Fraction(0)
         if shape.is_root(variable):
@@ -154,7 +163,7 @@ def whole_sums(shape: Shape, number: Affine) -> tuple[dict[int, Ints], Fraction,
     if not some:
         return {}, Fraction(1), constant
     unit = Fraction(gcd(*(weight.numerator for weight in some)), lcm(*(weight.denominator for weight in some)))
-    if sum(max(map(abs, values.values())) for values in shifted.values()) / unit >= LARGEST:
+    if sum(max(map(abs, values.values())) for values in shifted.values()) / unit >= LARGEST_SUM:
         return None
     found: dict[int, Ints] = {}
     for variable, values in shifted.items():
@@ -164,15 +173,15 @@ def whole_sums(shape: Shape, number: Affine) -> tuple[dict[int, Ints], Fraction,
     return found, unit, constant
 
 
-def between(shape: Shape, weights: dict[int, Ints], low: int | None, high: int | None, unit: Fraction) -> Formula:
+def between(shape: SpaceShape, weights: dict[int, Ints], low: int | None, high: int | None, unit: Fraction) -> Formula:
     """That the sum lies between *low* and *high*; plainly true, false or a literal where it is."""
     least, most = reach(shape, weights)
     low = None if low is None or low <= least else low
     high = None if high is None or high >= most else high
     if low is None and high is None:
-        return TRUE
+        return TRUE_FORMULA
     if (low is not None and low > most) or (high is not None and high < least):
-        return FALSE
+        return FALSE_FORMULA
     if len(weights) == 1:
         ((variable, values),) = weights.items()
         mask = np.ones(len(values), bool)
@@ -184,7 +193,7 @@ def between(shape: Shape, weights: dict[int, Ints], low: int | None, high: int |
     return BoundedSum(weights, low, high, unit)
 
 
-def reach(shape: Shape, weights: Mapping[int, Ints]) -> tuple[int, int]:
+def reach(shape: SpaceShape, weights: Mapping[int, Ints]) -> tuple[int, int]:
     """The least and the greatest sum, each variable for itself."""
     least = most = 0
     for variable, values in weights.items():
@@ -194,7 +203,7 @@ def reach(shape: Shape, weights: Mapping[int, Ints]) -> tuple[int, int]:
     return least, most
 
 
-def compare(shape: Shape, term: Operation, outcome: bool) -> Formula | None:
+def compare(shape: SpaceShape, term: TermOperation, outcome: bool) -> Formula | None:
     """Where the comparison *term* has the value *outcome*; None if that is no formula of sums and literals."""
     number = affine(shape, term.operands[0])
     number.add(affine(shape, term.operands[1]), Fraction(-1))
@@ -214,7 +223,7 @@ def compare(shape: Shape, term: Operation, outcome: bool) -> Formula | None:
                 if operator not in ("<", ">", "!="):
                     # The others fail anyway where the sum of nothing is 0.
                     there.append(presence(shape, entries))
-            case Operation("/", (over, under)):
+            case TermOperation("/", (over, under)):
                 ratio = _cross_multiplied(shape, over, under, against)
                 if ratio is None:
                     return None
@@ -249,7 +258,7 @@ def _scaled(sign: str, left: Affine, right: Affine) -> Affine | None:
     return replace(number.times(factor), there=[*left.there, *right.there])
 
 
-def _extreme(shape: Shape, term: RollUp, operator: str, against: Fraction) -> Formula:
+def _extreme(shape: SpaceShape, term: RollUp, operator: str, against: Fraction) -> Formula:
     """Where there is something and its least or greatest value is as *operator* says of *against*."""
     sign = 1 if term.function == "max" else -1
     operator = operator if sign == 1 else MIRRORED[operator]
@@ -270,12 +279,12 @@ def _extreme(shape: Shape, term: RollUp, operator: str, against: Fraction) -> Fo
     return disjoin(shape, [above, conjoin(shape, [there, negation(shape, reached)])])
 
 
-def _holding(shape: Shape, entries: Entries, accepts: Callable[[Fraction], bool]) -> Formula:
+def _holding(shape: SpaceShape, entries: Entries, accepts: Callable[[Fraction], bool]) -> Formula:
     branches = [site.branch for site, value in entries if accepts(value)]
-    return TRUE if None in branches else one_taken(shape, (branch for branch in branches if branch))
+    return TRUE_FORMULA if None in branches else one_taken(shape, (branch for branch in branches if branch))
 
 
-def _cross_multiplied(shape: Shape, over: Term, under: Term, against: Fraction) -> tuple[Affine, bool] | None:
+def _cross_multiplied(shape: SpaceShape, over: Term, under: Term, against: Fraction) -> tuple[Affine, bool] | None:
     """over - against * under, and whether *under* is positive in every row; None unless its sign is certain."""
     top, bottom = affine(shape, over), affine(shape, under)
     if top.others or bottom.others:

@@ -12,8 +12,8 @@ from dse.domain.expression import Expression, Truth
 from dse.space.decisions import Site
 from dse.space.flat import Bools
 from dse.space.language.evaluate import evaluator
-from dse.space.lowering.formulas import Atom, BoundedSum, Formula, Junction, Literal
-from dse.space.lowering.shape import Shape
+from dse.space.lowering.formulas import Atom, BoundedSum, Formula, FormulaJunction, Literal
+from dse.space.lowering.shape import SpaceShape
 
 Cell = Mapping[int, int]
 """The value number of every variable looked at; `ABSENT` for one that does not exist."""
@@ -22,7 +22,7 @@ _NOWHERE = Expression("", Truth(True, (0, 0)))
 """Failures in a cell are caught; the judge tells them where they stand."""
 
 
-def holds_in(shape: Shape, formula: Formula, scope: Sequence[int]) -> Bools:
+def holds_in(shape: SpaceShape, formula: Formula, scope: Sequence[int]) -> Bools:
     """Where *formula* holds; one axis of length values + 1 for each variable of *scope*, which has all it looks at.
 
     Raises DseError where an atom does, as for a division by zero.
@@ -30,7 +30,7 @@ def holds_in(shape: Shape, formula: Formula, scope: Sequence[int]) -> Bools:
     return np.broadcast_to(_holds(shape, formula, scope), [shape.widths[variable] for variable in scope]).copy()
 
 
-def holds_in_cells(shape: Shape, atom: Atom) -> Bools:
+def holds_in_cells(shape: SpaceShape, atom: Atom) -> Bools:
     """Where *atom* holds; one axis for each variable of its scope. Raises DseError as `holds_in`."""
     evaluate = evaluator(_NOWHERE, atom.term, _there, lambda _: "")
     widths = [shape.widths[variable] for variable in atom.scope]
@@ -42,7 +42,7 @@ def holds_in_cells(shape: Shape, atom: Atom) -> Bools:
     return found
 
 
-def _holds(shape: Shape, formula: Formula, scope: Sequence[int]) -> Bools:
+def _holds(shape: SpaceShape, formula: Formula, scope: Sequence[int]) -> Bools:
     match formula:
         case Literal():
             return _along(shape, formula.mask, [formula.variable], scope)
@@ -54,7 +54,7 @@ def _holds(shape: Shape, formula: Formula, scope: Sequence[int]) -> Bools:
             return holds if high is None else holds & (total <= high)
         case Atom():
             return _along(shape, holds_in_cells(shape, formula), formula.scope, scope)
-        case Junction():
+        case FormulaJunction():
             holds = np.full((1,) * len(scope), formula.every)
             for part in formula.parts:
                 below = _holds(shape, part, scope)
@@ -62,7 +62,7 @@ def _holds(shape: Shape, formula: Formula, scope: Sequence[int]) -> Bools:
             return holds
 
 
-def _along(shape: Shape, array: np.ndarray, own: Sequence[int], scope: Sequence[int]) -> np.ndarray:
+def _along(shape: SpaceShape, array: np.ndarray, own: Sequence[int], scope: Sequence[int]) -> np.ndarray:
     return array.reshape([shape.widths[variable] if variable in own else 1 for variable in scope])
 
 

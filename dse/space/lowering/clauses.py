@@ -9,8 +9,8 @@ import numpy as np
 
 from dse.space.flat import Bools
 from dse.space.lowering.cells import holds_in_cells
-from dse.space.lowering.formulas import Atom, Formula, Junction, Literal
-from dse.space.lowering.shape import Shape
+from dse.space.lowering.formulas import Atom, Formula, FormulaJunction, Literal
+from dse.space.lowering.shape import SpaceShape
 
 Disjunct = dict[int, Bools]
 """A clause: the mask of what each variable may take; one of them must hold."""
@@ -20,19 +20,19 @@ MOST_LITERALS = 65_536
 _MOST_CELLS = 256
 
 
-def clauses(shape: Shape, formula: Formula) -> list[Disjunct] | None:
+def clauses(shape: SpaceShape, formula: Formula) -> list[Disjunct] | None:
     """Clauses that hold together exactly where *formula* does; None if it has sums, or they would be too many."""
     match formula:
         case Literal():
             return [{formula.variable: formula.mask}]
         case Atom():
             return _of_cells(shape, formula)
-        case Junction():
+        case FormulaJunction():
             return _conjunction(shape, formula.parts) if formula.every else _disjunction(shape, formula.parts)
     return None
 
 
-def _conjunction(shape: Shape, parts: Iterable[Formula]) -> list[Disjunct] | None:
+def _conjunction(shape: SpaceShape, parts: Iterable[Formula]) -> list[Disjunct] | None:
     found: list[Disjunct] = []
     for part in parts:
         below = clauses(shape, part)
@@ -44,7 +44,7 @@ def _conjunction(shape: Shape, parts: Iterable[Formula]) -> list[Disjunct] | Non
     return found
 
 
-def _disjunction(shape: Shape, parts: Iterable[Formula]) -> list[Disjunct] | None:
+def _disjunction(shape: SpaceShape, parts: Iterable[Formula]) -> list[Disjunct] | None:
     found: list[Disjunct] = [{}]
     for part in parts:
         below = clauses(shape, part)
@@ -56,7 +56,7 @@ def _disjunction(shape: Shape, parts: Iterable[Formula]) -> list[Disjunct] | Non
     return found
 
 
-def _joined(shape: Shape, left: list[Disjunct], right: list[Disjunct]) -> Iterator[Disjunct | None]:
+def _joined(shape: SpaceShape, left: list[Disjunct], right: list[Disjunct]) -> Iterator[Disjunct | None]:
     for one, other in product(left, right):
         joined = dict(one)
         for variable, mask in other.items():
@@ -65,11 +65,11 @@ def _joined(shape: Shape, left: list[Disjunct], right: list[Disjunct]) -> Iterat
         yield None if any(_is_certain(shape, variable, mask) for variable, mask in joined.items()) else joined
 
 
-def _is_certain(shape: Shape, variable: int, mask: Bools) -> bool:
+def _is_certain(shape: SpaceShape, variable: int, mask: Bools) -> bool:
     return bool(mask[:-1].all()) and (bool(mask[-1]) or shape.is_root(variable))
 
 
-def _of_cells(shape: Shape, atom: Atom) -> list[Disjunct] | None:
+def _of_cells(shape: SpaceShape, atom: Atom) -> list[Disjunct] | None:
     """For each combination of all variables but the widest: one of them differs, or the widest takes what is left."""
     if not shape.cells(atom.scope, _MOST_CELLS):
         return None

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dse.errors import DseError
 from dse.space.decisions import Site
 from dse.space.language.terms import (
-    Choose,
+    ConditionalTerm,
     Constant,
     Every,
-    Operation,
     Quota,
+    Selected,
     Some,
-    Standing,
     Term,
+    TermOperation,
     leaves,
     sites_of,
 )
@@ -20,8 +20,8 @@ from dse.space.lowering.affine import OPPOSITE, compare, one_taken
 from dse.space.lowering.cells import holds_in_cells
 from dse.space.lowering.counts import counting
 from dse.space.lowering.formulas import (
-    FALSE,
-    TRUE,
+    FALSE_FORMULA,
+    TRUE_FORMULA,
     Atom,
     Formula,
     conjoin,
@@ -30,16 +30,16 @@ from dse.space.lowering.formulas import (
     negation,
     same,
 )
-from dse.space.lowering.shape import Branch, Shape
+from dse.space.lowering.shape import SpaceShape, VariableValue
 
 
-class Conditions:
+class ConditionLowering:
     """Formulas of the conditions of one expression; each condition is looked at once for each outcome.
 
     The conditions must not fail, as a division by zero would: short cuts are not kept.
     """
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: SpaceShape) -> None:
         self.shape = shape
         self._known: dict[tuple[int, bool], Formula] = {}
 
@@ -54,26 +54,26 @@ class Conditions:
         shape = self.shape
         match term:
             case Constant(value):
-                return TRUE if bool(value) is outcome else FALSE
-            case Standing():
+                return TRUE_FORMULA if bool(value) is outcome else FALSE_FORMULA
+            case Selected():
                 truth = _standing(shape, term)
                 return truth if outcome else negation(shape, truth)
             case Every(conditions):
                 return self._junction(conditions, outcome, every=outcome)
             case Some(conditions):
                 return self._junction(conditions, outcome, every=not outcome)
-            case Operation("not", (operand,)):
+            case TermOperation("not", (operand,)):
                 return self.formula(operand, not outcome)
-            case Operation("xor" | "iff" as word, (left, right)):
+            case TermOperation("xor" | "iff" as word, (left, right)):
                 alike = (word == "iff") is outcome
                 pairs = [(value, value if alike else not value) for value in (True, False)]
                 return disjoin(
                     shape, [conjoin(shape, [self.formula(left, a), self.formula(right, b)]) for a, b in pairs]
                 )
-            case Operation() if term.operator in OPPOSITE:
+            case TermOperation() if term.operator in OPPOSITE:
                 found = compare(shape, term, outcome)
                 return found if found is not None else atom(shape, term, outcome)
-            case Choose(condition, yes, no):
+            case ConditionalTerm(condition, yes, no):
                 met = conjoin(shape, [self.formula(condition, True), self.formula(yes, outcome)])
                 unmet = conjoin(shape, [self.formula(condition, False), self.formula(no, outcome)])
                 return disjoin(shape, [met, unmet])
@@ -99,13 +99,13 @@ class Conditions:
             return conjoin(shape, [one for one in bounds if one]) if all(bounds) else atom(shape, term, outcome)
         beyond: list[Formula | None] = []
         if term.low is not None:
-            beyond.append(counting(shape, possible, None, term.low - 1) if term.low else FALSE)
+            beyond.append(counting(shape, possible, None, term.low - 1) if term.low else FALSE_FORMULA)
         if term.high is not None:
             beyond.append(counting(shape, true, term.high + 1, None))
         return disjoin(shape, [one for one in beyond if one]) if all(beyond) else atom(shape, term, outcome)
 
 
-def atom(shape: Shape, term: Term, outcome: bool) -> Formula:
+def atom(shape: SpaceShape, term: Term, outcome: bool) -> Formula:
     """The atom itself, or a literal or what it always is where it has one variable or none."""
     scope = scope_of_term(term)
     found = Atom(term, scope, outcome)
@@ -117,7 +117,7 @@ def atom(shape: Shape, term: Term, outcome: bool) -> Formula:
         return found
     if scope:
         return literal(shape, scope[0], holds)
-    return TRUE if holds else FALSE
+    return TRUE_FORMULA if holds else FALSE_FORMULA
 
 
 def scope_of_term(term: Term) -> tuple[int, ...]:
@@ -126,17 +126,17 @@ def scope_of_term(term: Term) -> tuple[int, ...]:
     return tuple(sorted({branch[0] for branch in branches if branch}))
 
 
-def _standing(shape: Shape, term: Standing) -> Formula:
+def _standing(shape: SpaceShape, term: Selected) -> Formula:
     # Where nothing is among the names, it is easier to say which names are not.
     wanted = None not in term.named
     found = _there(shape, [site for site in term.sites if (site.name in term.named) is wanted])
     return found if wanted else negation(shape, found)
 
 
-def _there(shape: Shape, sites: list[Site]) -> Formula:
-    branches: list[Branch] = []
+def _there(shape: SpaceShape, sites: list[Site]) -> Formula:
+    branches: list[VariableValue] = []
     for site in sites:
         if site.branch is None:
-            return TRUE
+            return TRUE_FORMULA
         branches.append(site.branch)
     return one_taken(shape, branches)

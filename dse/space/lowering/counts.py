@@ -9,11 +9,20 @@ import numpy as np
 
 from dse.space.flat import Ints
 from dse.space.lowering.affine import between
-from dse.space.lowering.formulas import FALSE, TRUE, Formula, Literal, conjoin, disjoin, is_constant, negation
-from dse.space.lowering.shape import Shape
+from dse.space.lowering.formulas import (
+    FALSE_FORMULA,
+    TRUE_FORMULA,
+    Formula,
+    Literal,
+    conjoin,
+    disjoin,
+    is_constant,
+    negation,
+)
+from dse.space.lowering.shape import SpaceShape
 
 
-def counting(shape: Shape, formulas: Iterable[Formula], low: int | None, high: int | None) -> Formula | None:
+def counting(shape: SpaceShape, formulas: Iterable[Formula], low: int | None, high: int | None) -> Formula | None:
     """Between *low* and *high* of *formulas* hold; None if that is neither a clause nor a sum. Raises TooLargeError."""
     open_: list[Formula] = []
     certain = 0
@@ -25,7 +34,7 @@ def counting(shape: Shape, formulas: Iterable[Formula], low: int | None, high: i
     least = 0 if low is None else max(0, low - certain)
     most = len(open_) if high is None else min(len(open_), high - certain)
     if least > most or most < 0:
-        return FALSE
+        return FALSE_FORMULA
     ends = [_at_least(shape, open_, least)]
     # At most so many hold: at least the others do not.
     ends.append(_at_least(shape, [negation(shape, formula) for formula in open_], len(open_) - most))
@@ -36,20 +45,20 @@ def counting(shape: Shape, formulas: Iterable[Formula], low: int | None, high: i
     return None
 
 
-def _at_least(shape: Shape, formulas: list[Formula], number: int) -> Formula | None:
+def _at_least(shape: SpaceShape, formulas: list[Formula], number: int) -> Formula | None:
     if number == 0:
-        return TRUE
+        return TRUE_FORMULA
     if number == 1:
         return disjoin(shape, formulas)
     return conjoin(shape, formulas) if number == len(formulas) else None
 
 
-def _tally(shape: Shape, literals: list[Literal], low: int, high: int) -> Formula:
+def _tally(shape: SpaceShape, literals: list[Literal], low: int, high: int) -> Formula:
     weights, always = tally(shape, literals)
     return between(shape, weights, low - always, high - always, Fraction(1))
 
 
-def tally(shape: Shape, literals: Iterable[Literal]) -> tuple[dict[int, Ints], int]:
+def tally(shape: SpaceShape, literals: Iterable[Literal]) -> tuple[dict[int, Ints], int]:
     """How many of *literals* hold, as weights that are 0 for what is absent, and a constant."""
     weights: dict[int, Ints] = {}
     always = 0

@@ -8,14 +8,14 @@ from fractions import Fraction
 import numpy as np
 
 from dse.space.decisions import Site
-from dse.space.flat import NOTHING, Fold, Gather, Ints
-from dse.space.lowering.shape import Shape
+from dse.space.flat import NO_VALUE, Fold, Gather, Ints
+from dse.space.lowering.shape import SpaceShape
 
 
 class Folds:
     """The folds of a rule, each once."""
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: SpaceShape) -> None:
         self.shape = shape
         self.found: list[Fold] = []
         self._known: dict[object, int] = {}
@@ -42,13 +42,13 @@ class Folds:
 
     def extreme(self, gather: Gather, values: Iterable[tuple[Site, int]], scale: Fraction = Fraction(1)) -> int:
         """The least, greatest or product of whole numbers over the sites that are there."""
-        start = NOTHING
+        start = NO_VALUE
         arrays: dict[int, Ints] = {}
         for site, value in values:
             if site.branch is None:
                 start = _gathered(gather, int(start), value)
             else:
-                array = self._array(arrays, site.branch[0], NOTHING)
+                array = self._array(arrays, site.branch[0], NO_VALUE)
                 array[site.branch[1]] = _gathered(gather, int(array[site.branch[1]]), value)
         return self.number(Fold(gather, arrays, int(start), scale))
 
@@ -59,7 +59,7 @@ class Folds:
 
 
 def _gathered(gather: Gather, before: int, value: int) -> int:
-    if before == NOTHING:
+    if before == NO_VALUE:
         return value
     match gather:
         case Gather.MIN:

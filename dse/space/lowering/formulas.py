@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from dse.space.flat import Bools, Ints
 from dse.space.language.terms import Term
-from dse.space.lowering.shape import Shape
+from dse.space.lowering.shape import SpaceShape
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +40,7 @@ class Atom:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Junction:
+class FormulaJunction:
     """All of *parts*, if *every*, else one of them. *size* counts the formulas below."""
 
     every: bool
@@ -48,10 +48,10 @@ class Junction:
     size: int
 
 
-Formula = Literal | BoundedSum | Atom | Junction
+Formula = Literal | BoundedSum | Atom | FormulaJunction
 
-TRUE = Junction(True, (), 1)
-FALSE = Junction(False, (), 1)
+TRUE_FORMULA = FormulaJunction(True, (), 1)
+FALSE_FORMULA = FormulaJunction(False, (), 1)
 
 MOST_PARTS = 20_000
 """Formulas below one another in a formula; what is larger is judged as it was written."""
@@ -63,7 +63,7 @@ class TooLargeError(Exception):
 
 def is_constant(formula: Formula, value: bool) -> bool:
     """Whether *formula* is plainly true, or plainly false."""
-    return isinstance(formula, Junction) and not formula.parts and formula.every is value
+    return isinstance(formula, FormulaJunction) and not formula.parts and formula.every is value
 
 
 def same(formula: Formula, other: Formula) -> bool:
@@ -73,7 +73,7 @@ def same(formula: Formula, other: Formula) -> bool:
     return any(is_constant(formula, value) and is_constant(other, value) for value in (True, False))
 
 
-def literal(shape: Shape, variable: int, mask: Bools) -> Formula:
+def literal(shape: SpaceShape, variable: int, mask: Bools) -> Formula:
     """The literal, or what it always is. *mask* becomes the formula's own."""
     root = shape.is_root(variable)
     if root:
@@ -81,21 +81,21 @@ def literal(shape: Shape, variable: int, mask: Bools) -> Formula:
     # Masks are short: looking at their bytes is several times faster than asking numpy.
     values = mask.tobytes()
     if b"\0" not in (values[:-1] if root else values):
-        return TRUE
-    return Literal(variable, mask) if b"\1" in values else FALSE
+        return TRUE_FORMULA
+    return Literal(variable, mask) if b"\1" in values else FALSE_FORMULA
 
 
-def conjoin(shape: Shape, parts: Iterable[Formula]) -> Formula:
+def conjoin(shape: SpaceShape, parts: Iterable[Formula]) -> Formula:
     """All of *parts*; literals of one variable become one. Raises TooLargeError."""
     return _join(shape, parts, every=True)
 
 
-def disjoin(shape: Shape, parts: Iterable[Formula]) -> Formula:
+def disjoin(shape: SpaceShape, parts: Iterable[Formula]) -> Formula:
     """One of *parts*; literals of one variable become one. Raises TooLargeError."""
     return _join(shape, parts, every=False)
 
 
-def negation(shape: Shape, formula: Formula) -> Formula:
+def negation(shape: SpaceShape, formula: Formula) -> Formula:
     """Where *formula* does not hold. Raises TooLargeError."""
     match formula:
         case Literal():
@@ -109,7 +109,7 @@ def negation(shape: Shape, formula: Formula) -> Formula:
             return disjoin(shape, beside)
         case Atom():
             return Atom(formula.term, formula.scope, formula.outcome, not formula.denied)
-        case Junction():
+        case FormulaJunction():
             return _join(shape, (negation(shape, part) for part in formula.parts), every=not formula.every)
 
 
@@ -133,11 +133,11 @@ def walk(formula: Formula) -> Iterator[Formula]:
     while stack:
         formula = stack.pop()
         yield formula
-        if isinstance(formula, Junction):
+        if isinstance(formula, FormulaJunction):
             stack.extend(formula.parts)
 
 
-def _join(shape: Shape, parts: Iterable[Formula], *, every: bool) -> Formula:
+def _join(shape: SpaceShape, parts: Iterable[Formula], *, every: bool) -> Formula:
     literals: dict[int, Literal] = {}
     merged: dict[int, Bools] = {}
     others: list[Formula] = []
@@ -145,7 +145,7 @@ def _join(shape: Shape, parts: Iterable[Formula], *, every: bool) -> Formula:
     stack = list(parts)[::-1]
     while stack:
         part = stack.pop()
-        if isinstance(part, Junction):
+        if isinstance(part, FormulaJunction):
             if part.every is every:
                 stack.extend(reversed(part.parts))
                 continue
@@ -158,7 +158,7 @@ def _join(shape: Shape, parts: Iterable[Formula], *, every: bool) -> Formula:
                 merged[part.variable] = mask & part.mask if every else mask | part.mask
             continue
         others.append(part)
-        size += part.size if isinstance(part, Junction) else 1
+        size += part.size if isinstance(part, FormulaJunction) else 1
     joined: list[Formula] = []
     for variable, one in literals.items():
         found = literal(shape, variable, merged[variable]) if variable in merged else one
@@ -172,4 +172,4 @@ def _join(shape: Shape, parts: Iterable[Formula], *, every: bool) -> Formula:
         raise TooLargeError
     if len(joined) == 1:
         return joined[0]
-    return Junction(every, tuple(joined), size)
+    return FormulaJunction(every, tuple(joined), size)

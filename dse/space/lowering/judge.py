@@ -11,16 +11,16 @@ from dse.domain.expression import Expression
 from dse.space.flat import Bools, Fold, Gather, Ints, Wide
 from dse.space.language import intervals
 from dse.space.language.evaluate import Evaluate, leaf_evaluator
-from dse.space.language.intervals import Numbers, Truths
-from dse.space.language.terms import Choose, Constant, Every, Leaf, Operation, Quota, Some, Term, leaves
+from dse.space.language.intervals import NumberBounds, TruthBounds
+from dse.space.language.terms import ConditionalTerm, Constant, Every, Leaf, Quota, Some, Term, TermOperation, leaves
 from dse.space.lowering.counts import tally
 from dse.space.lowering.folds import Folds
-from dse.space.lowering.formulas import Atom, BoundedSum, Formula, Junction, Literal
+from dse.space.lowering.formulas import Atom, BoundedSum, Formula, FormulaJunction, Literal
 from dse.space.lowering.readings import Reading, reading
-from dse.space.lowering.shape import Shape
+from dse.space.lowering.shape import SpaceShape
 
 
-def wide(shape: Shape, expression: Expression, formula: Formula, owner: int) -> Wide:
+def wide(shape: SpaceShape, expression: Expression, formula: Formula, owner: int) -> Wide:
     """The rule that *formula*, made from *expression*, holds."""
     folds = Folds(shape)
     judge = _test(shape, expression, formula, folds)
@@ -35,7 +35,7 @@ class Calculator:
         self._readings: dict[int, Reading] = {id(leaf): reading(leaf, folds) for leaf in leaves(term)}
         self.value: Evaluate[Sequence[int]] = leaf_evaluator(expression, term, self._value_of, lambda _: "")
 
-    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers | Truths:
+    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> NumberBounds | TruthBounds:
         """What the term may be for folds between *low* and *high*."""
         form = low[0].shape if low else ()
         return self._bounds(self.term, form, low, high)
@@ -43,8 +43,10 @@ class Calculator:
     def _value_of(self, leaf: Leaf) -> Evaluate[Sequence[int]]:
         return self._readings[id(leaf)].value
 
-    def _bounds(self, term: Term, form: tuple[int, ...], low: Sequence[Ints], high: Sequence[Ints]) -> Numbers | Truths:
-        def below(terms: Sequence[Term]) -> list[Numbers | Truths]:
+    def _bounds(
+        self, term: Term, form: tuple[int, ...], low: Sequence[Ints], high: Sequence[Ints]
+    ) -> NumberBounds | TruthBounds:
+        def below(terms: Sequence[Term]) -> list[NumberBounds | TruthBounds]:
             return [self._bounds(one, form, low, high) for one in terms]
 
         match term:
@@ -52,13 +54,13 @@ class Calculator:
                 return intervals.certain(value, form)
             case Constant(value):
                 return intervals.known(value, form)
-            case Operation(operator, operands):
+            case TermOperation(operator, operands):
                 return intervals.operation(operator, below(operands))
             case Every(conditions) | Some(conditions):
                 return intervals.junction(intervals.truths(below(conditions)), every=isinstance(term, Every))
             case Quota(least, most, conditions):
                 return intervals.quota(least, most, intervals.truths(below(conditions)))
-            case Choose(condition, yes, no):
+            case ConditionalTerm(condition, yes, no):
                 (met,) = intervals.truths(below([condition]))
                 return intervals.choice(met, *below([yes, no]))
         return self._readings[id(term)].bounds(low, high)
@@ -128,7 +130,7 @@ class _Joined:
 _Test = _Between | _Has | _Joined
 
 
-def _test(shape: Shape, expression: Expression, formula: Formula, folds: Folds) -> _Test:
+def _test(shape: SpaceShape, expression: Expression, formula: Formula, folds: Folds) -> _Test:
     match formula:
         case Literal():
             return _literals(shape, [formula], folds, every=True)
@@ -136,7 +138,7 @@ def _test(shape: Shape, expression: Expression, formula: Formula, folds: Folds) 
             return _Between(folds.number(Fold(Gather.SUM, weights, 0, scale)), low, high)
         case Atom(term, _, outcome, denied):
             return _Has(Calculator(expression, term, folds), outcome, denied)
-        case Junction(every, parts):
+        case FormulaJunction(every, parts):
             literals = [part for part in parts if isinstance(part, Literal)]
             tests = [_test(shape, expression, part, folds) for part in parts if not isinstance(part, Literal)]
             if literals:
@@ -144,7 +146,7 @@ def _test(shape: Shape, expression: Expression, formula: Formula, folds: Folds) 
             return _Joined(every, tuple(tests))
 
 
-def _literals(shape: Shape, literals: Sequence[Literal], folds: Folds, *, every: bool) -> _Between:
+def _literals(shape: SpaceShape, literals: Sequence[Literal], folds: Folds, *, every: bool) -> _Between:
     """All of *literals* hold, or one, as a count."""
     weights, always = tally(shape, literals)
     fold = folds.number(Fold(Gather.SUM, weights, always))

@@ -13,14 +13,14 @@ from dse.domain.expression import Expression
 from dse.expression import require_number
 from dse.space.flat import Floats, Fold, Ints
 from dse.space.language.interpret import interpret
-from dse.space.language.intervals import Numbers
+from dse.space.language.intervals import NumberBounds
 from dse.space.language.places import Places
 from dse.space.language.terms import Term
 from dse.space.lowering.affine import affine, whole_sums
 from dse.space.lowering.folds import Folds
 from dse.space.lowering.formulas import TooLargeError, is_constant
 from dse.space.lowering.judge import Calculator
-from dse.space.lowering.shape import Shape, shape_of
+from dse.space.lowering.shape import SpaceShape, shape_of
 from dse.units import Dimension
 
 
@@ -60,7 +60,7 @@ class FoldedObjective:
         Never wrong, may be vague: infinite where a value may not exist, or surely is undefined.
         """
         found = self.calculator.bounds(low, high)
-        if not isinstance(found, Numbers):
+        if not isinstance(found, NumberBounds):
             raise TypeError("an objective is a number")
         known = found.defined & ~found.fails
         return np.where(known, found.low, -np.inf), np.where(known, found.high, np.inf)
@@ -85,7 +85,7 @@ def objective(space: DesignSpace, expression: Expression) -> LoweredObjective:
     return FoldedObjective(tuple(folds.found), calculator, sort.dimension)
 
 
-def _linear(shape: Shape, term: Term, dimension: Dimension) -> LinearObjective | None:
+def _linear(shape: SpaceShape, term: Term, dimension: Dimension) -> LinearObjective | None:
     try:
         number = affine(shape, term)
     except TooLargeError:

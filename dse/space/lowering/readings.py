@@ -16,13 +16,13 @@ from typing import Protocol, TypeVar
 import numpy as np
 
 from dse.space.decisions import Site
-from dse.space.flat import NOTHING, Floats, Gather, Ints
-from dse.space.language.arithmetic import Value
-from dse.space.language.intervals import Numbers, Truths, calculation, defined_between, ends, scaled
-from dse.space.language.terms import Entries, Leaf, RollUp, Standing, Stated
+from dse.space.flat import NO_VALUE, Floats, Gather, Ints
+from dse.space.language.arithmetic import ExactValue
+from dse.space.language.intervals import NumberBounds, TruthBounds, calculation, defined_between, ends, scaled
+from dse.space.language.terms import Entries, Leaf, RollUp, Selected, Stated
 from dse.space.lowering.folds import Folds
 
-T = TypeVar("T")
+_T = TypeVar("_T")
 _LARGEST = 2**62
 _BITS = 30
 
@@ -30,17 +30,17 @@ _BITS = 30
 class Reading(Protocol):
     """A leaf, read from folds."""
 
-    def value(self, folds: Sequence[int]) -> Value:
+    def value(self, folds: Sequence[int]) -> ExactValue:
         """The exact value, None where it is undefined."""
 
-    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers | Truths:
+    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> NumberBounds | TruthBounds:
         """What it may be for folds between *low* and *high*, arrays of one shape."""
 
 
 def reading(leaf: Leaf, folds: Folds) -> Reading:
     """How *leaf* is read; what it needs is added to *folds*."""
     match leaf:
-        case Standing():
+        case Selected():
             return _standing(leaf, folds)
         case Stated(entries):
             return _stated(entries, folds)
@@ -71,7 +71,7 @@ class _Sum:
     def value(self, folds: Sequence[int]) -> Fraction:
         return sum((folds[fold] * scale for fold, scale in self.parts), Fraction(0))
 
-    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers:
+    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> NumberBounds:
         parts = [defined_between(*scaled(low[fold], high[fold], scale)) for fold, scale in self.parts]
         return reduce(lambda total, part: calculation("+", [total, part]), parts)
 
@@ -88,14 +88,14 @@ class _Stated:
     def value(self, folds: Sequence[int]) -> Fraction | None:
         return None if self.presence is not None and folds[self.presence] < 1 else self.sum.value(folds)
 
-    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers:
+    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> NumberBounds:
         found = self.sum.bounds(low, high)
         yes, no = found.defined, found.undefined
         defined = yes if self.presence is None else high[self.presence] >= 1
         undefined = no if self.presence is None else low[self.presence] < 1
         # The sum of nothing is 0, which need not be among the values.
         least = np.clip(found.low, self.least, self.most)
-        return Numbers(least, np.clip(found.high, self.least, self.most), defined, undefined, no)
+        return NumberBounds(least, np.clip(found.high, self.least, self.most), defined, undefined, no)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,13 +108,13 @@ class _Mean:
     def value(self, folds: Sequence[int]) -> Fraction | None:
         return self.sum.value(folds) / folds[self.count] if folds[self.count] else None
 
-    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers:
+    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> NumberBounds:
         fewest, most = np.maximum(low[self.count], 1), np.maximum(high[self.count], 1)
         count = defined_between(fewest.astype(float), most.astype(float))
         mean = calculation("/", [self.sum.bounds(low, high), count])
         defined, undefined = high[self.count] >= 1, low[self.count] < 1
         least = np.clip(mean.low, self.least, self.most)
-        return Numbers(least, np.clip(mean.high, self.least, self.most), defined, undefined, mean.fails)
+        return NumberBounds(least, np.clip(mean.high, self.least, self.most), defined, undefined, mean.fails)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,16 +128,16 @@ class _Extreme:
 
     def value(self, folds: Sequence[int]) -> Fraction | None:
         rank = folds[self.fold]
-        return None if rank == NOTHING else self.values[rank]
+        return None if rank == NO_VALUE else self.values[rank]
 
-    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers:
+    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> NumberBounds:
         last = len(self.values) - 1
         least, most = low[self.fold], high[self.fold]
-        return Numbers(
+        return NumberBounds(
             self.low[np.clip(least, 0, last)],
             self.high[np.clip(most, 0, last)],
-            least != NOTHING,
-            most == NOTHING,
+            least != NO_VALUE,
+            most == NO_VALUE,
             np.zeros(least.shape, bool),
         )
 
@@ -152,15 +152,15 @@ class _Product:
     largest: int
 
     def value(self, folds: Sequence[int]) -> Fraction:
-        if folds[self.fold] == NOTHING:
+        if folds[self.fold] == NO_VALUE:
             return Fraction(1)
         return Fraction(folds[self.fold], self.denominator ** folds[self.count])
 
-    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers:
+    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> NumberBounds:
         least, most = low[self.fold], high[self.fold]
         # What may be nothing may be 1.
-        top_low = np.where(most == NOTHING, np.minimum(least, 1), least)
-        top_high = np.where(most == NOTHING, np.where(least == NOTHING, 1, self.largest), most)
+        top_low = np.where(most == NO_VALUE, np.minimum(least, 1), least)
+        top_high = np.where(most == NO_VALUE, np.where(least == NO_VALUE, 1, self.largest), most)
         base = np.full(least.shape, float(self.denominator))
         top = defined_between(*scaled(top_low, top_high, Fraction(1)))
         return calculation("/", [top, _raised(defined_between(base, base), low[self.count], high[self.count])])
@@ -178,7 +178,7 @@ class _Powers:
             found *= value ** folds[fold]
         return found
 
-    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers:
+    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> NumberBounds:
         shape = low[self.parts[0][1]].shape
         found = defined_between(np.ones(shape), np.ones(shape))
         for value, fold in self.parts:
@@ -195,12 +195,12 @@ class _Standing:
     def value(self, folds: Sequence[int]) -> bool:
         return folds[self.fold] >= 1
 
-    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Truths:
+    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> TruthBounds:
         no = np.zeros(low[self.fold].shape, bool)
-        return Truths(high[self.fold] >= 1, low[self.fold] < 1, no, no)
+        return TruthBounds(high[self.fold] >= 1, low[self.fold] < 1, no, no)
 
 
-def _standing(leaf: Standing, folds: Folds) -> _Standing:
+def _standing(leaf: Selected, folds: Folds) -> _Standing:
     named = [(site, 1) for site in leaf.sites if site.name in leaf.named]
     if None not in leaf.named:
         return _Standing(folds.total(named))
@@ -258,7 +258,7 @@ def _largest_product(units: Iterable[tuple[Site, int]]) -> int:
     return prod(max(branches.values()) for branches in sizes.values())
 
 
-def _raised(base: Numbers, low: Ints, high: Ints) -> Numbers:
+def _raised(base: NumberBounds, low: Ints, high: Ints) -> NumberBounds:
     """base^n for whole n >= 0 between *low* and *high*."""
     found = []
     for exponent in (low, high):

@@ -16,7 +16,7 @@ from dse.space.lowering.counts import tally
 from dse.space.lowering.formulas import (
     BoundedSum,
     Formula,
-    Junction,
+    FormulaJunction,
     Literal,
     TooLargeError,
     disjoin,
@@ -24,14 +24,14 @@ from dse.space.lowering.formulas import (
     scope_of,
 )
 from dse.space.lowering.judge import wide
-from dse.space.lowering.shape import Shape
+from dse.space.lowering.shape import SpaceShape
 
 _FEWEST_LITERALS = 3
 """Clauses of fewer are tables."""
 
 
 def rules_of(
-    shape: Shape, expression: Expression, formulas: Iterable[Formula], owner: int, most_cells: int
+    shape: SpaceShape, expression: Expression, formulas: Iterable[Formula], owner: int, most_cells: int
 ) -> list[Rule]:
     """The rules that hold together iff all of *formulas*, made from *expression*, do.
 
@@ -44,15 +44,15 @@ def rules_of(
     return _merged(rules)
 
 
-def _conjuncts(shape: Shape, formula: Formula, most_cells: int) -> Iterator[Formula]:
+def _conjuncts(shape: SpaceShape, formula: Formula, most_cells: int) -> Iterator[Formula]:
     """Formulas that hold together iff *formula* does; a condition before several is put before each."""
-    if not isinstance(formula, Junction):
+    if not isinstance(formula, FormulaJunction):
         yield formula
     elif formula.every:
         for part in formula.parts:
             yield from _conjuncts(shape, part, most_cells)
     else:
-        several = [part for part in formula.parts if isinstance(part, Junction)]
+        several = [part for part in formula.parts if isinstance(part, FormulaJunction)]
         if len(several) != 1 or shape.cells(scope_of(formula), most_cells):
             yield formula
             return
@@ -66,11 +66,11 @@ def _conjuncts(shape: Shape, formula: Formula, most_cells: int) -> Iterator[Form
             yield from _conjuncts(shape, part, most_cells)
 
 
-def _rules(shape: Shape, expression: Expression, formula: Formula, owner: int, most_cells: int) -> Iterator[Rule]:
+def _rules(shape: SpaceShape, expression: Expression, formula: Formula, owner: int, most_cells: int) -> Iterator[Rule]:
     if is_constant(formula, False):
         yield Table((), np.zeros((), bool), owner)
         return
-    if isinstance(formula, Junction) and len(formula.parts) >= _FEWEST_LITERALS:
+    if isinstance(formula, FormulaJunction) and len(formula.parts) >= _FEWEST_LITERALS:
         literals = {part.variable: part.mask for part in formula.parts if isinstance(part, Literal)}
         if len(literals) == len(formula.parts):
             yield _clause(shape, literals, owner)
@@ -93,7 +93,7 @@ def _rules(shape: Shape, expression: Expression, formula: Formula, owner: int, m
         yield from (_clause(shape, clause, owner) for clause in found)
 
 
-def _table(shape: Shape, expression: Expression, formula: Formula, owner: int) -> Table | Wide:
+def _table(shape: SpaceShape, expression: Expression, formula: Formula, owner: int) -> Table | Wide:
     scope = scope_of(formula)
     try:
         return Table(scope, holds_in(shape, formula, scope), owner)
@@ -105,21 +105,21 @@ def _table(shape: Shape, expression: Expression, formula: Formula, owner: int) -
         return rule
 
 
-def _clause(shape: Shape, clause: Disjunct, owner: int) -> Rule:
+def _clause(shape: SpaceShape, clause: Disjunct, owner: int) -> Rule:
     literals = tuple((variable, mask) for variable, mask in sorted(clause.items()) if mask.any())
     if len(literals) >= _FEWEST_LITERALS:
         return Clause(literals, owner)
-    formula = Junction(False, tuple(Literal(variable, mask) for variable, mask in literals), 1)
+    formula = FormulaJunction(False, tuple(Literal(variable, mask) for variable, mask in literals), 1)
     scope = scope_of(formula)
     return Table(scope, holds_in(shape, formula, scope), owner)
 
 
-def _compensated(shape: Shape, formula: Formula) -> BoundedSum | None:
+def _compensated(shape: SpaceShape, formula: Formula) -> BoundedSum | None:
     """A count with one bound, or literals, as one sum: a literal that holds makes up for all the count may lack.
 
     None if *formula* is no such thing.
     """
-    if not isinstance(formula, Junction) or formula.every:
+    if not isinstance(formula, FormulaJunction) or formula.every:
         return None
     literals = [part for part in formula.parts if isinstance(part, Literal)]
     totals = [part for part in formula.parts if isinstance(part, BoundedSum)]

@@ -12,12 +12,12 @@ from dse.domain.design import DesignSpace
 from dse.space.decisions import decisions, flat
 from dse.space.flat import Bools, Variable
 
-Branch = tuple[int, int]
+VariableValue = tuple[int, int]
 """A variable and one of its values."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shape:
+class SpaceShape:
     """*widths* are the lengths of arrays over the values of each variable, one more than it has values."""
 
     variables: tuple[Variable, ...]
@@ -42,7 +42,7 @@ class Shape:
                 return False
         return True
 
-    def is_certain(self, branches: Iterable[Branch]) -> bool:
+    def is_certain(self, branches: Iterable[VariableValue]) -> bool:
         """Whether one of *branches* is taken in every row: each value of a root variable is one or leads to one."""
         taken: dict[int, set[int]] = {}
         for variable, value in branches:
@@ -63,13 +63,13 @@ class Shape:
         return False
 
 
-def shape_of(space: DesignSpace) -> Shape:
+def shape_of(space: DesignSpace) -> SpaceShape:
     """The variables of *space*, one for each decision, numbered by its position."""
     variables: list[Variable] = []
-    parents: dict[int, Branch] = {}
+    parents: dict[int, VariableValue] = {}
     for decision in flat(decisions(space)):
         for number, branch in enumerate(decision.branches):
             parents.update((below.position, (decision.position, number)) for below in branch.decisions)
         values = tuple(branch.choice for branch in decision.branches)
         variables.append(Variable(decision.path, values, parents.get(decision.position)))
-    return Shape(tuple(variables), tuple(len(variable.values) + 1 for variable in variables))
+    return SpaceShape(tuple(variables), tuple(len(variable.values) + 1 for variable in variables))

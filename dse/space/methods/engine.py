@@ -1,9 +1,19 @@
 """Answers about a design space, each by the method that fits; what has to be compiled is compiled once, on first use.
 
-The order of the attempts: the decision diagram of hierarchy and rules, with sums compiled in where they fit; grids
-of sums over its nodes; tilted sampling, which is an estimate and says so. Where the diagram is too wide in every
-order, as in large feature models, see `dse.space.methods.entangled`. Each method is imported where it is used: together
-they take longer to import than most spaces to count.
+Methods are tried in this order:
+
+| method | rules | answers |
+|---|---|---|
+| decision diagram with the sums compiled in (`mdd.expand`) | all, if few partial sums occur | all, exactly |
+| grids of sums over the diagram (`grid`) | sums | the exact count |
+| tilted sampling over the diagram (`sampling`) | all | samples; counts and shares as estimates with an interval |
+| bounds and a search over the diagram (`listing`, `optimum`) | all | lists, the first row, the best rows |
+| decision-DNNF (`dnnf`), where every order makes the diagram too wide | clauses, tables, small counts | all, exactly |
+| search with propagation (`listing.search`), if a rule has no clauses either | all | lists, until the work is spent |
+
+Each module works an example by hand, as x in {1, 2, 4}, y in {0, 3}, x + y <= 4: 4 rows. A method is imported where it
+is used: together they take longer to import than most spaces to count. They were raced: none could be left out
+(docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations
@@ -20,11 +30,11 @@ from dse.errors import DseError, fail
 from dse.space.flat import FlatSpace, Ints, Rows, Rule, Table
 from dse.space.lowering import flatten
 from dse.space.methods.budget import TooMuchError
-from dse.space.methods.mdd.diagram import Diagram, count, occurrences, restrict
+from dse.space.methods.mdd.diagram import DecisionDiagram, count, occurrences, restrict
 from dse.space.methods.tally import Tally
 
 if TYPE_CHECKING:
-    from dse.space.methods.entangled import Entangled
+    from dse.space.methods.clausal import ClausalEngine
     from dse.space.methods.sampling.estimate import Shares
 
 DIAGRAM = 200_000
@@ -33,7 +43,7 @@ DIAGRAM = 200_000
 EXPANSION = 150_000
 """Nodes before reduction of a diagram with the sums compiled in."""
 
-WORK = 5e9
+EVERYDAY_WORK = 5e9
 """Additions of a cell that an everyday exact count may take: a few seconds."""
 
 MOST_WORK = 1e12
@@ -51,8 +61,8 @@ class Engine:
         self,
         flat: FlatSpace,
         model: Engine | None = None,
-        diagram: Diagram | None = None,
-        expanded: Diagram | None = None,
+        diagram: DecisionDiagram | None = None,
+        expanded: DecisionDiagram | None = None,
     ) -> None:
         self.flat = flat
         self._model = model
@@ -81,14 +91,14 @@ class Engine:
         return Engine(flat, self, diagram, expanded)
 
     @cached_property
-    def diagram(self) -> Diagram | None:
+    def diagram(self) -> DecisionDiagram | None:
         """The decision diagram of hierarchy and rules, sums aside; None where it is too wide in every order."""
         if self._diagram is not None:
             return self._diagram
         from dse.space.methods.mdd.growth import TooWideError
         from dse.space.methods.mdd.ordering import compile_best
 
-        if self._model is not None and self._model.diagram is None and self._model.entangled.graph is not None:
+        if self._model is not None and self._model.diagram is None and self._model.clausal.graph is not None:
             return None
         try:
             return compile_best(self.flat, DIAGRAM)
@@ -96,7 +106,7 @@ class Engine:
             return None
 
     @property
-    def expanded(self) -> Diagram | None:
+    def expanded(self) -> DecisionDiagram | None:
         """The diagram of exactly the valid rows; None where it is too wide."""
         if self._expanded is None and self.diagram is not None and not self._is_too_wide:
             from dse.space.methods.mdd.expand import expand
@@ -109,18 +119,18 @@ class Engine:
         return self._expanded
 
     @cached_property
-    def entangled(self) -> Entangled:
+    def clausal(self) -> ClausalEngine:
         """What answers where there is no diagram."""
-        from dse.space.methods.entangled import Entangled
+        from dse.space.methods.clausal import ClausalEngine
 
-        return Entangled(self.flat)
+        return ClausalEngine(self.flat)
 
     def is_structural(self) -> bool:
         """Whether all rules are logical, without sums and the like."""
         return not (self.flat.linears() or self.flat.wides())
 
     def count(
-        self, seed: int = 0, *, most_work: float = WORK, relative: float | None = None, size: int | None = None
+        self, seed: int = 0, *, most_work: float = EVERYDAY_WORK, relative: float | None = None, size: int | None = None
     ) -> Tally:
         """How many rows are valid: exact if that takes no more than *most_work*, else an estimate within *relative*.
 
@@ -130,24 +140,24 @@ class Engine:
         if exact is not None:
             return Tally(exact)
         if self.diagram is None:
-            return self.entangled.estimate(seed)
-        from dse.space.methods import listed
-        from dse.space.methods.sampling.estimate import RELATIVE, estimate
+            return self.clausal.estimate(seed)
+        from dse.space.methods import enumeration
+        from dse.space.methods.sampling.estimate import RELATIVE_HALF_WIDTH, estimate
         from dse.space.methods.sampling.tilt import TooRareError
 
         try:
-            return estimate(self.diagram, seed, RELATIVE if relative is None else relative, size=size)
+            return estimate(self.diagram, seed, RELATIVE_HALF_WIDTH if relative is None else relative, size=size)
         except TooRareError as error:
-            found = listed.count(self.flat, self.blocks())
+            found = enumeration.count(self.flat, self.blocks())
             if found is None:
                 hint = "what is valid is too rare to be drawn and too much to be listed; try --exact"
                 raise fail(f"the configurations of '{self.flat.name}' cannot be estimated", None, hint) from error
             return Tally(found)
 
-    def exact_count(self, most_work: float = WORK) -> int | None:
+    def exact_count(self, most_work: float = EVERYDAY_WORK) -> int | None:
         """How many rows are valid; None if that would take more than *most_work* additions."""
         if self.diagram is None:
-            return self.entangled.exact_count()
+            return self.clausal.exact_count()
         if self.is_structural():
             return count(self.diagram)
         if self._expanded is None and not self._is_too_wide and self._is_hopeless:
@@ -165,9 +175,9 @@ class Engine:
         """How many rows are valid, however long that takes. Raises DseError where it cannot be known."""
         found = self.exact_count(MOST_WORK)
         if found is None and self.diagram is not None:
-            from dse.space.methods import listed
+            from dse.space.methods import enumeration
 
-            found = listed.count(self.flat, self.blocks())
+            found = enumeration.count(self.flat, self.blocks())
         if found is None:
             hint = "ask for an estimate: the same without --exact"
             raise fail(f"the configurations of '{self.flat.name}' are too many to be counted exactly", None, hint)
@@ -175,19 +185,12 @@ class Engine:
 
     def is_empty(self) -> bool:
         """Whether no row is valid. Raises DseError if a complete search has to give up."""
-        if self.diagram is None:
-            return self.entangled.first() is None
-        from dse.space.methods.optimum.emptiness import is_empty
-
-        try:
-            return is_empty(self.diagram)
-        except TooMuchError as error:
-            raise self._undecided() from error
+        return self.first() is None
 
     def first(self) -> Rows | None:
         """The first valid row in the engine's order, shape (variables,), or None. Raises like `is_empty`."""
         if self.diagram is None:
-            return self.entangled.first()
+            return self.clausal.first()
         from dse.space.methods.listing.blocks import first
 
         try:
@@ -203,7 +206,7 @@ class Engine:
         from dse.space.methods.listing.blocks import blocks
 
         missing = limit
-        for rows in self.entangled.blocks() if self.diagram is None else blocks(self.diagram):
+        for rows in self.clausal.blocks() if self.diagram is None else blocks(self.diagram):
             yield rows if missing is None else rows[:missing]
             if missing is not None:
                 missing -= len(rows)
@@ -216,17 +219,17 @@ class Engine:
 
     def sample(self, number: int, seed: int = 0) -> Rows:
         """*number* rows drawn uniformly among the valid ones, independently. Raises DseError if there is none."""
-        from dse.space.methods import listed
+        from dse.space.methods import enumeration
         from dse.space.methods.sampling.sample import sample
         from dse.space.methods.sampling.tilt import EmptyError, TooRareError
 
         try:
             if self.diagram is None:
-                return self.entangled.sample(number, seed)
+                return self.clausal.sample(number, seed)
             try:
                 return sample(self.expanded or self.diagram, number, seed)
             except TooRareError:
-                return listed.drawn(listed.every(self.flat, self.rows), number, seed)
+                return enumeration.drawn(enumeration.every(self.flat, self.rows), number, seed)
         except EmptyError as error:
             raise self.nothing() from error
 
@@ -236,8 +239,8 @@ class Engine:
         Raises TooMuchError where there is no diagram and rules do not fit into what is there instead.
         """
         if self.diagram is None:
-            return self.entangled.least(weights, number)
-        from dse.space.methods.optimum.best import best
+            return self.clausal.least(weights, number)
+        from dse.space.methods.optimum.optimizer import best
 
         return best(self.diagram, weights, number).rows
 
@@ -246,24 +249,24 @@ class Engine:
 
         Raises DseError if there is no valid row.
         """
-        from dse.space.methods import listed
+        from dse.space.methods import enumeration
         from dse.space.methods.sampling.estimate import estimate_occurrences
         from dse.space.methods.sampling.tilt import EmptyError, TooRareError
 
         try:
             if self.diagram is None:
-                return self.entangled.shares()
+                return self.clausal.shares()
             try:
                 return estimate_occurrences(self.expanded or self.diagram, seed)
             except TooRareError:
-                return listed.shares(self.flat, listed.every(self.flat, self.rows))
+                return enumeration.shares(self.flat, enumeration.every(self.flat, self.rows))
         except EmptyError as error:
             raise self.nothing() from error
 
     def times_taken(self) -> Sequence[Sequence[int]] | None:
         """How many valid rows take each value of each variable, `ABSENT` last; None where that cannot be known."""
         if self.diagram is None:
-            return self.entangled.times_taken()
+            return self.clausal.times_taken()
         return None if self.expanded is None else occurrences(self.expanded)
 
     def nothing(self) -> DseError:

@@ -17,7 +17,7 @@ import numpy as np
 from dse.errors import fail
 from dse.scratch import written_whole
 from dse.space.configurations.lookup import Lookup
-from dse.space.configurations.resolve import Entry, part_columns
+from dse.space.configurations.resolve import ResolvedEntry, part_columns
 from dse.space.decisions import sites
 from dse.space.flat import Floats, Rows
 from dse.space.output.sheet import Sheet
@@ -25,7 +25,7 @@ from dse.space.output.sheet import Sheet
 ROW_GROUP = 65_536
 """Rows of a row group of a Parquet file."""
 
-Write = Callable[[Sheet, Iterable[Rows], BinaryIO], int]
+RowWriter = Callable[[Sheet, Iterable[Rows], BinaryIO], int]
 """Writes blocks of rows and returns how many rows there were."""
 
 
@@ -86,7 +86,7 @@ def write_parquet(sheet: Sheet, blocks: Iterable[Rows], stream: BinaryIO) -> int
     return written
 
 
-WRITERS: Mapping[str, Write] = {
+WRITERS: Mapping[str, RowWriter] = {
     "csv": write_csv,
     "json": write_json,
     "jsonl": write_jsonl,
@@ -95,7 +95,7 @@ WRITERS: Mapping[str, Write] = {
 """Every format by its name, which is also the suffix of its files."""
 
 
-def writer_of(target: Path) -> Write:
+def writer_of(target: Path) -> RowWriter:
     """The writer for a file, by its suffix. Raises DseError for one that is not known."""
     writer = WRITERS.get(target.suffix.lower().removeprefix("."))
     if writer is None:
@@ -152,7 +152,7 @@ def _member(name: str, text: str | None) -> str:
     return "" if text is None else f",{_json(name)}:{_json(text)}"
 
 
-def _component(entry: Entry[Any]) -> str:
+def _component(entry: ResolvedEntry[Any]) -> str:
     path, component = entry
     return "" if path is None or component is None else _member(path, component.name)
 

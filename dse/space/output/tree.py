@@ -9,13 +9,13 @@ from dse.domain.design import Alternative, Compound, DesignSpace, Node, Optional
 from dse.errors import closest, fail
 from dse.pictures import NodeKind, TreeNode
 from dse.space.decisions import Choices
-from dse.space.lowering.shape import Branch
+from dse.space.lowering.shape import VariableValue
 
 ONE_OF = "one of"
 """The label of an alternative that is optional: its place is the optional node above."""
 
 
-def tree_of(space: DesignSpace, choices: Choices | None = None, dead: Collection[Branch] = ()) -> TreeNode:
+def tree_of(space: DesignSpace, choices: Choices | None = None, dead: Collection[VariableValue] = ()) -> TreeNode:
     """The tree of containers in the order of the file, with what is there under complete *choices*.
 
     What hangs below a branch in *dead*, a decision's position and one of its values' numbers, is dead.
@@ -33,7 +33,7 @@ def part_below(tree: TreeNode, path: str) -> TreeNode:
 
 
 class _Grower:
-    def __init__(self, choices: Choices | None, dead: Collection[Branch]) -> None:
+    def __init__(self, choices: Choices | None, dead: Collection[VariableValue]) -> None:
         self.is_shown = choices is not None
         self.choices = choices or {}
         self.dead = dead
@@ -65,7 +65,7 @@ class _Grower:
                 for value, option in enumerate(node.options):
                     yield self._option(option, path, there, dead, (decision, value))
 
-    def _option(self, node: Part | Compound, path: str, there: bool, dead: bool, branch: Branch) -> TreeNode:
+    def _option(self, node: Part | Compound, path: str, there: bool, dead: bool, branch: VariableValue) -> TreeNode:
         is_chosen = there and self.choices.get(path) == node.name
         return self.node(node, path, node.name, there=is_chosen, dead=dead or branch in self.dead)
 

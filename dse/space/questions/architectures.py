@@ -14,12 +14,12 @@ from dse.space.configurations.ids import Identifier
 from dse.space.configurations.resolve import Resolver
 from dse.space.decisions import alternatives
 from dse.space.flat import Rows
-from dse.space.methods.completing.choosing import Completion, completion
-from dse.space.methods.completing.wishes import Wish, Wishing
+from dse.space.methods.completion.completion import Completion, completion
+from dse.space.methods.completion.preferences import Preference, PreferenceReader
 from dse.space.methods.engine import Engine
 from dse.space.methods.sampling.uniform import generator
 from dse.space.methods.tally import Tally
-from dse.space.questions.finding import find
+from dse.space.questions.id_search import find
 
 
 class SpaceArchitectures:
@@ -28,7 +28,7 @@ class SpaceArchitectures:
     def __init__(self, space: DesignSpace, engine: Engine) -> None:
         self._space = space
         self._engine = engine
-        self._wishing = Wishing(engine.flat)
+        self._preferences = PreferenceReader(engine.flat)
         self._identifier = Identifier(engine.flat.variables)
         self._given: dict[str, Rows] = {}
 
@@ -59,16 +59,16 @@ class SpaceArchitectures:
         Within that, each configuration is as likely as any other.
         """
         random = generator(seed)
-        rows = [self._completion.row(wishes, random) for wishes in self._shared({}, number, 0, random)]
+        rows = [self._completion.row(preferences, random) for preferences in self._shared({}, number, 0, random)]
         return self._made(np.array(rows, np.int16).reshape(number, len(self._engine.flat.variables)))
 
-    def completed(self, wishes: Sequence[tuple[str, str | None]], seed: int) -> Architecture:
-        """One that grants *wishes*, ``(place, choice)``, in their order, each if it can still be had with those before.
+    def completed(self, preferences: Sequence[tuple[str, str | None]], seed: int) -> Architecture:
+        """One that meets *preferences*, ``(place, choice)``, in their order, each if it can with those before it.
 
-        None is for leaving the part out. What is left open is drawn, each possibility as likely as any other. A wish
-        for what is no alternative cannot be had. Raises DseError if nothing is valid.
+        None is for leaving the part out. What is left open is drawn, each possibility as likely as any other. A
+        preference for what is no alternative cannot be met. Raises DseError if nothing is valid.
         """
-        row = self._completion.row(self._wishing.read(wishes), generator(seed))
+        row = self._completion.row(self._preferences.read(preferences), generator(seed))
         return self._made(row[None, :])[0]
 
     def configuration(self, name: str) -> Configuration:
@@ -89,7 +89,9 @@ class SpaceArchitectures:
         """The decisions that bring others along, in the order of the file."""
         return tuple(sorted({variable.parent[0] for variable in self._engine.flat.variables if variable.parent}))
 
-    def _shared(self, taken: Mapping[int, int], number: int, place: int, random: Generator) -> Iterator[list[Wish]]:
+    def _shared(
+        self, taken: Mapping[int, int], number: int, place: int, random: Generator
+    ) -> Iterator[list[Preference]]:
         """What each of *number* configurations has to have that have *taken* values; decided up to *place*."""
         if place == len(self._structural):
             yield from [self._taking(taken)] * number
@@ -109,10 +111,10 @@ class SpaceArchitectures:
     def _is_possible(self, taken: Mapping[int, int], last: int, random: Generator) -> bool:
         return int(self._completion.row(self._taking(taken), random)[last]) == taken[last]
 
-    def _taking(self, taken: Mapping[int, int]) -> list[Wish]:
+    def _taking(self, taken: Mapping[int, int]) -> list[Preference]:
         variables = self._engine.flat.variables
         return [
-            Wish({number: np.eye(len(variables[number].values) + 1, dtype=np.int64)[value]}, 1)
+            Preference({number: np.eye(len(variables[number].values) + 1, dtype=np.int64)[value]}, 1)
             for number, value in taken.items()
         ]
 

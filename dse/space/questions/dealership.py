@@ -5,7 +5,8 @@ One pass over the diagram of the valid rows answers for every choice at once: ea
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -15,12 +16,12 @@ from dse.space.configurations.ids import identify
 from dse.space.decisions import Choices, sites
 from dse.space.flat import Bools, by_path
 from dse.space.methods.engine import Engine
-from dse.space.methods.mdd.diagram import Diagram, count, extremes, restrict
-from dse.space.methods.mdd.scenarios import Scenarios, Words, bits_of, taken, whole
-from dse.space.narrowing.choosing import ABSENT_NAME, read_choices
+from dse.space.methods.mdd.diagram import DecisionDiagram, count, extremes, restrict
+from dse.space.methods.mdd.scenarios import ScenarioBits, Scenarios, bits_of, possible, taken, whole
 from dse.space.output.sums import PropertySum, property_sums
+from dse.space.questions.conflict import minimal_conflict
 from dse.space.questions.offer import ChoicePoint, Offer, OfferedChoice, OfferedTotal, titled
-from dse.space.questions.reasons import Reasons
+from dse.space.restriction.choices import ABSENT_NAME, read_choices
 
 _ALSO = ("cost", "mass")
 """Properties whose sum makes sense in any design, whatever its constraints speak of."""
@@ -28,7 +29,7 @@ _ALSO = ("cost", "mass")
 _NOW = 0
 """The scenario in which nothing is chosen but what is chosen."""
 
-Choice = tuple[str, str]
+PlaceChoice = tuple[str, str]
 """A place and what is chosen there."""
 
 Masks = Mapping[int, Bools]
@@ -43,7 +44,7 @@ class Dealership:
             hint = f"choose step by step: dse enumerate {space.name} --interactive"
             raise fail(f"'{space.name}' is too large to compute at once what can be chosen", space.where, hint)
         self.space = space
-        self._diagram: Diagram = engine.expanded
+        self._diagram: DecisionDiagram = engine.expanded
         self._variables = engine.flat.variables
         self._at = by_path(self._variables)
         self._titles = {(site.path, site.name): site.component.title for site in sites(space) if site.component}
@@ -51,7 +52,7 @@ class Dealership:
         self._total = count(self._diagram)
         self._reasons = Reasons(engine)
         self._alone: dict[int, list[int]] = {}
-        self._of: dict[Choice, list[int]] = {}
+        self._of: dict[PlaceChoice, list[int]] = {}
         """The scenarios of each choice: one for each decision that can make it."""
         self._number = _NOW + 1
         for variable, each in enumerate(self._variables):
@@ -105,7 +106,7 @@ class Dealership:
             is_certain = not possible >> self._without[path] & 1
             implied = can[0] if len(can) == 1 and is_certain else ""
 
-            def offered(choice: Choice, told: tuple[str, ...] = (chosen.get(path, ""), implied)) -> OfferedChoice:
+            def offered(choice: PlaceChoice, told: tuple[str, ...] = (chosen.get(path, ""), implied)) -> OfferedChoice:
                 group, is_news = self._groups[choice], choice not in why and choice[1] not in told
                 gone = [each for each in open_ if is_news and each[0] != choice[0] and not made[each] & group]
                 title = titled(choice[1], self._titles.get(choice, ""))
@@ -117,7 +118,7 @@ class Dealership:
     def _scenarios(self, masks: Mapping[str, Masks]) -> Scenarios:
         """Each choice with all that is chosen elsewhere, as *masks* by path; not with what is chosen inside it."""
         everywhere = bits_of(range(self._number), self._number)
-        allowed: dict[int, Words] = {}
+        allowed: dict[int, ScenarioBits] = {}
         for variable, alone in self._alone.items():
             others = everywhere & ~bits_of([*alone, self._without[self._variables[variable].path]], self._number)
             rows = [others | bits_of([each], self._number) for each in alone]
@@ -153,7 +154,7 @@ class Dealership:
         constraints = self._diagram.flat.constraints
         return [tuple(constraints[each] for each in owners) for owners in self._reasons.of(scenarios, groups)]
 
-    def _single(self, diagram: Diagram) -> Choices:
+    def _single(self, diagram: DecisionDiagram) -> Choices:
         """The choices of the only row of *diagram*."""
         row = np.zeros(len(self._variables), np.int16)
         for variable, layer in zip(diagram.order, diagram.layers, strict=True):
@@ -170,7 +171,61 @@ def _joined(masks: Iterable[Masks]) -> Masks:
     return joined
 
 
-def _range(diagram: Diagram, total: PropertySum) -> OfferedTotal:
+def _range(diagram: DecisionDiagram, total: PropertySum) -> OfferedTotal:
     least, greatest = extremes(diagram, total.weights)
     low, high = (total.shown(total.start + int(ends[0][0])) for ends in (least, greatest))
     return OfferedTotal(total.name, titled(total.name), total.unit.symbol, low, high)
+
+
+Excludes = Callable[[Sequence[int]], bool]
+"""Whether constraints, by number, leave nothing."""
+
+
+class Reasons:
+    """Smallest sets of an engine's constraints that exclude something.
+
+    A set that explained one thing often explains the next: those that were found are tried first, so which of several
+    is told may depend on what was asked before; each is minimal.
+    """
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._diagrams: dict[frozenset[int], DecisionDiagram | None] = {}
+        self._conflicts: list[tuple[int, ...]] = [(number,) for number in range(len(engine.flat.constraints))]
+
+    def of(self, scenarios: Scenarios, groups: Iterable[int]) -> list[tuple[int, ...]]:
+        """For each group, the bits of *scenarios* in none of which a row is valid: the constraints that say so.
+
+        Their numbers, ascending; () if nothing is left whatever the constraints.
+        """
+        left: dict[frozenset[int], int] = {}
+
+        def excludes(group: int, owners: Sequence[int]) -> bool:
+            key = frozenset(owners)
+            if key not in left:
+                diagram = self._diagram(key)
+                # Where it cannot be told, a constraint too much may be named, and never one too few.
+                left[key] = -1 if diagram is None else whole(possible(diagram, scenarios))
+            return not left[key] & group
+
+        return [self._conflict(partial(excludes, group)) for group in groups]
+
+    def _conflict(self, excludes: Excludes) -> tuple[int, ...]:
+        if excludes(()):
+            return ()
+        for known in self._conflicts:
+            if excludes(known) and not any(excludes(_without(known, each)) for each in known):
+                return known
+        every = range(len(self._engine.flat.constraints))
+        found = minimal_conflict(every, lambda owners: not excludes(owners))
+        self._conflicts = sorted([*self._conflicts, found], key=len)
+        return found
+
+    def _diagram(self, owners: frozenset[int]) -> DecisionDiagram | None:
+        if owners not in self._diagrams:
+            self._diagrams[owners] = self._engine.only(sorted(owners)).expanded
+        return self._diagrams[owners]
+
+
+def _without(numbers: Sequence[int], number: int) -> tuple[int, ...]:
+    return tuple(each for each in numbers if each != number)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from dse.domain.design import Constraint, DesignSpace
 from dse.domain.expression import Between, Binary, Call, Chosen, Expression, Name, Node, Number
-from dse.expression import Form, children, descend
+from dse.expression import COMPARISON_OPERATORS, Form, children, descend
 from dse.space.configurations.ids import identify
 from dse.space.decisions import Choices, sites
 from dse.space.language.evaluate import compile_in, compile_value
@@ -20,11 +20,9 @@ from dse.units import Dimension, Unit
 if TYPE_CHECKING:
     from dse.space.questions.nearest import Nearest
 
-_COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
-
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class SeenValue:
     """Something a constraint looks at, as it is written, and what it is in the configuration."""
 
     what: str
@@ -36,7 +34,7 @@ class Broken:
     """A constraint that does not hold, and what it looks at."""
 
     constraint: Constraint
-    seen: tuple[Seen, ...]
+    seen: tuple[SeenValue, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,13 +92,13 @@ class _Look:
         self.standing = {site.path: site.name for site in sites(space) if site.is_there(choices)}
         self.units = _units(space, rule)
 
-    def seen(self) -> tuple[Seen, ...]:
+    def seen(self) -> tuple[SeenValue, ...]:
         """Everything once, as far as it is a choice or a number."""
         found: dict[str, str] = {}
         for node in _looked_at(self.rule.root):
             for what, value in self._read(node):
                 found.setdefault(what, value)
-        return tuple(Seen(what, value) for what, value in found.items())
+        return tuple(SeenValue(what, value) for what, value in found.items())
 
     def _read(self, node: Node) -> Iterator[tuple[str, str]]:
         match node:
@@ -123,7 +121,7 @@ def _looked_at(root: Node) -> Iterator[Node]:
         match node:
             case Chosen() | Call(function="same_choice"):
                 yield node
-            case Binary(operator) if operator in _COMPARISONS:
+            case Binary(operator) if operator in COMPARISON_OPERATORS:
                 yield from (side for side in children(node) if not isinstance(side, Number))
             case Between():
                 yield from (side for side in children(node) if not isinstance(side, Number))

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 from dse.domain.design import Constraint
 from dse.errors import Problem, closest, fail, raise_if_any
-from dse.space.flat import FlatSpace
+from dse.space.flat import NO_OWNER, Bools, Clause, FlatSpace, Ints, Judge, Linear, Rule, Table, Wide, single
 from dse.space.methods.engine import Engine
 from dse.space.methods.tally import Tally, total_of
-from dse.space.questions.negation import breaking
 
-MOST_ENTANGLED = 100
+MOST_CLAUSAL = 100
 """Constraints of a space without a diagram that are looked at together; each takes about a second."""
 
 _WORK = 2e8
@@ -47,10 +46,10 @@ def impact(engine: Engine, seed: int = 0, names: Iterable[str] = ()) -> tuple[Im
     a diagram are asked for.
     """
     asked = _asked(engine.flat, tuple(names))
-    if len(asked) > MOST_ENTANGLED and engine.diagram is None:
+    if len(asked) > MOST_CLAUSAL and engine.diagram is None:
         example = engine.flat.constraints[asked[0]].name
         what = f"'{engine.flat.name}' is too large to look at {len(asked):,} constraints at once"
-        raise fail(what, None, f"name up to {MOST_ENTANGLED} of them: --constraint {example}")
+        raise fail(what, None, f"name up to {MOST_CLAUSAL} of them: --constraint {example}")
     return tuple(_impact(engine, number, seed) for number in asked)
 
 
@@ -80,3 +79,57 @@ def counted(engine: Engine, seed: int) -> Tally:
     if engine.diagram is not None and engine.is_empty():
         return Tally(0)
     return engine.count(seed, most_work=_WORK, relative=_RELATIVE, size=_DRAWS)
+
+
+def breaking(flat: FlatSpace, owner: int) -> tuple[FlatSpace, ...]:
+    """Disjoint spaces: together the rows that break constraint *owner* and meet the other rules of *flat*.
+
+    Empty for a constraint that has no rule, as one that always holds.
+    """
+    own = [rule for rule in flat.rules if rule.owner == owner]
+    others = replace(flat, rules=tuple(rule for rule in flat.rules if rule.owner != owner))
+    # Rows that break the first rule; rows that meet it and break the second; and so on.
+    return tuple(others.having(*own[:number], *case) for number, rule in enumerate(own) for case in _opposites(rule))
+
+
+def _opposites(rule: Rule) -> tuple[tuple[Rule, ...], ...]:
+    """Disjoint cases, each several rules to be met together, whose union is the opposite of *rule*."""
+    match rule:
+        case Table():
+            return ((replace(rule, allowed=~rule.allowed, owner=NO_OWNER),),)
+        case Linear():
+            below = () if rule.low is None else ((replace(rule, low=None, high=rule.low - 1, owner=NO_OWNER),),)
+            above = () if rule.high is None else ((replace(rule, low=rule.high + 1, high=None, owner=NO_OWNER),),)
+            return (*below, *above)
+        case Clause():
+            return (tuple(single(variable, ~mask) for variable, mask in rule.literals),)
+        case Wide():
+            return ((Wide(rule.folds, _Opposite(rule.judge)),),)
+
+
+@dataclass(frozen=True, slots=True)
+class _Opposite:
+    judge: Judge
+
+    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> tuple[Bools, Bools]:
+        holds, fails = self.judge.bounds(low, high)
+        return fails, holds
+
+    def holds(self, folds: Sequence[int]) -> bool:
+        return not self.judge.holds(folds)
+
+
+MOST_CONSTRAINTS = 40
+"""Each takes about a tenth of a second."""
+
+
+def funnel(engine: Engine, seed: int = 0) -> tuple[Tally, ...]:
+    """How many are valid once each constraint and those before it apply, in the order of the file.
+
+    Raises DseError for a space without a diagram, in which each count takes a second, or too many constraints.
+    """
+    flat = engine.flat
+    if engine.diagram is None or len(flat.constraints) > MOST_CONSTRAINTS:
+        what = f"'{flat.name}' is too large to look at {len(flat.constraints):,} constraints one after the other"
+        raise fail(what, None, f"dse space constraints {flat.name}")
+    return tuple(counted(engine.only(range(number + 1)), seed) for number in range(len(flat.constraints)))

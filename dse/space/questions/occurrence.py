@@ -10,7 +10,7 @@ from math import hypot
 import numpy as np
 
 from dse.space.flat import by_path, single
-from dse.space.lowering.shape import Branch
+from dse.space.lowering.shape import VariableValue
 from dse.space.methods.engine import Engine
 from dse.space.methods.mdd.diagram import occurrences as times_taken
 
@@ -48,12 +48,12 @@ def occurrences(engine: Engine, seed: int = 0) -> tuple[Occurrence, ...]:
         ]
         for number, (shares, half_widths) in enumerate(zip(found.shares, found.half_widths, strict=True))
     ]
-    taken: dict[tuple[str, str | None], list[Branch]] = {}
+    taken: dict[tuple[str, str | None], list[VariableValue]] = {}
     for number, variable in enumerate(variables):
         for value, choice in enumerate(variable.values):
             taken.setdefault((variable.path, choice), []).append((number, value))
 
-    def occurrence(path: str, choice: str | None, branches: Sequence[Branch]) -> Occurrence:
+    def occurrence(path: str, choice: str | None, branches: Sequence[VariableValue]) -> Occurrence:
         alive = [(number, value) for number, value in branches if not dead[number][value]]
         share = sum(float(found.shares[number][value]) for number, value in branches)
         half_width = reduce(hypot, (float(found.half_widths[number][value]) for number, value in alive), 0.0)
@@ -67,7 +67,7 @@ def occurrences(engine: Engine, seed: int = 0) -> tuple[Occurrence, ...]:
     return tuple(occurrence(path, choice, branches) for (path, choice), branches in taken.items())
 
 
-def dead_branches(engine: Engine) -> frozenset[Branch]:
+def dead_branches(engine: Engine) -> frozenset[VariableValue]:
     """Branches that no valid configuration takes, as far as that can be told at once: a sum may rule out more."""
     diagram = engine.expanded or engine.diagram
     if diagram is None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from dse.domain.design import Constraint
 from dse.space.decisions import Choices
-from dse.space.narrowing.choosing import ABSENT_NAME
+from dse.space.restriction.choices import ABSENT_NAME
 
 NO_PLACE = "the other choices leave no place for it"
 """Why something cannot be chosen that no constraint forbids."""

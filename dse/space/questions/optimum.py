@@ -6,21 +6,24 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
+from math import lcm
+
+import numpy as np
 
 from dse.domain.design import DesignSpace
-from dse.domain.expression import Expression, Number
+from dse.domain.expression import Binary, Expression, Number
 from dse.errors import DseError, Location, fail
 from dse.expression import descend, parse_expression
 from dse.space.configurations.ids import IdentifiedChoices
 from dse.space.decisions import sites
+from dse.space.flat import Ints, Rows
 from dse.space.lowering.objective import FoldedObjective, LinearObjective, LoweredObjective, objective
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.engine import Engine
-from dse.space.methods.mdd.diagram import Diagram
-from dse.space.methods.optimum.best import best_valued
-from dse.space.methods.optimum.optimizer import Ranking, sums
+from dse.space.methods.mdd.diagram import DecisionDiagram, extremes
+from dse.space.methods.optimum.optimizer import RankedRows, best, sums
 from dse.space.methods.optimum.pareto import pareto
-from dse.space.questions.ratio import as_ratio, best_ratio
+from dse.space.methods.optimum.regions import best_valued
 from dse.units import DIMENSIONLESS, Dimension, Unit, UnitError, describe, parse_unit
 
 _ROUNDS = 1_500
@@ -116,15 +119,15 @@ def _si(dimension: Dimension) -> Unit:
     return Unit(f"SI base units ({describe(dimension)})", Fraction(1), Fraction(0), dimension)
 
 
-def _linear(engine: Engine, lowered: LinearObjective, number: int, *, largest: bool) -> Ranking:
+def _linear(engine: Engine, lowered: LinearObjective, number: int, *, largest: bool) -> RankedRows:
     try:
         rows = engine.least({v: -w if largest else w for v, w in lowered.weights.items()}, number)
     except TooMuchError as error:
         raise _too_large(engine) from error
-    return Ranking(rows, tuple(lowered.value(total) for total in sums(lowered.weights, rows).tolist()))
+    return RankedRows(rows, tuple(lowered.value(total) for total in sums(lowered.weights, rows).tolist()))
 
 
-def _nonlinear(space: DesignSpace, engine: Engine, aim: Aim, lowered: FoldedObjective, number: int) -> Ranking:
+def _nonlinear(space: DesignSpace, engine: Engine, aim: Aim, lowered: FoldedObjective, number: int) -> RankedRows:
     diagram = _diagram(engine)
     sides = as_ratio(space, aim.expression)
     ranking = best_ratio(diagram, *sides, number, largest=aim.largest) if sides else None
@@ -143,7 +146,7 @@ def _sum(lowered: LoweredObjective, aim: Aim) -> LinearObjective:
     raise fail(f"'{aim}' is no sum of properties, as a Pareto set needs", None, "ask for the best under it instead")
 
 
-def _diagram(engine: Engine) -> Diagram:
+def _diagram(engine: Engine) -> DecisionDiagram:
     if engine.diagram is None:
         raise _too_large(engine)
     return engine.diagram
@@ -151,3 +154,70 @@ def _diagram(engine: Engine) -> Diagram:
 
 def _too_large(engine: Engine) -> DseError:
     return fail(f"'{engine.flat.name}' is too large for a decision diagram", None, "fix some of the choices")
+
+
+_SAFE = 1 << 60
+
+
+def as_ratio(space: DesignSpace, expression: Expression) -> tuple[LinearObjective, LinearObjective] | None:
+    """The two sides if *expression* is a quotient of sums, else None. Raises DseError like `objective`."""
+    root = expression.root
+    if not isinstance(root, Binary) or root.operator != "/":
+        return None
+    above, below = (
+        objective(space, Expression(expression.text, side, expression.where, expression.pieces))
+        for side in (root.left, root.right)
+    )
+    return (above, below) if isinstance(above, LinearObjective) and isinstance(below, LinearObjective) else None
+
+
+def best_ratio(
+    diagram: DecisionDiagram, above: LinearObjective, below: LinearObjective, number: int, *, largest: bool
+) -> RankedRows | None:
+    """The *number* rows of least (or largest) above / below; of equal ones those that are listed first.
+
+    None if *below* may be 0 or negative, or the numbers become too long. Exact: with r the worst quotient of any
+    *number* rows, that of the rows of least above - r * below is no worse, and only the right ones reproduce theirs
+    (Dinkelbach, On nonlinear fractional programming, 1967, for several rows at once).
+    """
+    if diagram.empty or below.value(int(extremes(diagram, below.weights)[0][0][0])) <= 0:
+        return None
+    sign = -1 if largest else 1
+    rows = best(diagram, above.weights, number, largest=largest).rows
+    while len(rows):
+        worst = max(sign * ratio for ratio in _ratios(above, below, rows))
+        slanted = _slanted(above, below, sign, worst)
+        if slanted is None:
+            return None
+        rows = best(diagram, slanted, number).rows
+        found = _ratios(above, below, rows)
+        if max(sign * ratio for ratio in found) == worst:
+            break
+    if not len(rows):
+        return RankedRows(rows, ())
+    listed = rows[:, diagram.order].tolist()
+    order = sorted(range(len(rows)), key=lambda place: (sign * found[place], listed[place]))
+    return RankedRows(rows[order], tuple(found[place] for place in order))
+
+
+def _ratios(above: LinearObjective, below: LinearObjective, rows: Rows) -> list[Fraction]:
+    pairs = zip(sums(above.weights, rows).tolist(), sums(below.weights, rows).tolist(), strict=True)
+    return [above.value(one) / below.value(other) for one, other in pairs]
+
+
+def _slanted(above: LinearObjective, below: LinearObjective, sign: int, ratio: Fraction) -> dict[int, Ints] | None:
+    """Whole weights that rank rows as sign * above - ratio * below does; None if 64 bits do not hold their sums."""
+    gain, loss = sign * above.scale, -ratio * below.scale
+    common = lcm(gain.denominator, loss.denominator)
+    sides = ((int(gain * common), above), (int(loss * common), below))
+    if sum(abs(factor) * _reach(side) for factor, side in sides) >= _SAFE:
+        return None
+    weights: dict[int, Ints] = {}
+    for factor, side in sides:
+        for variable, values in side.weights.items():
+            weights[variable] = weights.get(variable, np.zeros(1, np.int64)) + factor * values
+    return weights
+
+
+def _reach(side: LinearObjective) -> int:
+    return sum(int(np.abs(values).max()) for values in side.weights.values())

@@ -11,14 +11,14 @@ import numpy as np
 from dse.space.configurations.ids import IdentifiedChoices
 from dse.space.flat import Linear, Variable
 from dse.space.methods.engine import Engine
-from dse.space.methods.mdd.diagram import Diagram, extremes
+from dse.space.methods.mdd.diagram import DecisionDiagram, extremes
 from dse.space.methods.tally import Tally
 from dse.space.output.sums import PropertySum
 
-Pick = tuple[int, int]
+ValuePick = tuple[int, int]
 """A decision by the number of its variable, and one of its values."""
 
-RELATIVE = 0.02
+PICKING_HALF_WIDTH = 0.02
 """Half-width of an estimated count; people wait for it."""
 
 _MORE = 10**18
@@ -54,7 +54,7 @@ class Picking:
     *totals* are the sums whose ranges are asked for.
     """
 
-    def __init__(self, engine: Engine, totals: tuple[PropertySum, ...] = (), picks: tuple[Pick, ...] = ()) -> None:
+    def __init__(self, engine: Engine, totals: tuple[PropertySum, ...] = (), picks: tuple[ValuePick, ...] = ()) -> None:
         self.engine = engine
         self.totals = totals
         self.picks = picks
@@ -83,7 +83,7 @@ class Picking:
     @cached_property
     def left(self) -> Tally:
         """How many valid configurations are left."""
-        return self._narrowed.count(relative=RELATIVE)
+        return self._narrowed.count(relative=PICKING_HALF_WIDTH)
 
     @cached_property
     def decisions(self) -> tuple[int, ...]:
@@ -127,7 +127,7 @@ class Picking:
             return ()
         return tuple(self._range(layers, total) for total in self.totals if total.is_small)
 
-    def _with(self, picks: tuple[Pick, ...]) -> Picking:
+    def _with(self, picks: tuple[ValuePick, ...]) -> Picking:
         return Picking(self.engine, self.totals, picks)
 
     @cached_property
@@ -180,7 +180,7 @@ class Picking:
         parent = self.variables[variable].parent
         return parent is None or self._settled.get(parent[0]) == parent[1]
 
-    def _without(self, variable: int, kept: int | None = None) -> tuple[Pick, ...]:
+    def _without(self, variable: int, kept: int | None = None) -> tuple[ValuePick, ...]:
         """The picks of other decisions, without those below a branch of *variable* other than *kept*."""
         gone = {variable}
         for number, below in enumerate(self.variables):
@@ -188,7 +188,7 @@ class Picking:
                 gone.add(number)
         return tuple(pick for pick in self.picks if pick[0] not in gone)
 
-    def _range(self, layers: Diagram, total: PropertySum) -> Range:
+    def _range(self, layers: DecisionDiagram, total: PropertySum) -> Range:
         least, greatest = extremes(layers, total.weights)
         low, high = int(least[0][0]), int(greatest[0][0])
         if not layers.expanded:
@@ -202,7 +202,7 @@ def _part(whole: int, share: float) -> int:
     return whole * round(share * _MORE) // _MORE
 
 
-def _within(layers: Diagram, linear: Linear, total: PropertySum, low: int, high: int) -> tuple[int, int]:
+def _within(layers: DecisionDiagram, linear: Linear, total: PropertySum, low: int, high: int) -> tuple[int, int]:
     """The range cut by a rule on the same sum: one that differs by the same number in every row."""
     times = linear.scale / total.scale
     if times.denominator != 1:

@@ -1,4 +1,8 @@
-"""A wide space compiled: from decisions and rules to a decision-DNNF that answers by passes over its nodes."""
+"""A wide space compiled: from decisions and rules to a decision-DNNF that answers by passes over its nodes.
+
+Values that no rule tells apart become one (`trim`), rules become clauses (`cnf`), clauses become fewer (`simplify`),
+Booleans get an order of decision (`order`), and a search makes the graph (`exhaust`: an example, the cost).
+"""
 
 from __future__ import annotations
 
@@ -7,12 +11,12 @@ from dataclasses import dataclass
 from dse.space.flat import FlatSpace
 from dse.space.methods.dnnf.cnf import Cnf, encode
 from dse.space.methods.dnnf.exhaust import compile_graph
-from dse.space.methods.dnnf.graph import Graph
+from dse.space.methods.dnnf.graph import DecisionGraph
 from dse.space.methods.dnnf.order import arrange
 from dse.space.methods.dnnf.simplify import simplify
 from dse.space.methods.dnnf.trim import Trimmed, trim
 
-MOST_NODES = 200_000
+MOST_COMPONENTS = 200_000
 """Components solved before giving up, unless told otherwise."""
 
 
@@ -28,7 +32,7 @@ class Dnnf:
     cnf: Cnf
     image: tuple[int, ...]
     booleans: int
-    graph: Graph
+    graph: DecisionGraph
 
     @property
     def flat(self) -> FlatSpace:
@@ -36,7 +40,7 @@ class Dnnf:
         return self.trimmed.flat
 
 
-def compile_dnnf(flat: FlatSpace, most_nodes: int = MOST_NODES) -> Dnnf:
+def compile_dnnf(flat: FlatSpace, most_nodes: int = MOST_COMPONENTS) -> Dnnf:
     """Hierarchy and rules of a space as a graph.
 
     Raises UnsupportedError if a rule has no small form in clauses (`Wide` rules, sums of many distinct values) and

@@ -7,8 +7,8 @@ from typing import Generic
 import numpy as np
 
 from dse.space.flat import ABSENT, Bools, Rows
-from dse.space.methods.dnnf.cnf import NO_LITERAL, TRUE
-from dse.space.methods.dnnf.graph import Branch
+from dse.space.methods.dnnf.cnf import NO_LITERAL, TRUE_LITERAL
+from dse.space.methods.dnnf.graph import GraphBranch
 from dse.space.methods.dnnf.selection import SelectionT
 from dse.space.methods.dnnf.weigh import Weighed
 
@@ -39,7 +39,7 @@ class _Descent(Generic[SelectionT]):
         self._reaching: dict[int, list[SelectionT]] = {}
         graph = weighed.dnnf.graph
         outside, rest = selection.part(weighed.outer)
-        self.settled[TRUE] = [outside]
+        self.settled[TRUE_LITERAL] = [outside]
         if graph.root is not None:
             self._take(graph.root, rest)
         for number in range(len(graph.nodes) - 1, -1, -1):
@@ -48,7 +48,7 @@ class _Descent(Generic[SelectionT]):
                 for index, chosen in arrived[0].joined(arrived).choose(weighed.branches[number]):
                     self._take(graph.nodes[number][index], chosen)
 
-    def _take(self, branch: Branch, selection: SelectionT) -> None:
+    def _take(self, branch: GraphBranch, selection: SelectionT) -> None:
         amounts = self.weighed.literals
         positive = [literal >> 1 for literal in branch.literals if not literal & 1]
         if positive:
@@ -75,8 +75,8 @@ def _write_kept(weighed: Weighed, holds: Bools, found: Rows) -> None:
 
     def where(literal: int) -> Bools:
         image = dnnf.image[literal]
-        if image >> 1 == TRUE >> 1:
-            return np.full(holds.shape[1], image == TRUE)
+        if image >> 1 == TRUE_LITERAL >> 1:
+            return np.full(holds.shape[1], image == TRUE_LITERAL)
         held: Bools = holds[image >> 1]
         return ~held if image & 1 else held
 
@@ -101,7 +101,7 @@ def _cut_off(weighed: Weighed) -> dict[tuple[int, int] | None, list[_Choice]]:
 def _open_choices(weighed: Weighed, cut: dict[tuple[int, int] | None, list[_Choice]]) -> dict[int, list[_Choice]]:
     """By literal: what is still to be chosen where it holds."""
     dnnf = weighed.dnnf
-    choices: dict[int, list[_Choice]] = {TRUE: list(cut.get(None, []))}
+    choices: dict[int, list[_Choice]] = {TRUE_LITERAL: list(cut.get(None, []))}
     for number, groups, literals in zip(dnnf.trimmed.kept, dnnf.trimmed.classes, dnnf.cnf.values, strict=True):
         for group, literal in zip(groups, literals, strict=True):
             if literal != NO_LITERAL and (len(group) > 1 or (number, group[0]) in cut):

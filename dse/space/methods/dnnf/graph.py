@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 
-class Branch(NamedTuple):
+class GraphBranch(NamedTuple):
     """One outcome of a decision: literals that are settled, nodes that are independent, Booleans that are free."""
 
     literals: tuple[int, ...]
@@ -15,7 +15,7 @@ class Branch(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Graph:
+class DecisionGraph:
     """Nodes are alternatives that exclude each other, children before parents (Darwiche 2001).
 
     A model of a node is one of one of its branches: the literals, a model of every child, anything for what is
@@ -23,5 +23,5 @@ class Graph:
     about the same Booleans. *root* is a branch, or None if there is no model.
     """
 
-    nodes: tuple[tuple[Branch, ...], ...]
-    root: Branch | None
+    nodes: tuple[tuple[GraphBranch, ...], ...]
+    root: GraphBranch | None

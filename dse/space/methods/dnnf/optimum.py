@@ -12,17 +12,17 @@ from heapq import heappop, heappush
 import numpy as np
 
 from dse.space.flat import FlatSpace, Ints, Linear, Rows
-from dse.space.methods.dnnf.cnf import NO_LITERAL, TRUE
-from dse.space.methods.dnnf.compile import MOST_NODES, Dnnf, compile_dnnf
-from dse.space.methods.dnnf.graph import Branch
+from dse.space.methods.dnnf.cnf import NO_LITERAL, TRUE_LITERAL
+from dse.space.methods.dnnf.compile import MOST_COMPONENTS, Dnnf, compile_dnnf
+from dse.space.methods.dnnf.graph import GraphBranch
 from dse.space.methods.dnnf.rows import rows_of_model
-from dse.space.methods.dnnf.simplify import FALSE
+from dse.space.methods.dnnf.simplify import FALSE_LITERAL
 
-Ways = list[tuple[int, tuple[int, ...]]]
+LeastSums = list[tuple[int, tuple[int, ...]]]
 """Sums, ascending, and which branch and which ways of its children make each; of a Boolean, the literal."""
 
 
-def least(flat: FlatSpace, weights: Mapping[int, Ints], number: int, most_nodes: int = MOST_NODES) -> Rows:
+def least(flat: FlatSpace, weights: Mapping[int, Ints], number: int, most_nodes: int = MOST_COMPONENTS) -> Rows:
     """The *number* rows of least sum of weights[variable][value], or all if there are fewer; shape (rows, variables).
 
     Weights are as in `Linear`. Ascending by the sum; rows of equal sums in an order that is always the same. Raises
@@ -50,7 +50,7 @@ def _of_literals(dnnf: Dnnf, weights: Mapping[int, Ints]) -> list[int]:
 
     def add(literal: int, amount: int) -> None:
         image = dnnf.image[literal]
-        if image not in (TRUE, FALSE):
+        if image not in (TRUE_LITERAL, FALSE_LITERAL):
             found[image] += amount
 
     for original, groups, literals, exists in zip(
@@ -71,11 +71,11 @@ def _of_literals(dnnf: Dnnf, weights: Mapping[int, Ints]) -> list[int]:
     return found
 
 
-def _upward(dnnf: Dnnf, literals: Sequence[int], number: int) -> tuple[list[Ways], Ways]:
+def _upward(dnnf: Dnnf, literals: Sequence[int], number: int) -> tuple[list[LeastSums], LeastSums]:
     """The least ways of every node, and of the root."""
-    ways: list[Ways] = []
+    ways: list[LeastSums] = []
     for node in dnnf.graph.nodes:
-        every: Ways = []
+        every: LeastSums = []
         for place, branch in enumerate(node):
             every += [(value, (place, *ranks)) for value, ranks in _of_branch(branch, literals, ways, number)]
         # Sums alone are compared, and the sort is stable: the order does not depend on ranks.
@@ -83,8 +83,8 @@ def _upward(dnnf: Dnnf, literals: Sequence[int], number: int) -> tuple[list[Ways
     return ways, _of_branch(dnnf.graph.root, literals, ways, number) if dnnf.graph.root is not None else []
 
 
-def _of_branch(branch: Branch, literals: Sequence[int], ways: Sequence[Ways], number: int) -> Ways:
-    found: Ways = [(sum(literals[literal] for literal in branch.literals), ())]
+def _of_branch(branch: GraphBranch, literals: Sequence[int], ways: Sequence[LeastSums], number: int) -> LeastSums:
+    found: LeastSums = [(sum(literals[literal] for literal in branch.literals), ())]
     for boolean in branch.free:
         found = _together(found, [value for value, _ in _of_boolean(boolean, literals)], number)
     for child in branch.children:
@@ -92,16 +92,16 @@ def _of_branch(branch: Branch, literals: Sequence[int], ways: Sequence[Ways], nu
     return found
 
 
-def _of_boolean(boolean: int, literals: Sequence[int]) -> Ways:
+def _of_boolean(boolean: int, literals: Sequence[int]) -> LeastSums:
     return sorted((literals[literal], (literal,)) for literal in (2 * boolean, 2 * boolean + 1))
 
 
-def _together(found: Ways, values: Sequence[int], number: int) -> Ways:
+def _together(found: LeastSums, values: Sequence[int], number: int) -> LeastSums:
     """The least sums of one of each, each with the rank of the second behind its ranks."""
     if number == 1 or len(found) == len(values) == 1:
         return [(found[0][0] + values[0], (*found[0][1], 0))]
     heap = [(found[0][0] + values[0], 0, 0)]
-    least_ways: Ways = []
+    least_ways: LeastSums = []
     while heap and len(least_ways) < number:
         value, one, other = heappop(heap)
         least_ways.append((value, (*found[one][1], other)))
@@ -112,7 +112,7 @@ def _together(found: Ways, values: Sequence[int], number: int) -> Ways:
     return least_ways
 
 
-def _model(dnnf: Dnnf, literals: Sequence[int], ways: Sequence[Ways], tops: Ways, rank: int) -> Iterator[int]:
+def _model(dnnf: Dnnf, literals: Sequence[int], ways: Sequence[LeastSums], tops: LeastSums, rank: int) -> Iterator[int]:
     """The literals that hold in the way of that rank."""
     assert dnnf.graph.root is not None  # noqa: S101  # there is a way, so there is a root
     pending = [(dnnf.graph.root, tops[rank][1])]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dse.space.methods.dnnf.cnf import NO_LITERAL, TRUE
+from dse.space.methods.dnnf.cnf import NO_LITERAL, TRUE_LITERAL
 from dse.space.methods.dnnf.compile import Dnnf
-from dse.space.methods.dnnf.simplify import FALSE
+from dse.space.methods.dnnf.simplify import FALSE_LITERAL
 from dse.space.methods.dnnf.weigh import Weighed, weigh
 
 
@@ -77,8 +77,8 @@ def _by_class(weighed: Weighed, at: int, holding: list[int], existing: int) -> l
     """In how many rows a core variable takes each of its values."""
     amounts: list[int] = []
     for literal in weighed.dnnf.cnf.values[at]:
-        image = weighed.dnnf.image[literal] if literal != NO_LITERAL else FALSE
-        amounts.append(weighed.total if image == TRUE else 0 if image == FALSE else holding[image])
+        image = weighed.dnnf.image[literal] if literal != NO_LITERAL else FALSE_LITERAL
+        amounts.append(weighed.total if image == TRUE_LITERAL else 0 if image == FALSE_LITERAL else holding[image])
     for value, literal in enumerate(weighed.dnnf.cnf.values[at]):
         if literal == NO_LITERAL:
             amounts[value] = existing - sum(amounts)

@@ -10,7 +10,7 @@ import numpy as np
 from dse.space.flat import Rows
 from dse.space.methods.dnnf.compile import Dnnf
 from dse.space.methods.dnnf.descend import descend
-from dse.space.methods.dnnf.graph import Branch, Graph
+from dse.space.methods.dnnf.graph import DecisionGraph, GraphBranch
 from dse.space.methods.dnnf.selection import RandomSelection, RankSelection
 from dse.space.methods.dnnf.weigh import weigh
 from dse.space.methods.sampling.uniform import generator
@@ -62,4 +62,4 @@ def rows(dnnf: Dnnf) -> Iterator[Rows]:
 
 def rows_of_model(dnnf: Dnnf, literals: Iterable[int]) -> Iterator[Rows]:
     """Those rows for which all of *literals* hold, which settle every Boolean of the graph."""
-    return rows(replace(dnnf, graph=Graph((), Branch(tuple(literals), (), ()))))
+    return rows(replace(dnnf, graph=DecisionGraph((), GraphBranch(tuple(literals), (), ()))))

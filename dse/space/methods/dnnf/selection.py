@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.space.flat import Ints
-from dse.space.methods.sampling.uniform import BITS, bits
+from dse.space.methods.sampling.uniform import DRAWN_BITS, bits
 
 _LARGEST = np.iinfo(np.int64).max
 
@@ -33,7 +33,7 @@ class RandomSelection:
         if len(possible) == 1:
             return [(possible[0], self)]
         ends = list(accumulate(amounts[index] for index in possible))
-        scaled = [(end << BITS) // ends[-1] for end in ends[:-1]]
+        scaled = [(end << DRAWN_BITS) // ends[-1] for end in ends[:-1]]
         words = bits(self.random, (len(self.rows),))
         bounds = np.array(scaled, np.uint64)
         chosen = np.searchsorted(bounds, words, side="left")
@@ -56,13 +56,13 @@ class RandomSelection:
         return RandomSelection(np.concatenate([one.rows for one in selections]), selections[0].random)
 
     def _exactly(self, word: int, ends: Sequence[int]) -> int:
-        length = BITS
+        length = DRAWN_BITS
         while True:
             first = next(at for at, end in enumerate(ends) if word * ends[-1] < end << length)
             if (word + 1) * ends[-1] <= ends[first] << length:
                 return first
-            word = word << BITS | int(bits(self.random, ()))
-            length += BITS
+            word = word << DRAWN_BITS | int(bits(self.random, ()))
+            length += DRAWN_BITS
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from dse.graphs import components
-from dse.space.methods.dnnf.cnf import TRUE, Cnf
+from dse.space.methods.dnnf.cnf import TRUE_LITERAL, Cnf
 
-FALSE = TRUE ^ 1
+FALSE_LITERAL = TRUE_LITERAL ^ 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,16 +32,16 @@ def simplify(cnf: Cnf) -> Simplified:
     while True:
         reduced = _reduced(clauses, image)
         if reduced is None:
-            return Simplified(1, (), (FALSE, TRUE) * cnf.booleans, consistent=False)
+            return Simplified(1, (), (FALSE_LITERAL, TRUE_LITERAL) * cnf.booleans, consistent=False)
         merged = _equals(reduced, 2 * cnf.booleans)
         if merged is None:
-            return Simplified(1, (), (FALSE, TRUE) * cnf.booleans, consistent=False)
+            return Simplified(1, (), (FALSE_LITERAL, TRUE_LITERAL) * cnf.booleans, consistent=False)
         clauses = reduced
         if not merged:
             break
         _replace(image, merged)
-    used = sorted({literal >> 1 for literal in image} - {TRUE >> 1})
-    number = {boolean: at + 1 for at, boolean in enumerate(used)} | {TRUE >> 1: TRUE >> 1}
+    used = sorted({literal >> 1 for literal in image} - {TRUE_LITERAL >> 1})
+    number = {boolean: at + 1 for at, boolean in enumerate(used)} | {TRUE_LITERAL >> 1: TRUE_LITERAL >> 1}
     renamed = [
         2 * number[literal >> 1] | (literal & 1) for literal in range(2 * cnf.booleans) if literal >> 1 in number
     ]
@@ -66,9 +66,9 @@ def _reduced(clauses: Iterable[Sequence[int]], image: list[int]) -> list[tuple[i
     units: list[int] = []
     for clause in clauses:
         literals = {image[literal] for literal in clause}
-        if TRUE in literals or any(literal ^ 1 in literals for literal in literals):
+        if TRUE_LITERAL in literals or any(literal ^ 1 in literals for literal in literals):
             continue
-        literals.discard(FALSE)
+        literals.discard(FALSE_LITERAL)
         if len(literals) > 1:
             for literal in literals:
                 places.setdefault(literal, []).append(len(kept))
@@ -81,13 +81,13 @@ def _reduced(clauses: Iterable[Sequence[int]], image: list[int]) -> list[tuple[i
     while units:
         unit = units.pop()
         value = fixed.get(unit)
-        if value == FALSE:
+        if value == FALSE_LITERAL:
             return None
-        if value == TRUE:
+        if value == TRUE_LITERAL:
             continue
-        fixed[unit], fixed[unit ^ 1] = TRUE, FALSE
+        fixed[unit], fixed[unit ^ 1] = TRUE_LITERAL, FALSE_LITERAL
         for at in places.get(unit ^ 1, ()):
-            remaining = [literal for literal in kept[at] if fixed.get(literal) != FALSE]
+            remaining = [literal for literal in kept[at] if fixed.get(literal) != FALSE_LITERAL]
             if not remaining:
                 return None
             if len(remaining) == 1:
@@ -98,7 +98,7 @@ def _reduced(clauses: Iterable[Sequence[int]], image: list[int]) -> list[tuple[i
     left = (
         tuple(literal for literal in clause if literal not in fixed)
         for clause in kept
-        if not any(fixed.get(literal) == TRUE for literal in clause)
+        if not any(fixed.get(literal) == TRUE_LITERAL for literal in clause)
     )
     return list(dict.fromkeys(left))
 

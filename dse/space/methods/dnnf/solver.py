@@ -15,7 +15,7 @@ _RESTART = 64
 _Reason = Sequence[int]
 
 
-class Solver:
+class ClauseSolver:
     """Clauses over Booleans 0 to *booleans* - 1 as literals 2b and 2b + 1; more may be added between questions.
 
     Deterministic: the same clauses and questions in the same order give the same answers.

@@ -29,7 +29,7 @@ class Trimmed:
 
 
 @dataclass(frozen=True, slots=True)
-class Ways:
+class ValueWays:
     """In how many ways what was cut off can be filled in.
 
     *below*[variable][value] of the whole space counts what hangs below a value;
@@ -68,7 +68,7 @@ def trim(flat: FlatSpace) -> Trimmed:
     return Trimmed(flat, FlatSpace(flat.name, variables, flat.constraints, rules), kept, classes)
 
 
-def ways_of(trimmed: Trimmed) -> Ways:
+def ways_of(trimmed: Trimmed) -> ValueWays:
     """Ways to fill in what was cut off."""
     variables = trimmed.flat.variables
     below = [[1] * len(variable.values) for variable in variables]
@@ -86,7 +86,7 @@ def ways_of(trimmed: Trimmed) -> Ways:
         tuple(sum(below[number][value] for value in group) for group in groups)
         for number, groups in zip(trimmed.kept, trimmed.classes, strict=True)
     )
-    return Ways(tuple(map(tuple, below)), sums, apart)
+    return ValueWays(tuple(map(tuple, below)), sums, apart)
 
 
 def _views(flat: FlatSpace) -> list[list[Sequence[Hashable]]]:

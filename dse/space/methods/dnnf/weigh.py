@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dse.space.methods.dnnf.cnf import NO_LITERAL, TRUE
+from dse.space.methods.dnnf.cnf import NO_LITERAL, TRUE_LITERAL
 from dse.space.methods.dnnf.compile import Dnnf
-from dse.space.methods.dnnf.graph import Branch
-from dse.space.methods.dnnf.simplify import FALSE
-from dse.space.methods.dnnf.trim import Ways, ways_of
+from dse.space.methods.dnnf.graph import GraphBranch
+from dse.space.methods.dnnf.simplify import FALSE_LITERAL
+from dse.space.methods.dnnf.trim import ValueWays, ways_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,7 +19,7 @@ class Weighed:
     """
 
     dnnf: Dnnf
-    ways: Ways
+    ways: ValueWays
     literals: tuple[int, ...]
     outer: int
     branches: tuple[tuple[int, ...], ...]
@@ -40,10 +40,10 @@ def weigh(dnnf: Dnnf) -> Weighed:
     for literals, amounts in zip(dnnf.cnf.values, ways.classes, strict=True):
         for literal, amount in zip(literals, amounts, strict=True):
             # A part is left out in one way.
-            image = FALSE if literal == NO_LITERAL else dnnf.image[literal]
-            if image == TRUE:
+            image = FALSE_LITERAL if literal == NO_LITERAL else dnnf.image[literal]
+            if image == TRUE_LITERAL:
                 outer *= amount
-            elif image != FALSE:
+            elif image != FALSE_LITERAL:
                 weights[image] *= amount
     nodes: list[int] = []
     branches: list[tuple[int, ...]] = []
@@ -55,7 +55,7 @@ def weigh(dnnf: Dnnf) -> Weighed:
     return Weighed(dnnf, ways, tuple(weights), outer, tuple(branches), tuple(nodes), root)
 
 
-def _amount(branch: Branch, weights: list[int], nodes: list[int]) -> int:
+def _amount(branch: GraphBranch, weights: list[int], nodes: list[int]) -> int:
     amount = 1
     for literal in branch.literals:
         if weights[literal] != 1:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from dse.space.flat import Bools, Ints, Linear
 from dse.space.methods.budget import TooMuchError
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 
 Layers = tuple[NDArray[np.int32], ...]
 
@@ -31,7 +31,7 @@ _Edges = tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]], Ints]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Axis:
+class SumAxis:
     """low <= sum over layers of weights[layer][value] <= high; *low* None is no bound.
 
     Weights are whole, at least 0, and 0 where no path takes the value; shape (values + 1,) each.
@@ -43,7 +43,7 @@ class Axis:
 
 
 @dataclass(frozen=True, slots=True)
-class Span:
+class SumSpan:
     """Partial sums low..high of an axis at a level; a smaller one counts as *low* if *gathered*, else not at all."""
 
     low: int
@@ -57,7 +57,7 @@ class Span:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reach:
+class SumReach:
     """Least and most of a sum per level and node: over the paths from the root, and over those to the terminal."""
 
     least_before: tuple[Ints, ...]
@@ -66,7 +66,7 @@ class Reach:
     most_after: tuple[Ints, ...]
 
 
-def axes(diagram: Diagram) -> tuple[Axis, ...] | None:
+def axes(diagram: DecisionDiagram) -> tuple[SumAxis, ...] | None:
     """An axis for each sum that some path breaks, None if no path meets a rule. The diagram is not empty."""
     used = tuple(np.asarray((layer >= 0).any(axis=0)) for layer in diagram.layers)
     sums: dict[tuple[bytes, ...], _Sum] = {}
@@ -82,16 +82,16 @@ def axes(diagram: Diagram) -> tuple[Axis, ...] | None:
         if (low is not None and low > (most if high is None else high)) or (high is not None and high < least):
             return None
         if high is not None:
-            kept.append(Axis(found.weights, low, high))
+            kept.append(SumAxis(found.weights, low, high))
         elif low is not None:
             kept.append(_turned_round(found.weights, used, low))
     return tuple(kept)
 
 
-def pruned(layers: Layers, sums: Sequence[Axis]) -> Layers:
+def pruned(layers: Layers, sums: Sequence[SumAxis]) -> Layers:
     """Without the edges that no path within the bounds of one axis takes; nodes keep their numbers."""
     # The last pass takes away what leads nowhere, or comes from nowhere, since the others.
-    anything = Axis(tuple(np.zeros(layer.shape[1], np.int64) for layer in layers), None, 0)
+    anything = SumAxis(tuple(np.zeros(layer.shape[1], np.int64) for layer in layers), None, 0)
     for axis in (*sums, anything):
         reach = reached(layers, axis.weights)
         kept = []
@@ -104,7 +104,7 @@ def pruned(layers: Layers, sums: Sequence[Axis]) -> Layers:
     return layers
 
 
-def reached(layers: Layers, weights: Sequence[Ints]) -> Reach:
+def reached(layers: Layers, weights: Sequence[Ints]) -> SumReach:
     """Extremes of a sum at every node; on nodes without a complete path, least lies far above and most far below."""
     least_after, most_after = _after(layers, weights)
     least, most = np.zeros(1, np.int64), np.zeros(1, np.int64)
@@ -122,10 +122,10 @@ def reached(layers: Layers, weights: Sequence[Ints]) -> Reach:
         for x, y in zip(before, after, strict=True):
             nowhere = (abs(x) >= _FARTHEST) | (abs(y) >= _FARTHEST)
             x[nowhere] = y[nowhere] = _FAR if before is least_before else -_FAR
-    return Reach(tuple(least_before), tuple(most_before), tuple(least_after), tuple(most_after))
+    return SumReach(tuple(least_before), tuple(most_before), tuple(least_after), tuple(most_after))
 
 
-def spans(layers: Layers, axis: Axis, reach: Reach) -> tuple[list[Span], list[Span]] | None:
+def spans(layers: Layers, axis: SumAxis, reach: SumReach) -> tuple[list[SumSpan], list[SumSpan]] | None:
     """Per level, the sums of what lies before it, and of what lies after it, that can still end within the bounds.
 
     None if nothing can. Sums before are gathered if they fit whatever follows; sums after, if they fit whatever
@@ -177,11 +177,11 @@ def _least_form(rule: Linear, order: Sequence[int], used: Sequence[Bools]) -> _S
     return _Sum(weights_all, low, high)
 
 
-def _turned_round(weights: Sequence[Ints], used: Sequence[Bools], low: int) -> Axis:
+def _turned_round(weights: Sequence[Ints], used: Sequence[Bools], low: int) -> SumAxis:
     """What is missing from the most each layer could give is bounded from above."""
     most = [int(weight.max()) for weight in weights]
     missing = tuple(np.where(mask, top - weight, 0) for weight, mask, top in zip(weights, used, most, strict=True))
-    return Axis(missing, None, sum(most) - low)
+    return SumAxis(missing, None, sum(most) - low)
 
 
 def _after(layers: Layers, weights: Sequence[Ints]) -> tuple[list[Ints], list[Ints]]:
@@ -202,13 +202,13 @@ def _range(layers: Layers, weights: Sequence[Ints]) -> tuple[int, int]:
 
 
 def _spans(
-    axis: Axis,
+    axis: SumAxis,
     edges: Sequence[_Edges],
     least: Sequence[Ints],
     most: Sequence[Ints],
     least_other: Sequence[Ints],
     most_other: Sequence[Ints],
-) -> tuple[list[Span], list[Ints]]:
+) -> tuple[list[SumSpan], list[Ints]]:
     """Spans of one side, level by level from its end, and the most at each node once small sums are gathered."""
     found, raised = [], [most[0]]
     for level in range(len(least)):
@@ -219,7 +219,7 @@ def _spans(
         if axis.low is None:
             own = np.where(complete, np.maximum(own, start), own)
         end = min(int(own.max()), axis.high - int(least_other[level].min()))
-        found.append(Span(start, end, axis.low is None and low > int(least[level].min())))
+        found.append(SumSpan(start, end, axis.low is None and low > int(least[level].min())))
         raised[level] = own
         if level < len(edges):
             source, target, weights = edges[level]

@@ -13,16 +13,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Words = NDArray[np.unsignedinteger[Any]]
-Digits = tuple[Words, ...]
+WordArray = NDArray[np.unsignedinteger[Any]]
+Digits = tuple[WordArray, ...]
 """Arrays of one shape; one of any unsigned type, or several of uint64 below 2^40 each."""
 
-BITS = 40
-LONGEST = 1 << (64 - BITS)
+DIGIT_BITS = 40
+LONGEST = 1 << (64 - DIGIT_BITS)
 """How many digits may be added before they are carried."""
 
-_BITS = np.uint64(BITS)
-_MASK = np.uint64((1 << BITS) - 1)
+_BITS = np.uint64(DIGIT_BITS)
+_MASK = np.uint64((1 << DIGIT_BITS) - 1)
 _PIECE = 20
 _PIECE_MASK = np.uint64((1 << _PIECE) - 1)
 _RUN = 1 << (53 - 2 * _PIECE)
@@ -40,16 +40,16 @@ def word(bound: int) -> type[np.unsignedinteger[Any]] | None:
 
 def digits_for(bound: int) -> int:
     """How many digits numbers up to *bound* take; one only if they fit a word."""
-    return 1 if word(bound) else -(-bound.bit_length() // BITS)
+    return 1 if word(bound) else -(-bound.bit_length() // DIGIT_BITS)
 
 
-def split(words: Words, number: int) -> list[Words]:
+def split(words: WordArray, number: int) -> list[WordArray]:
     """A single digit of any type as *number* digits of 40 bits, at least two."""
     wide = words.astype(np.uint64)
     return [wide & _MASK, wide >> _BITS, *(np.zeros_like(wide) for _ in range(number - 2))]
 
 
-def carry(digits: Sequence[Words]) -> None:
+def carry(digits: Sequence[WordArray]) -> None:
     """Bring all digits but the last below 2^40, in place; a single digit stays as it is."""
     for low, high in pairwise(digits):
         np.add(high, low >> _BITS, out=high)
@@ -76,13 +76,13 @@ def running_sums(digits: Digits, bound: int) -> Digits:
 def scalar_product(left: Digits, right: Digits) -> int:
     """Sum over all cells of left * right; both of one shape."""
     return sum(
-        _product(one.reshape(-1), other.reshape(-1)) << (BITS * (row + column))
+        _product(one.reshape(-1), other.reshape(-1)) << (DIGIT_BITS * (row + column))
         for row, one in enumerate(left)
         for column, other in enumerate(right)
     )
 
 
-def _product(left: Words, right: Words) -> int:
+def _product(left: WordArray, right: WordArray) -> int:
     """In pieces of 20 bits, whose products add up exactly in doubles."""
     total = 0
     for start in range(0, left.size, _BLOCK):
@@ -95,7 +95,7 @@ def _product(left: Words, right: Words) -> int:
     return total
 
 
-def _pieces(words: Words) -> list[NDArray[np.float64]]:
+def _pieces(words: WordArray) -> list[NDArray[np.float64]]:
     """Pieces as doubles in rows of one run each, padded with zeros; none if all words are 0."""
     largest = int(words.max(initial=0))
     wide = np.zeros(-(-len(words) // _RUN) * _RUN, np.uint64)

@@ -12,9 +12,9 @@ import numpy as np
 
 from dse.space.flat import Ints
 from dse.space.methods.budget import TooMuchError
-from dse.space.methods.grid.digits import LONGEST, Words, carry, digits_for, split, word
-from dse.space.methods.grid.nodes import Grid, Node, Swept
-from dse.space.methods.grid.sweep import Step, Sweep, cropped
+from dse.space.methods.grid.digits import LONGEST, WordArray, carry, digits_for, split, word
+from dse.space.methods.grid.nodes import GridNode, SumGrid, Swept
+from dse.space.methods.grid.sweep import Sweep, SweepStep, cropped
 
 
 def run_levels(sweep: Sweep) -> Swept:
@@ -22,7 +22,7 @@ def run_levels(sweep: Sweep) -> Swept:
     start = np.zeros((1, prod(sweep.shapes[0])), np.uint16)
     start[0, 0] = 1
     digits, largest = [start], [1]
-    met: dict[Node, int] = {(0, 0): 1}
+    met: dict[GridNode, int] = {(0, 0): 1}
     for level, (step, paths) in enumerate(zip(sweep.steps, sweep.paths[1:], strict=True), 1):
         terms = int(np.bincount(step.target, step.times).max())
         if terms >= LONGEST:
@@ -39,7 +39,7 @@ def run_levels(sweep: Sweep) -> Swept:
         largest = digits[0].max(axis=1).tolist() if len(digits) == 1 else paths.tolist()
         met.update(((level, node), number) for node, number in enumerate(largest))
     grids = {
-        node: Grid(tuple(digit[node] for digit in digits), number) for node, number in enumerate(largest) if number
+        node: SumGrid(tuple(digit[node] for digit in digits), number) for node, number in enumerate(largest) if number
     }
     return Swept(grids, met)
 
@@ -54,10 +54,10 @@ def memory_of_levels(sweep: Sweep, words: Sequence[int]) -> float:
     return most
 
 
-def _added(digits: list[Words], step: Step, nodes: int, bound: int) -> list[Words]:
+def _added(digits: list[WordArray], step: SweepStep, nodes: int, bound: int) -> list[WordArray]:
     """Sums of the terms, shape (nodes, cells of the box) each digit; not carried."""
     kind, cells = word(bound) or np.uint64, prod(step.box)
-    sums: list[Words] = [np.zeros((nodes, cells), kind) for _ in range(digits_for(bound))]
+    sums: list[WordArray] = [np.zeros((nodes, cells), kind) for _ in range(digits_for(bound))]
     parts = split(digits[0], len(sums)) if len(digits) == 1 < len(sums) else digits
     for chosen in _rounds(step):
         target, source, times = step.target[chosen], step.source[chosen], step.times[chosen]
@@ -72,7 +72,7 @@ def _added(digits: list[Words], step: Step, nodes: int, bound: int) -> list[Word
     return sums
 
 
-def _rounds(step: Step) -> list[Ints]:
+def _rounds(step: SweepStep) -> list[Ints]:
     """Numbers of terms, those of a round with one offset and distinct targets."""
     order = np.lexsort((step.target, step.offset))
     target, offset = step.target[order], step.offset[order]

@@ -16,13 +16,13 @@ from math import prod
 import numpy as np
 
 from dse.space.methods.budget import TooMuchError
-from dse.space.methods.grid.digits import BITS, LONGEST, Digits, Words, carry, digits_for, split, word
-from dse.space.methods.grid.sweep import Schedule, Step, Sweep, cropped
+from dse.space.methods.grid.digits import DIGIT_BITS, LONGEST, Digits, WordArray, carry, digits_for, split, word
+from dse.space.methods.grid.sweep import Schedule, Sweep, SweepStep, cropped
 
-Node = tuple[int, int]
+GridNode = tuple[int, int]
 """Level and number."""
 
-BLOCK = 1 << 19
+BLOCK_BYTES = 1 << 19
 """Bytes added up at a time; they fit into the nearer caches of a core."""
 
 _HEADROOM = 16
@@ -33,7 +33,7 @@ _SHARED = 1 << 20
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Grid:
+class SumGrid:
     """Ways to each sum, flat, in the shape of its level; *largest* bounds the numbers."""
 
     digits: Digits
@@ -44,18 +44,18 @@ class Grid:
 class Swept:
     """The grids of the last level by node, and the largest numbers met at every node on the way."""
 
-    grids: Mapping[int, Grid]
-    largest: Mapping[Node, int]
+    grids: Mapping[int, SumGrid]
+    largest: Mapping[GridNode, int]
 
 
 @dataclass(frozen=True, slots=True)
 class _Term:
-    grid: Grid
+    grid: SumGrid
     offset: int
     times: int
 
 
-def run(sweep: Sweep, schedule: Schedule, caps: Sequence[Mapping[Node, int]] = ()) -> Swept:
+def run(sweep: Sweep, schedule: Schedule, caps: Sequence[Mapping[GridNode, int]] = ()) -> Swept:
     """All grids of a sweep in the order of *schedule*; *caps* bound their numbers from what is known otherwise.
 
     A node without a grid has no path within the bounds. TooMuchError if more than 2^24 equal terms meet.
@@ -64,8 +64,8 @@ def run(sweep: Sweep, schedule: Schedule, caps: Sequence[Mapping[Node, int]] = (
     waiting = _uses(sweep)
     start = np.zeros(prod(sweep.shapes[0]), np.uint16)
     start[0] = 1
-    grids: dict[Node, Grid] = {(0, 0): Grid((start,), 1)}
-    largest: dict[Node, int] = {(0, 0): 1}
+    grids: dict[GridNode, SumGrid] = {(0, 0): SumGrid((start,), 1)}
+    largest: dict[GridNode, int] = {(0, 0): 1}
     with ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
         for level, node in schedule.order[1:]:
             step, first = sweep.steps[level - 1], firsts[level - 1]
@@ -86,16 +86,16 @@ def run(sweep: Sweep, schedule: Schedule, caps: Sequence[Mapping[Node, int]] = (
     return Swept({node: grid for (level, node), grid in grids.items() if level == last}, largest)
 
 
-def _uses(sweep: Sweep) -> dict[Node, int]:
+def _uses(sweep: Sweep) -> dict[GridNode, int]:
     """How many grids each grid is a source of."""
-    found: dict[Node, int] = {}
+    found: dict[GridNode, int] = {}
     for level, step in enumerate(sweep.steps):
         for source, _ in {*zip(step.source.tolist(), step.target.tolist(), strict=True)}:
             found[level, source] = found.get((level, source), 0) + 1
     return found
 
 
-def _combine(terms: Sequence[_Term], step: Step, shape: tuple[int, ...], bound: int, pool: Executor) -> Grid:
+def _combine(terms: Sequence[_Term], step: SweepStep, shape: tuple[int, ...], bound: int, pool: Executor) -> SumGrid:
     """The sum of the terms, cropped and stored in *shape*."""
     terms = [term for term in terms if term.grid.largest]
     if sum(term.times for term in terms) >= LONGEST:
@@ -103,7 +103,7 @@ def _combine(terms: Sequence[_Term], step: Step, shape: tuple[int, ...], bound: 
     kind = word(bound) or np.uint64
     digits = tuple(np.zeros(shape, kind) for _ in range(digits_for(bound)))
     plane, outer = prod(step.box[1:]), step.crops[0]
-    thick = max(1, BLOCK // (plane * np.dtype(kind).itemsize))
+    thick = max(1, BLOCK_BYTES // (plane * np.dtype(kind).itemsize))
     fill = partial(_fill, digits, terms, step, thick)
     last = outer.first + outer.length
     if outer.length * plane >= _SHARED:
@@ -122,7 +122,7 @@ def _combine(terms: Sequence[_Term], step: Step, shape: tuple[int, ...], bound: 
     return _trimmed(tuple(digit.reshape(-1) for digit in digits), bound)
 
 
-def _fill(digits: Digits, terms: Sequence[_Term], step: Step, thick: int, begin: int, end: int) -> None:
+def _fill(digits: Digits, terms: Sequence[_Term], step: SweepStep, thick: int, begin: int, end: int) -> None:
     """Planes begin..end - 1 of the box, into their places."""
     first = step.crops[0].first
     for start in range(begin, end, thick):
@@ -131,17 +131,17 @@ def _fill(digits: Digits, terms: Sequence[_Term], step: Step, thick: int, begin:
             digit[_window(step, start - first, stop - first)] = part
 
 
-def _window(step: Step, start: int, stop: int) -> tuple[slice, ...]:
+def _window(step: SweepStep, start: int, stop: int) -> tuple[slice, ...]:
     """Outer planes start..stop - 1 of a stored grid, without the padding."""
     return (slice(start, stop), *(slice(0, crop.length) for crop in step.crops[1:]))
 
 
-def _added(digits: Digits, terms: Sequence[_Term], step: Step, start: int, stop: int) -> list[Words]:
+def _added(digits: Digits, terms: Sequence[_Term], step: SweepStep, start: int, stop: int) -> list[WordArray]:
     """Planes start..stop - 1 of the box, cropped along the inner axes."""
     plane = prod(step.box[1:])
     begin, end = start * plane, stop * plane
     kind = digits[0].dtype
-    sums: list[Words] = [np.zeros(end - begin, kind) for _ in digits]
+    sums: list[WordArray] = [np.zeros(end - begin, kind) for _ in digits]
     for term in terms:
         low, high = max(begin - term.offset, 0), min(end - term.offset, len(term.grid.digits[0]))
         if low >= high:
@@ -158,14 +158,14 @@ def _added(digits: Digits, terms: Sequence[_Term], step: Step, start: int, stop:
     return cropped(boxes, step.crops[1:])
 
 
-def _trimmed(digits: Digits, bound: int) -> Grid:
+def _trimmed(digits: Digits, bound: int) -> SumGrid:
     """Without digits that are 0, in the least word."""
     while len(digits) > 1 and not digits[-1].any():
         digits = digits[:-1]
     if len(digits) > 1:
-        return Grid(digits, min(bound, ((int(digits[-1].max()) + 1) << (BITS * (len(digits) - 1))) - 1))
+        return SumGrid(digits, min(bound, ((int(digits[-1].max()) + 1) << (DIGIT_BITS * (len(digits) - 1))) - 1))
     largest = int(digits[0].max(initial=0))
     kind = word(largest * _HEADROOM)
     if kind is not None and np.dtype(kind).itemsize < digits[0].itemsize:
-        return Grid((digits[0].astype(kind),), largest)
-    return Grid(digits, largest)
+        return SumGrid((digits[0].astype(kind),), largest)
+    return SumGrid(digits, largest)

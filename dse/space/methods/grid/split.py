@@ -6,15 +6,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, log2, prod
 
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.space.flat import Floats, Ints
 from dse.space.methods.budget import Cost, TooMuchError
-from dse.space.methods.grid.axes import Axis, Layers, Span, axes, pruned, reached, spans
-from dse.space.methods.grid.density import heights
-from dse.space.methods.grid.digits import BITS
+from dse.space.methods.grid.axes import Layers, SumAxis, SumSpan, axes, pruned, reached, spans
+from dse.space.methods.grid.digits import DIGIT_BITS
+from dse.space.methods.grid.halves import Side
 from dse.space.methods.grid.levels import memory_of_levels, run_levels
-from dse.space.methods.grid.meeting import Side
-from dse.space.methods.grid.nodes import Node, Swept, run
+from dse.space.methods.grid.nodes import GridNode, Swept, run
 from dse.space.methods.grid.sweep import Schedule, Sweep, backward, forward, schedule
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 
 _CALL = 15_000
 """What a term costs besides its cells, in additions of a cell, if grids are added one by one."""
@@ -45,10 +48,10 @@ _MOST_BITS = 60.0
 class Counting:
     """What is to be counted: a diagram without hopeless edges; the sums that matter, that of most places first."""
 
-    diagram: Diagram
-    sums: tuple[Axis, ...]
-    before: tuple[Sequence[Span], ...]
-    after: tuple[Sequence[Span], ...]
+    diagram: DecisionDiagram
+    sums: tuple[SumAxis, ...]
+    before: tuple[Sequence[SumSpan], ...]
+    after: tuple[Sequence[SumSpan], ...]
 
     @property
     def layers(self) -> Layers:
@@ -82,7 +85,7 @@ class Split:
     cost: Cost
 
 
-def counting(diagram: Diagram) -> Counting | Diagram:
+def counting(diagram: DecisionDiagram) -> Counting | DecisionDiagram:
     """What is to be counted; a diagram alone if it holds no rule any more. TooMuchError for a rule that is no sum."""
     if diagram.empty or diagram.expanded:
         return diagram
@@ -94,7 +97,7 @@ def counting(diagram: Diagram) -> Counting | Diagram:
     layers = pruned(diagram.layers, sums)
     if not (layers[0] >= 0).any():
         return _nothing(diagram)
-    left: list[tuple[Axis, list[Span], list[Span]]] = []
+    left: list[tuple[SumAxis, list[SumSpan], list[SumSpan]]] = []
     for axis in sums:
         reach = reached(layers, axis.weights)
         least, most = int(reach.least_after[0][0]), int(reach.most_after[0][0])
@@ -159,14 +162,14 @@ def execution(sweep: Sweep, sizes: Sequence[int], most_memory: float) -> Executi
     return Execution(found, found.memory)
 
 
-def execute(sweep: Sweep, chosen: Execution, caps: Sequence[Mapping[Node, int]] = ()) -> Swept:
+def execute(sweep: Sweep, chosen: Execution, caps: Sequence[Mapping[GridNode, int]] = ()) -> Swept:
     """All grids of a sweep."""
     return run_levels(sweep) if chosen.schedule is None else run(sweep, chosen.schedule, caps)
 
 
-def caps(problem: Counting, found: Split) -> tuple[Sequence[Mapping[Node, int]], Sequence[Mapping[Node, int]]]:
+def caps(problem: Counting, found: Split) -> tuple[Sequence[Mapping[GridNode, int]], Sequence[Mapping[GridNode, int]]]:
     """The largest numbers in the grids of all sums but one, if that pays: no finer grid has larger ones."""
-    largest: tuple[list[Mapping[Node, int]], list[Mapping[Node, int]]] = ([], [])
+    largest: tuple[list[Mapping[GridNode, int]], list[Mapping[GridNode, int]]] = ([], [])
     if found.cost.work < _WORTH_CAPS or len(problem.sums) == 1:
         return largest
     for left_out in range(len(problem.sums)):
@@ -181,10 +184,10 @@ def caps(problem: Counting, found: Split) -> tuple[Sequence[Mapping[Node, int]],
 
 def words(heights_: Sequence[float]) -> list[int]:
     """Bytes of a number up to 2^height, as a rule."""
-    return [2 if h < 12 else 4 if h < 31 else 8 if h < 63 else 8 * (int(h) // BITS + 1) for h in heights_]
+    return [2 if h < 12 else 4 if h < 31 else 8 if h < 63 else 8 * (int(h) // DIGIT_BITS + 1) for h in heights_]
 
 
-def _nothing(diagram: Diagram) -> Diagram:
+def _nothing(diagram: DecisionDiagram) -> DecisionDiagram:
     return replace(diagram, layers=tuple(layer[:0] for layer in diagram.layers), empty=True)
 
 
@@ -225,3 +228,54 @@ def _term(side: Side, steps: Sequence[int], size: int) -> float:
     # Several digits are split and carried.
     work = cells * size / (4 if size <= 8 else 2)
     return min(work + _CALL, work * _AT_ONCE)
+
+
+def heights(layers: Layers, sums: Sequence[SumAxis]) -> tuple[list[float], list[float]]:
+    """Binary logarithm of the most ways to one cell of a level's grids, of paths before it and of paths after it."""
+    before, after = [0.0], [0.0]
+    state = _start(len(sums))
+    for level, layer in enumerate(layers):
+        parent, value = np.nonzero(layer >= 0)
+        nodes = len(layers[level + 1]) if level + 1 < len(layers) else 1
+        state = state.moved(parent, layer[parent, value], _weights(sums, level, value), nodes)
+        before.append(state.height())
+    state = _start(len(sums))
+    for level in reversed(range(len(layers))):
+        parent, value = np.nonzero(layers[level] >= 0)
+        state = state.moved(layers[level][parent, value], parent, _weights(sums, level, value), len(layers[level]))
+        after.append(state.height())
+    return before, after[::-1]
+
+
+class _Moments:
+    """Paths to every node, up to 2^scale, and mean and variance of each sum over them."""
+
+    def __init__(self, paths: Floats, mean: Floats, variance: Floats, scale: float) -> None:
+        self.paths, self.mean, self.variance, self.scale = paths, mean, variance, scale
+
+    def moved(self, source: NDArray[np.integer], target: NDArray[np.integer], weights: Floats, nodes: int) -> _Moments:
+        share = self.paths[source]
+        paths = np.bincount(target, share, nodes)
+        safe = np.where(paths > 0, paths, 1.0)
+        mean, variance = np.zeros((nodes, weights.shape[1])), np.zeros((nodes, weights.shape[1]))
+        for axis in range(weights.shape[1]):
+            sum_ = self.mean[source, axis] + weights[:, axis]
+            mean[:, axis] = np.bincount(target, share * sum_, nodes) / safe
+            spread = self.variance[source, axis] + (sum_ - mean[target, axis]) ** 2
+            variance[:, axis] = np.bincount(target, share * spread, nodes) / safe
+        most = float(paths.max())
+        return _Moments(paths / most, mean, variance, self.scale + float(np.log2(most)))
+
+    def height(self) -> float:
+        there = self.paths > 0
+        # As logarithms: the product over many sums is beyond any float.
+        spread = np.log2(np.maximum(1.0, np.sqrt(2 * np.pi * self.variance[there]))).sum(axis=1)
+        return self.scale + float((np.log2(self.paths[there]) - spread).max())
+
+
+def _start(axes: int) -> _Moments:
+    return _Moments(np.ones(1), np.zeros((1, axes)), np.zeros((1, axes)), 0.0)
+
+
+def _weights(sums: Sequence[SumAxis], level: int, value: Ints) -> Floats:
+    return np.stack([axis.weights[level][value] for axis in sums], axis=1).astype(np.float64)

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.space.flat import Ints
-from dse.space.methods.grid.axes import Axis, Layers, Span
-from dse.space.methods.grid.digits import Words, carry
+from dse.space.methods.grid.axes import Layers, SumAxis, SumSpan
+from dse.space.methods.grid.digits import WordArray, carry
 
 _SAFE = 1 << 62
 
@@ -34,7 +34,7 @@ class Crop:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
+class SweepStep:
     """Terms target += times * (source moved by offset), ascending by target, then source.
 
     *box* is the shape of the sums they make, *offset* counts cells of it, *crops* says what is kept, axis by axis.
@@ -59,7 +59,7 @@ class Sweep:
     The last shape is that of the sums alone; inner axes of the others are padded with zeros at their ends.
     """
 
-    steps: tuple[Step, ...]
+    steps: tuple[SweepStep, ...]
     shapes: tuple[tuple[int, ...], ...]
     paths: tuple[NDArray[Any], ...]
 
@@ -72,17 +72,17 @@ class Schedule:
     memory: float
 
 
-def forward(layers: Layers, sums: Sequence[Axis], spans: Sequence[Sequence[Span]], cut: int) -> Sweep:
+def forward(layers: Layers, sums: Sequence[SumAxis], spans: Sequence[Sequence[SumSpan]], cut: int) -> Sweep:
     """From the root to level *cut*; spans[axis][level] of the sums before."""
     return _sweep(layers, sums, spans, list(range(cut + 1)))
 
 
-def backward(layers: Layers, sums: Sequence[Axis], spans: Sequence[Sequence[Span]], cut: int) -> Sweep:
+def backward(layers: Layers, sums: Sequence[SumAxis], spans: Sequence[Sequence[SumSpan]], cut: int) -> Sweep:
     """From the terminal to level *cut*; spans[axis][level] of the sums after."""
     return _sweep(layers, sums, spans, list(range(len(layers), cut - 1, -1)))
 
 
-def cropped(boxes: Sequence[Words], crops: Sequence[Crop]) -> list[Words]:
+def cropped(boxes: Sequence[WordArray], crops: Sequence[Crop]) -> list[WordArray]:
     """What stays of the digits of a box along its axes from the second on; *boxes* are overwritten."""
     kept = list(boxes)
     for axis, crop in enumerate(crops, 1):
@@ -100,7 +100,7 @@ def schedule(sweep: Sweep, sizes: Sequence[float]) -> Schedule:
     return min((_walk(sweep, sizes, deep) for deep in (True, False)), key=lambda found: found.memory)
 
 
-def _sweep(layers: Layers, sums: Sequence[Axis], spans: Sequence[Sequence[Span]], levels: list[int]) -> Sweep:
+def _sweep(layers: Layers, sums: Sequence[SumAxis], spans: Sequence[Sequence[SumSpan]], levels: list[int]) -> Sweep:
     lengths = [tuple(axis[level].length for axis in spans) for level in levels]
     steps, shapes = [], []
     paths: list[NDArray[Any]] = [np.ones(1, np.int64)]
@@ -129,17 +129,17 @@ def strides(shape: tuple[int, ...]) -> list[int]:
     return [prod(shape[axis + 1 :]) for axis in range(len(shape))]
 
 
-def _step(target: Ints, source: Ints, offset: Ints, box: tuple[int, ...], crops: tuple[Crop, ...]) -> Step:
+def _step(target: Ints, source: Ints, offset: Ints, box: tuple[int, ...], crops: tuple[Crop, ...]) -> SweepStep:
     order = np.lexsort((offset, source, target))
     target, source, offset = target[order], source[order], offset[order]
     new = np.ones(len(order), np.bool_)
     new[1:] = (np.diff(target) != 0) | (np.diff(source) != 0) | (np.diff(offset) != 0)
     first = np.flatnonzero(new)
     times = np.diff(np.append(first, len(order)))
-    return Step(target[first], source[first], offset[first], times, box, crops)
+    return SweepStep(target[first], source[first], offset[first], times, box, crops)
 
 
-def _paths(step: Step, paths: NDArray[Any], nodes: int) -> NDArray[Any]:
+def _paths(step: SweepStep, paths: NDArray[Any], nodes: int) -> NDArray[Any]:
     if paths.dtype != object and int(paths.max()) * int(step.times.sum()) >= _SAFE:
         paths = paths.astype(object)
     found = np.zeros(nodes, paths.dtype)

@@ -1,6 +1,13 @@
 """Rules as propagators over domains: what each takes away from the values that are still possible.
 
 A domain is a whole number whose bit v says that value v is possible; the bit after the last value is `ABSENT`.
+
+Example: x in {1, 2, 4}, y in {0, 3}, x + y <= 4. Nothing follows at first: each value still has a partner. Deciding
+y = 3 leaves 1 for x, so the domain of x becomes {1}, bits 0b001, and every rule over x is looked at again.
+
+Cost: variables of the rules looked at; the search that uses them (`dse.space.methods.listing.search`) counts these and
+gives up beyond its allowance. It combines no bounds: it finds the first row of some spaces sooner than a diagram is
+compiled (3 ms), and of L with tight bounds not within a second (docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations
@@ -11,7 +18,7 @@ from typing import Protocol
 
 import numpy as np
 
-from dse.space.flat import NOTHING, Bools, Clause, FlatSpace, Fold, Gather, Ints, Linear, Rule, Table, Wide
+from dse.space.flat import NO_VALUE, Bools, Clause, FlatSpace, Fold, Gather, Ints, Linear, Rule, Table, Wide
 from dse.space.methods.mdd.folds import is_bounded
 
 Restrict = Callable[[int, int], bool]
@@ -173,13 +180,13 @@ def _propagator(rule: Rule) -> Propagator:
 
 
 def _reach(fold: Fold, domains: Sequence[int]) -> tuple[int, int]:
-    """Ends between which the fold lies; the upper one is `NOTHING` if it may be nothing."""
+    """Ends between which the fold lies; the upper one is `NO_VALUE` if it may be nothing."""
     low = high = fold.start
-    may_be_nothing = fold.gather is not Gather.SUM and fold.start == NOTHING
+    may_be_nothing = fold.gather is not Gather.SUM and fold.start == NO_VALUE
     may_be_some = not may_be_nothing
     for variable, values in fold.values.items():
         options = [int(values[v]) for v in values_of(domains[variable])]
-        some = options if fold.gather is Gather.SUM else [value for value in options if value != NOTHING]
+        some = options if fold.gather is Gather.SUM else [value for value in options if value != NO_VALUE]
         if not some:
             continue
         reached = [_both(fold.gather, end, other) for end in (low, high) for other in (min(some), max(some))]
@@ -193,7 +200,7 @@ def _reach(fold: Fold, domains: Sequence[int]) -> tuple[int, int]:
         may_be_nothing = may_be_nothing and len(some) < len(options)
         may_be_some = True
     if may_be_nothing:
-        return (low if may_be_some else NOTHING), NOTHING
+        return (low if may_be_some else NO_VALUE), NO_VALUE
     return low, high
 
 

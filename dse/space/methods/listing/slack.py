@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from dse.space.flat import Ints
 from dse.space.methods.listing.bounds import Cut, least, stacked
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 
 WORD = 64
 
@@ -50,7 +50,7 @@ class Slack:
 
 
 def slack_of(
-    diagram: Diagram, columns: Sequence[Ints], cuts: Sequence[Cut], movable: frozenset[int] = frozenset()
+    diagram: DecisionDiagram, columns: Sequence[Ints], cuts: Sequence[Cut], movable: frozenset[int] = frozenset()
 ) -> Slack:
     """The slack of the cuts on a diagram that is not empty; *columns*: the values of each layer that occur.
 

@@ -4,6 +4,17 @@ A node of a layer is what the rules remember of the variables before it, packed 
 expanded at once, equal nodes become one, and a second sweep from the end removes dead nodes and merges those with
 equal futures (Srinivasan, Kam, Malik and Brayton 1990; Bryant's reduction 1986). Canonical for an order: two spaces
 with the same rows have equal layers.
+
+Example: a, b, c are 0 or 1; a implies b; b implies c.
+
+    layer a: one node, the root
+    layer b: after a = 1, b must be 1; after a = 0 it is free           2 nodes
+    layer c: after b = 1, c must be 1; after b = 0 it is free           2 nodes
+    rows below, from the end: c has 1 and 2, b has 1 and 1 + 2, a has 1 + 3 = 4
+
+Cost: nodes times values, for the diagram and for each question. The nodes depend on the order of the variables
+(`dse.space.methods.mdd.ordering`): a model of 854 features fits, one of 2,513 does not in any order that was tried
+(docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations
@@ -17,19 +28,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.space.flat import Bools, FlatSpace, Ints
-from dse.space.methods.mdd.automata import read
+from dse.space.methods.mdd.automata import Automaton, read
 from dse.space.methods.mdd.distinct import distinct_rows
 from dse.space.methods.mdd.growth import Growth
-from dse.space.methods.mdd.packing import Field, pack
 
-MOST_NODES = 500_000
+MOST_DIAGRAM_NODES = 500_000
 """Nodes before reduction that a diagram may have unless told otherwise."""
 
 _SAFE = 1 << 62
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Diagram:
+class DecisionDiagram:
     """Rows of a space as paths from node 0 of layer 0 to the terminal, which is node 0 after the last layer.
 
     *order* names the variable of each layer; layers[k][node, value] is a node of layer k + 1 or -1, the last column
@@ -44,7 +54,9 @@ class Diagram:
     expanded: bool
 
 
-def compile_diagram(flat: FlatSpace, order: Sequence[int] | None = None, most_nodes: int = MOST_NODES) -> Diagram:
+def compile_diagram(
+    flat: FlatSpace, order: Sequence[int] | None = None, most_nodes: int = MOST_DIAGRAM_NODES
+) -> DecisionDiagram:
     """Hierarchy, tables and clauses of *flat*, by default in its own order; TooWideError beyond *most_nodes*."""
     order = tuple(range(len(flat.variables))) if order is None else tuple(order)
     reading = read(flat, order)
@@ -62,7 +74,7 @@ def compile_diagram(flat: FlatSpace, order: Sequence[int] | None = None, most_no
 
 def reduced(
     flat: FlatSpace, order: tuple[int, ...], layers: Sequence[NDArray[np.int32]] | None, *, expanded: bool
-) -> Diagram:
+) -> DecisionDiagram:
     """The diagram of layers whose nodes are all reachable, without dead nodes and with equal nodes merged.
 
     Layers None, or a dead root, say that it is empty. Nodes are numbered in the lexicographic order of their children.
@@ -83,11 +95,11 @@ def reduced(
         renamed[:-1][alive] = classes
     if layers is None:
         nothing = tuple(np.zeros((0, len(flat.variables[variable].values) + 1), np.int32) for variable in order)
-        return Diagram(flat, order, nothing, True, expanded)
-    return Diagram(flat, order, tuple(reversed(done)), False, expanded)
+        return DecisionDiagram(flat, order, nothing, True, expanded)
+    return DecisionDiagram(flat, order, tuple(reversed(done)), False, expanded)
 
 
-def restrict(diagram: Diagram, masks: Mapping[int, Bools]) -> Diagram:
+def restrict(diagram: DecisionDiagram, masks: Mapping[int, Bools]) -> DecisionDiagram:
     """The rows whose variables take values in *masks*, by variable, of shape (values + 1,); fast enough to type by."""
     if diagram.empty:
         return diagram
@@ -106,7 +118,7 @@ def restrict(diagram: Diagram, masks: Mapping[int, Bools]) -> Diagram:
     return reduced(diagram.flat, diagram.order, layers, expanded=diagram.expanded)
 
 
-def completions(diagram: Diagram) -> list[NDArray[Any]]:
+def completions(diagram: DecisionDiagram) -> list[NDArray[Any]]:
     """In how many ways each node can be completed: per layer, shape (nodes,), the terminal's layer included.
 
     Exact: int64 while the numbers are small, Python integers in object arrays above.
@@ -122,12 +134,12 @@ def completions(diagram: Diagram) -> list[NDArray[Any]]:
     return numbers[::-1]
 
 
-def count(diagram: Diagram) -> int:
+def count(diagram: DecisionDiagram) -> int:
     """How many rows the diagram has; rules that are not in the layers do not count."""
     return 0 if diagram.empty else int(completions(diagram)[0][0])
 
 
-def occurrences(diagram: Diagram) -> tuple[tuple[int, ...], ...]:
+def occurrences(diagram: DecisionDiagram) -> tuple[tuple[int, ...], ...]:
     """For each variable in file order: in how many rows it takes each of its values, and in how many it is absent."""
     found: list[tuple[int, ...]] = [(0,) * (len(variable.values) + 1) for variable in diagram.flat.variables]
     if diagram.empty:
@@ -148,7 +160,7 @@ def occurrences(diagram: Diagram) -> tuple[tuple[int, ...], ...]:
     return tuple(found)
 
 
-def extremes(diagram: Diagram, weights: Mapping[int, Ints]) -> tuple[list[Ints], list[Ints]]:
+def extremes(diagram: DecisionDiagram, weights: Mapping[int, Ints]) -> tuple[list[Ints], list[Ints]]:
     """Least and greatest sum of weights[variable][value] over the completions of each node.
 
     Per layer, shape (nodes,), the terminal's layer included; variables without weights count 0.
@@ -193,3 +205,54 @@ def _successors(mask: Bools, touched: Sequence[Field], states: Ints) -> tuple[In
             column |= extra[source, value] if len(extra) == nodes else extra[0, value]
         after_all.append(column)
     return pairs, after_all
+
+
+_BITS = 62
+"""Of a word: it stays positive, and sums of two do not overflow."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Field:
+    """What one automaton does in one layer: its bits in a word, and its step."""
+
+    word: int
+    shift: int
+    mask: int
+    step: Ints
+    starts: bool
+    ends: bool
+
+
+def pack(automata: Sequence[Automaton], layers: int) -> tuple[list[list[Field]], int]:
+    """The fields that each layer touches, and how many words a node needs."""
+    fields: list[list[Field]] = [[] for _ in range(layers)]
+    starting: list[list[Automaton]] = [[] for _ in range(layers)]
+    freed: list[list[tuple[int, int]]] = [[] for _ in range(layers)]
+    free: list[int] = []
+    for automaton in automata:
+        starting[automaton.layers[0]].append(automaton)
+    for layer, automata_here in enumerate(starting):
+        for word, bits in freed[layer]:
+            free[word] |= bits
+        for automaton in automata_here:
+            bits = (automaton.states() - 1).bit_length()
+            word, shift = _place(free, bits)
+            mask = (1 << bits) - 1
+            free[word] &= ~(mask << shift)
+            last = automaton.layers[-1]
+            freed[last].append((word, mask << shift))
+            for at, step in zip(automaton.layers, automaton.steps, strict=True):
+                fields[at].append(Field(word, shift, mask, step, at == layer, at == last))
+    return fields, len(free)
+
+
+def _place(free: list[int], bits: int) -> tuple[int, int]:
+    """First word and shift with that many free bits in a row; a new word if there is none."""
+    for word, available in enumerate(free):
+        starts = available
+        for _ in range(bits - 1):
+            starts &= starts >> 1
+        if starts:
+            return word, (starts & -starts).bit_length() - 1
+    free.append((1 << _BITS) - 1)
+    return len(free) - 1, 0

@@ -2,6 +2,13 @@
 
 A state is a node of the given diagram, the partial sums, and the folds so far. What cannot be met any more is cut
 off, what can no longer fail is forgotten, and sums that behave alike are one; the reduction merges the rest.
+
+Example: x in {1, 2, 4}, y in {0, 3}, x + y <= 4. After x the partial sums are 1, 2 and 4. With 1 both values of y
+fit; with 2 and with 4 only y = 0 does. So 2 and 4 behave alike: layer y has two nodes, and there are 2 + 1 + 1 paths.
+
+Cost: as for the diagram, but states multiply with each sum: one sum over 54 decisions takes more than the 150,000
+nodes allowed in everyday use, two more than 10 million. The grids count those (`dse.space.methods.grid.exact`), and
+samples are estimates. Measured: docs/decisions/0007-design-space-engine.md.
 """
 
 from __future__ import annotations
@@ -15,13 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.space.flat import Bools, Ints, Wide
-from dse.space.methods.mdd.diagram import MOST_NODES, Diagram, reduced
+from dse.space.methods.mdd.diagram import MOST_DIAGRAM_NODES, DecisionDiagram, reduced
 from dse.space.methods.mdd.folds import Rest, added, contributions, interval, is_bounded, judged, rests
 from dse.space.methods.mdd.growth import Growth
 from dse.space.methods.mdd.thresholds import Bounded, bounded, settled
 
 
-def expand(diagram: Diagram, most_nodes: int = MOST_NODES) -> Diagram:
+def expand(diagram: DecisionDiagram, most_nodes: int = MOST_DIAGRAM_NODES) -> DecisionDiagram:
     """Exactly the rows that meet all rules, in the same order; TooWideError beyond *most_nodes* before reduction."""
     flat = diagram.flat
     if diagram.expanded or diagram.empty or not (flat.linears() or flat.wides()):
@@ -73,7 +80,7 @@ class _Watched:
     numbers: _Numbers | None
 
 
-def _watched(diagram: Diagram, wide: Wide) -> _Watched:
+def _watched(diagram: DecisionDiagram, wide: Wide) -> _Watched:
     depth_of = {variable: depth for depth, variable in enumerate(diagram.order)}
     last = max((depth_of[variable] for fold in wide.folds for variable in fold.values), default=-1)
     if is_bounded(wide):
@@ -93,7 +100,7 @@ def _start(watched: _Watched) -> list[Ints]:
 
 
 def _successors(
-    diagram: Diagram, sums: Sequence[Bounded], wides: Sequence[_Watched], depth: int, states: Ints
+    diagram: DecisionDiagram, sums: Sequence[Bounded], wides: Sequence[_Watched], depth: int, states: Ints
 ) -> tuple[Ints, list[Ints]]:
     layer, variable = diagram.layers[depth], diagram.order[depth]
     children = layer[states[0]]

@@ -1,6 +1,6 @@
 """Folds of `Wide` rules: of complete rows, and the interval in which a partial row's fold will lie.
 
-`NOTHING` is the fold of nothing at all. As the upper end of an interval it says that the fold may be nothing,
+`NO_VALUE` is the fold of nothing at all. As the upper end of an interval it says that the fold may be nothing,
 or larger than 64 bits hold.
 """
 
@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.space.flat import NOTHING, Bools, Fold, Gather, Ints, Rows, Wide
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.flat import NO_VALUE, Bools, Fold, Gather, Ints, Rows, Wide
+from dse.space.methods.mdd.diagram import DecisionDiagram
 
 _LARGEST = 1 << 62
 
-_NEUTRAL = {Gather.SUM: 0, Gather.MIN: NOTHING, Gather.MAX: np.iinfo(np.int64).min, Gather.PRODUCT: 1}
+_NEUTRAL = {Gather.SUM: 0, Gather.MIN: NO_VALUE, Gather.MAX: np.iinfo(np.int64).min, Gather.PRODUCT: 1}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,7 +43,7 @@ def is_bounded(wide: Wide) -> bool:
     return all(_largest(fold) < _LARGEST for fold in wide.folds)
 
 
-def rests(diagram: Diagram, fold: Fold) -> list[Rest]:
+def rests(diagram: DecisionDiagram, fold: Fold) -> list[Rest]:
     """The rest of a fold for every layer of the diagram, the end included."""
     neutral = _NEUTRAL[fold.gather]
     start = np.full(1, neutral, np.int64)
@@ -53,7 +53,7 @@ def rests(diagram: Diagram, fold: Fold) -> list[Rest]:
         child = diagram.layers[depth]
         there = child >= 0
         values = contributions(fold, diagram.order[depth], child.shape[1])
-        nothing = values == NOTHING if fold.gather is not Gather.SUM else np.zeros(len(values), np.bool_)
+        nothing = values == NO_VALUE if fold.gather is not Gather.SUM else np.zeros(len(values), np.bool_)
         filled = np.where(nothing, neutral, values)[None, :]
         low, high = _combined(fold.gather, filled, below.low[child], below.high[child])
         some_low = np.where(nothing, below.some_low[child], low)
@@ -75,7 +75,7 @@ def contributions(fold: Fold, variable: int, length: int) -> Ints:
     """What each value of a variable, `ABSENT` last, contributes; shape (length,)."""
     values = fold.values.get(variable)
     if values is None:
-        return np.full(length, 0 if fold.gather is Gather.SUM else NOTHING, np.int64)
+        return np.full(length, 0 if fold.gather is Gather.SUM else NO_VALUE, np.int64)
     return values
 
 
@@ -85,7 +85,7 @@ def added(gather: Gather, folded: Ints, contribution: Ints) -> Ints:
         return folded + contribution
     if gather is Gather.MIN:
         return np.minimum(folded, contribution)
-    first, second = folded == NOTHING, contribution == NOTHING
+    first, second = folded == NO_VALUE, contribution == NO_VALUE
     both = np.maximum(folded, contribution) if gather is Gather.MAX else folded * np.where(second, 1, contribution)
     result: Ints = np.where(first, contribution, np.where(second, folded, both))
     return result
@@ -96,12 +96,12 @@ def interval(gather: Gather, folded: Ints, rest: Rest, nodes: NDArray[np.integer
     low, high = _combined(gather, folded, rest.low[nodes], rest.high[nodes])
     if gather is Gather.SUM or gather is Gather.MIN:
         return low, high
-    empty = folded == NOTHING
+    empty = folded == NO_VALUE
     if not empty.any():
         return low, high
     some, nothing = rest.may_be_some[nodes], rest.may_be_nothing[nodes]
-    low = np.where(empty, np.where(some, rest.some_low[nodes], NOTHING), low)
-    high = np.where(empty, np.where(nothing, NOTHING, rest.some_high[nodes]), high)
+    low = np.where(empty, np.where(some, rest.some_low[nodes], NO_VALUE), low)
+    high = np.where(empty, np.where(nothing, NO_VALUE, rest.some_high[nodes]), high)
     return low, high
 
 
@@ -137,9 +137,9 @@ def judged(wide: Wide, folds: Sequence[NDArray[Any]]) -> Bools:
 
 def _largest(fold: Fold) -> int:
     """A bound on the magnitude of the fold of anything."""
-    parts = [values[values != NOTHING] for values in fold.values.values()]
+    parts = [values[values != NO_VALUE] for values in fold.values.values()]
     sizes = [max(abs(int(part.min())), abs(int(part.max()))) for part in parts if len(part)]
-    if fold.start != NOTHING:
+    if fold.start != NO_VALUE:
         sizes.append(abs(fold.start))
     if fold.gather is Gather.SUM:
         return sum(sizes)

@@ -12,14 +12,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from dse.space.flat import FlatSpace
-from dse.space.methods.mdd.diagram import MOST_NODES, Diagram, compile_diagram
+from dse.space.methods.mdd.diagram import MOST_DIAGRAM_NODES, DecisionDiagram, compile_diagram
 from dse.space.methods.mdd.growth import TooWideError
 
 _CANDIDATES = 24
 """Variables looked at for each place of a greedy order."""
 
 
-def compile_best(flat: FlatSpace, most_nodes: int = MOST_NODES) -> Diagram:
+def compile_best(flat: FlatSpace, most_nodes: int = MOST_DIAGRAM_NODES) -> DecisionDiagram:
     """The diagram in the order of the file if it fits, else in the first proposed order in which it does.
 
     TooWideError if there is none.

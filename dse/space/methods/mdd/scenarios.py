@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 
-Words = NDArray[np.uint64]
+ScenarioBits = NDArray[np.uint64]
 """Bits of scenarios: the last axis has a word for each 64 of them."""
 
 _BITS = 64
@@ -24,14 +24,14 @@ class Scenarios:
     """
 
     number: int
-    allowed: Mapping[int, Words]
+    allowed: Mapping[int, ScenarioBits]
 
-    def all(self) -> Words:
+    def all(self) -> ScenarioBits:
         """The bits of every scenario, shape (words,)."""
         return bits_of(range(self.number), self.number)
 
 
-def bits_of(scenarios: Iterable[int], number: int) -> Words:
+def bits_of(scenarios: Iterable[int], number: int) -> ScenarioBits:
     """The bits of some of *number* scenarios, shape (words,)."""
     bits = np.zeros(-(-number // _BITS), np.uint64)
     for scenario in scenarios:
@@ -39,17 +39,17 @@ def bits_of(scenarios: Iterable[int], number: int) -> Words:
     return bits
 
 
-def whole(words: Words) -> int:
+def whole(words: ScenarioBits) -> int:
     """Bits of shape (words,) as one number."""
     return sum(int(word) << _BITS * place for place, word in enumerate(words.tolist()))
 
 
-def possible(diagram: Diagram, scenarios: Scenarios) -> Words:
+def possible(diagram: DecisionDiagram, scenarios: Scenarios) -> ScenarioBits:
     """In which scenarios any row is left, shape (words,)."""
     return _alive(diagram, scenarios)[0][0] if not diagram.empty else np.zeros_like(scenarios.all())
 
 
-def taken(diagram: Diagram, scenarios: Scenarios) -> tuple[Words, ...]:
+def taken(diagram: DecisionDiagram, scenarios: Scenarios) -> tuple[ScenarioBits, ...]:
     """For each variable in file order: in which scenarios a row is left that takes each value, (values + 1, words)."""
     nothing = np.zeros(len(scenarios.all()), np.uint64)
     found = [np.zeros((len(each.values) + 1, len(nothing)), np.uint64) for each in diagram.flat.variables]
@@ -70,7 +70,7 @@ def taken(diagram: Diagram, scenarios: Scenarios) -> tuple[Words, ...]:
     return tuple(found)
 
 
-def _alive(diagram: Diagram, scenarios: Scenarios) -> list[Words]:
+def _alive(diagram: DecisionDiagram, scenarios: Scenarios) -> list[ScenarioBits]:
     """In which scenarios each node has a way to the end: per layer, (nodes, words), the terminal's layer included."""
     bits = scenarios.all()[None]
     alive = [bits]

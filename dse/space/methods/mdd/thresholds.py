@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dse.space.flat import Bools, Ints, Linear
-from dse.space.methods.mdd.diagram import Diagram, extremes
+from dse.space.methods.mdd.diagram import DecisionDiagram, extremes
 from dse.space.methods.mdd.distinct import distinct
 
 _SAFE = 1 << 61
@@ -45,7 +45,7 @@ class Bounded:
     reachable: list[Reachable | None]
 
 
-def bounded(diagram: Diagram, linear: Linear) -> Bounded:
+def bounded(diagram: DecisionDiagram, linear: Linear) -> Bounded:
     """The rule on a diagram that is not empty."""
     lows, highs = extremes(diagram, linear.weights)
     least, greatest = int(lows[0][0]), int(highs[0][0])
@@ -99,7 +99,7 @@ def _last_up_to(reachable: Reachable, nodes: Ints, most: Ints) -> tuple[Ints, Bo
     return reachable.sums[np.maximum(at, 0)], exists
 
 
-def _reachable(diagram: Diagram, weights: Mapping[int, Ints]) -> list[Reachable | None]:
+def _reachable(diagram: DecisionDiagram, weights: Mapping[int, Ints]) -> list[Reachable | None]:
     """From the end upwards, as far as there are few enough."""
     below = Reachable(np.array([0, 1]), np.zeros(1, np.int64))
     found: list[Reachable | None] = [None] * len(diagram.layers) + [below]

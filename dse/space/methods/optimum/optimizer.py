@@ -15,13 +15,12 @@ import numpy as np
 
 from dse.errors import fail
 from dse.space.flat import Ints, Linear, Rows, Wide
-from dse.space.methods.listing.blocks import Listing
+from dse.space.methods.listing.blocks import RowListing
 from dse.space.methods.listing.bounds import Cut, cuts_of, divisor, fits, surrogates, tightest
 from dse.space.methods.listing.recheck import recheck
 from dse.space.methods.listing.walk import Rounds
-from dse.space.methods.mdd.diagram import Diagram, extremes
-from dse.space.methods.optimum.beam import beam
-from dse.space.methods.optimum.relaxation import Relaxation, Relaxed
+from dse.space.methods.mdd.diagram import DecisionDiagram, extremes
+from dse.space.methods.optimum.relaxation import Relaxation, Relaxed, beam
 
 _STEPS = 8
 """The first bound tried lets in one part in so many of the gap between what is proven and what was found,"""
@@ -32,11 +31,11 @@ _FINE = 512
 _WIDER = 2
 """the next so many times as much."""
 
-Weights = Mapping[int, Ints]
+SumWeights = Mapping[int, Ints]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ranking:
+class RankedRows:
     """Rows, shape (rows, variables), best first, and the objective of each; whole numbers if it is linear."""
 
     rows: Rows
@@ -49,7 +48,7 @@ class Optimizer:
     Weights are as in `Linear`. Raises DseError if weights are too large for whole numbers of 64 bits.
     """
 
-    def __init__(self, diagram: Diagram, objectives: Sequence[Weights]) -> None:
+    def __init__(self, diagram: DecisionDiagram, objectives: Sequence[SumWeights]) -> None:
         _insist_on_room(objectives)
         self.diagram = diagram
         self.objectives = objectives
@@ -71,7 +70,7 @@ class Optimizer:
         number: int,
         highs: Sequence[int | None] | None = None,
         rounds: Rounds | None = None,
-    ) -> Ranking:
+    ) -> RankedRows:
         """The *number* valid rows of least *factors* times the objectives, or all if there are fewer.
 
         Each objective is at most its *highs*, None for no bound. Of equal rows those come first that the list has
@@ -79,7 +78,7 @@ class Optimizer:
         """
         rows, values = _nothing(self.diagram)
         if self._relaxation is None or number < 1:
-            return Ranking(rows, ())
+            return RankedRows(rows, ())
         if rounds is not None:
             rounds.spend()
         total = _combined(self.objectives, factors)
@@ -112,33 +111,18 @@ class Optimizer:
             rows, values = _nothing(self.diagram)
             step *= _WIDER
             bound = min(bound + step, cap) if bound < cap else top
-        return Ranking(rows, tuple(unit * value for value in values.tolist()))
-
-    def is_vain(self, rounds: Rounds | None = None) -> bool:
-        """Whether no row is valid: by the Lagrangian bounds, by a beam along each, else by complete search.
-
-        Raises TooMuchError when *rounds* are spent.
-        """
-        if self._relaxation is None:
-            return True
-        limits = self._limits(None)
-        nothing = [0] * len(limits)
-        for toward, proof in [(nothing, Relaxed(0, 1, tuple(nothing))), *self._refutations(limits)]:
-            if self._recheck.valid(self._beam(proof, toward, limits)).any():
-                return False
-        listing = self.listing(None, rounds=rounds)
-        return listing is None or next(iter(listing), None) is None
+        return RankedRows(rows, tuple(unit * value for value in values.tolist()))
 
     def listing(
         self, highs: Sequence[int | None] | None, wides: Sequence[Wide] = (), rounds: Rounds | None = None
-    ) -> Listing | None:
+    ) -> RowListing | None:
         """The valid rows within bounds on the objectives and *wides*; None if the Lagrangian bounds refute them."""
         if self._relaxation is None:
             return None
         limits = self._limits(highs)
         proofs = [proof for _, proof in self._refutations(limits)]
         cuts = self._pruning(Cut({}, 0), limits, 1, [Relaxed(0, 1, (0,) * len(limits)), *proofs])
-        return Listing(self.diagram, cuts, wides, rounds=rounds) if cuts else None
+        return RowListing(self.diagram, cuts, wides, rounds=rounds) if cuts else None
 
     def least(self, objective: int, highs: Sequence[int | None]) -> int:
         """A value that no valid row within the bounds is below in one objective; the diagram must not be empty."""
@@ -211,7 +195,7 @@ class Optimizer:
         No valid row is below *low*. The last is false if *number* rows were found so much better than the bound that
         a walk with another bound should go on from there.
         """
-        listing = Listing(self.diagram, cuts, movable=1, rounds=rounds)
+        listing = RowListing(self.diagram, cuts, movable=1, rounds=rounds)
         rows, values = _nothing(self.diagram)
         aim, bound = cuts[0].weights, cuts[0].high
         for block in listing:
@@ -232,7 +216,18 @@ class Optimizer:
         return rows, values, True
 
 
-def sums(weights: Weights, rows: Rows) -> Ints:
+def best(diagram: DecisionDiagram, weights: SumWeights, number: int, *, largest: bool = False) -> RankedRows:
+    """The *number* valid rows of least (or largest) sum of weights[variable][value], or all if there are fewer.
+
+    Weights are as in `Linear`. Raises DseError if they are too large for whole numbers of 64 bits.
+    """
+    sign = -1 if largest else 1
+    aim = {variable: sign * values for variable, values in weights.items()}
+    found = Optimizer(diagram, [aim]).best([1], number)
+    return RankedRows(found.rows, tuple(sign * int(value) for value in found.values))
+
+
+def sums(weights: SumWeights, rows: Rows) -> Ints:
     """The sum of weights[variable][value] of each row, shape (rows,)."""
     total = np.zeros(len(rows), np.int64)
     for variable, values in weights.items():
@@ -240,7 +235,7 @@ def sums(weights: Weights, rows: Rows) -> Ints:
     return total
 
 
-def _combined(objectives: Sequence[Weights], factors: Sequence[int]) -> dict[int, Ints]:
+def _combined(objectives: Sequence[SumWeights], factors: Sequence[int]) -> dict[int, Ints]:
     total: dict[int, Ints] = {}
     for objective, factor in zip(objectives, factors, strict=True):
         for variable, weights in objective.items() if factor else ():
@@ -261,10 +256,10 @@ def _moved(cuts: Sequence[Cut], bound: int) -> list[Cut]:
     ]
 
 
-def _insist_on_room(objectives: Sequence[Weights]) -> None:
+def _insist_on_room(objectives: Sequence[SumWeights]) -> None:
     if not all(fits(Linear(weights, None, None)) for weights in objectives):
         raise fail("the numbers of the objective have too many digits", hint="round the properties it is made of")
 
 
-def _nothing(diagram: Diagram) -> tuple[Rows, Ints]:
+def _nothing(diagram: DecisionDiagram) -> tuple[Rows, Ints]:
     return np.zeros((0, len(diagram.order)), np.int16), np.zeros(0, np.int64)

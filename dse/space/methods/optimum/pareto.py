@@ -3,6 +3,14 @@
 What is not dominated by the points found so far is a union of boxes below their local upper bounds. The best row
 of a box under a positive combination of the objectives is a new point; a box without a row is done with (Klamroth,
 Lacour and Vanderpooten, On the representation of the search region in multi-objective optimization, 2015).
+
+Example: rows of cost and mass (1, 5), (3, 3), (4, 4) and (5, 1).
+
+    the least cost + mass of all is 6, at (3, 3): what is left has cost < 3 or mass < 3
+    cost < 3: (1, 5). mass < 3: (5, 1). The boxes that are left have no row, so these three points are the set
+
+Cost: one exact optimum for each point and for each box that turns out empty, so it grows with the size of the set; at
+most 2,000 points and about a minute.
 """
 
 from __future__ import annotations
@@ -16,35 +24,35 @@ from dse.errors import fail
 from dse.space.flat import Rows
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.listing.walk import Rounds
-from dse.space.methods.mdd.diagram import Diagram
-from dse.space.methods.optimum.optimizer import Optimizer, Ranking, Weights, sums
+from dse.space.methods.mdd.diagram import DecisionDiagram
+from dse.space.methods.optimum.optimizer import Optimizer, RankedRows, SumWeights, sums
 
-MOST_POINTS = 2_000
+MOST_PARETO_POINTS = 2_000
 
-MOST_ROUNDS = 10_000
+MOST_PARETO_ROUNDS = 10_000
 """About a minute."""
 
 _LARGEST = 1 << 58
 """What an objective may come to when it is put together with others."""
 
-Point = tuple[int, ...]
+ParetoPoint = tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Front:
+class ParetoFront:
     """The Pareto set, best of the first objective first: of each point its first row; shape (points, variables)."""
 
     rows: Rows
-    values: tuple[Point, ...]
+    values: tuple[ParetoPoint, ...]
 
 
 def pareto(
-    diagram: Diagram,
-    objectives: Sequence[Weights],
+    diagram: DecisionDiagram,
+    objectives: Sequence[SumWeights],
     largest: Sequence[bool] | None = None,
-    most_points: int = MOST_POINTS,
-    most_rounds: int = MOST_ROUNDS,
-) -> Front:
+    most_points: int = MOST_PARETO_POINTS,
+    most_rounds: int = MOST_PARETO_ROUNDS,
+) -> ParetoFront:
     """The complete Pareto set of the valid rows over sums of weights, least of each or *largest* where that is true.
 
     Raises DseError if there are more than *most_points*, if the search takes more than *most_rounds* pieces of work
@@ -52,7 +60,7 @@ def pareto(
     """
     signs = [-1 if most else 1 for most in largest or [False] * len(objectives)]
     aims = [{v: sign * w for v, w in weights.items()} for sign, weights in zip(signs, objectives, strict=True)]
-    found: dict[Point, Rows] = {}
+    found: dict[ParetoPoint, Rows] = {}
     if not diagram.empty and aims:
         optimizer = Optimizer(diagram, aims)
         ends = [optimizer.ends(number) for number in range(len(aims))]
@@ -60,7 +68,7 @@ def pareto(
         boxes = [tuple(high + 1 for _, high in ends)]
         rounds = Rounds(most_rounds)
 
-        def best(factors: Sequence[int], highs: Sequence[int] | None) -> Ranking:
+        def best(factors: Sequence[int], highs: Sequence[int] | None) -> RankedRows:
             try:
                 return optimizer.best(factors, 1, highs, rounds)
             except TooMuchError as error:
@@ -90,10 +98,10 @@ def pareto(
     points = sorted(found)
     rows = np.array([found[point] for point in points], np.int16).reshape(len(points), len(diagram.order))
     values = tuple(tuple(sign * value for sign, value in zip(signs, point, strict=True)) for point in points)
-    return Front(rows, values)
+    return ParetoFront(rows, values)
 
 
-def _alike(aims: Sequence[Weights], ranges: Sequence[int]) -> list[int]:
+def _alike(aims: Sequence[SumWeights], ranges: Sequence[int]) -> list[int]:
     """Positive whole factors that make the ranges of the objectives alike."""
     widest = max(ranges)
     factors = []
@@ -103,7 +111,7 @@ def _alike(aims: Sequence[Weights], ranges: Sequence[int]) -> list[int]:
     return factors
 
 
-def _split(boxes: Sequence[Point], point: Point) -> list[Point]:
+def _split(boxes: Sequence[ParetoPoint], point: ParetoPoint) -> list[ParetoPoint]:
     """Upper corners of the boxes that are left when what *point* dominates is taken away, ascending."""
     left = {box for box in boxes if not _below(point, box)}
     cut = {
@@ -121,5 +129,5 @@ def _split(boxes: Sequence[Point], point: Point) -> list[Point]:
     )
 
 
-def _below(point: Sequence[int], box: Point) -> bool:
+def _below(point: Sequence[int], box: ParetoPoint) -> bool:
     return all(value < bound for value, bound in zip(point, box, strict=True))

@@ -3,6 +3,15 @@
 A region bounds every fold of the objective. Lagrangian bounds narrow it, the ends of the objective over it say
 whether it can matter, a beam finds good rows in it. It is searched completely if that is little work, and else parted
 in two; the most promising region is the next (Land and Doig, 1960, best bound first).
+
+Example: the least cost / range, with cost in 2 .. 6 and range in 1 .. 3; a beam finds a row of 1.
+
+    all of it: at least 2 / 3, so it may hold a better row, and is parted by the cost
+    cost 4 .. 6: at least 4 / 3, worse than 1, is dropped without a search
+    cost 2 .. 3: at least 2 / 3, is searched
+
+Cost: regions, each with Lagrangian bounds of its folds and up to 24 pieces of search. Beyond the allowance of work the
+question is refused (docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations
@@ -16,13 +25,13 @@ from typing import Protocol
 
 import numpy as np
 
-from dse.space.flat import NOTHING, Bools, Floats, Fold, Gather, Ints, Linear, Rows, Wide
+from dse.space.flat import NO_VALUE, Bools, Floats, Fold, Gather, Ints, Linear, Rows, Wide
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.listing.bounds import fits
 from dse.space.methods.listing.walk import Rounds
-from dse.space.methods.mdd.diagram import Diagram, restrict
+from dse.space.methods.mdd.diagram import DecisionDiagram, restrict
 from dse.space.methods.mdd.folds import fold_rows, interval, rests
-from dse.space.methods.optimum.optimizer import Optimizer, Ranking
+from dse.space.methods.optimum.optimizer import Optimizer, RankedRows
 
 _TRIAL = 24
 """Rounds that a region is searched for before it is parted."""
@@ -56,25 +65,27 @@ class _Region:
 
 
 def best_valued(
-    diagram: Diagram, objective: Valued, number: int, *, largest: bool = False, most_rounds: int | None = None
-) -> Ranking:
+    diagram: DecisionDiagram, objective: Valued, number: int, *, largest: bool = False, most_rounds: int | None = None
+) -> RankedRows:
     """The *number* valid rows of least (or largest) defined value, or all if there are fewer.
 
     Of equal rows those come first that the list has first. Raises TooMuchError if what is best is not proven after
-    *most_rounds* pieces of work of `Walk`.
+    *most_rounds* pieces of work of `DiagramWalk`.
     """
     if number < 1 or diagram.empty:
-        return Ranking(np.zeros((0, len(diagram.order)), np.int16), ())
+        return RankedRows(np.zeros((0, len(diagram.order)), np.int16), ())
     search = _Search(diagram, objective, number, largest, None if most_rounds is None else Rounds(most_rounds))
     ranked = search.ranked()
     rows = np.array([row for _, row in ranked], np.int16).reshape(len(ranked), len(diagram.order))
-    return Ranking(rows, tuple(-value if largest else value for value, _ in ranked))
+    return RankedRows(rows, tuple(-value if largest else value for value, _ in ranked))
 
 
 class _Search:
     """The state of a branch and bound; values are negated if the largest is wanted."""
 
-    def __init__(self, diagram: Diagram, objective: Valued, number: int, largest: bool, rounds: Rounds | None) -> None:
+    def __init__(
+        self, diagram: DecisionDiagram, objective: Valued, number: int, largest: bool, rounds: Rounds | None
+    ) -> None:
         self.diagram = diagram
         self.objective = objective
         self.number = number
@@ -119,7 +130,7 @@ class _Search:
             ends.append((int(low[0]), int(high[0])))
         return _Region(self._optimizer(self.diagram), tuple(ends))
 
-    def _optimizer(self, diagram: Diagram) -> Optimizer:
+    def _optimizer(self, diagram: DecisionDiagram) -> Optimizer:
         weights = [self.objective.folds[place].values for place in self.sums]
         both = ((values, {variable: -part for variable, part in values.items()}) for values in weights)
         return Optimizer(diagram, [side for pair in both for side in pair])
@@ -310,4 +321,4 @@ def _masks(fold: Fold, low: int, high: int) -> Mapping[int, Bools]:
     """The values that no row can take whose fold is a least or greatest entry within the ends."""
     if fold.gather is Gather.MIN:
         return {variable: values >= low for variable, values in fold.values.items()}
-    return {variable: (values <= high) | (values == NOTHING) for variable, values in fold.values.items()}
+    return {variable: (values <= high) | (values == NO_VALUE) for variable, values in fold.values.items()}

@@ -18,15 +18,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.space.flat import FlatSpace, Floats, Ints, Linear, Rows
-from dse.space.methods.mdd.diagram import Diagram, count, occurrences
-from dse.space.methods.sampling.sample import MOST_CELLS, floor_share, meets, rows_at_once, sample, tilted_walks, walk
+from dse.space.methods.mdd.diagram import DecisionDiagram, count, occurrences
+from dse.space.methods.sampling.sample import (
+    MOST_DRAWN_CELLS,
+    floor_share,
+    meets,
+    rows_at_once,
+    sample,
+    tilted_walks,
+    walk,
+)
 from dse.space.methods.sampling.segments import draw, halves
 from dse.space.methods.sampling.tilt import EmptyError, Tilt, TooRareError, slopes, tilt
 from dse.space.methods.sampling.uniform import generator
 from dse.space.methods.tally import Tally
 
-RELATIVE = 0.004
-MOST_DRAWS = 8_000_000
+RELATIVE_HALF_WIDTH = 0.004
+MOST_ESTIMATE_DRAWS = 8_000_000
 
 _BATCH = 4096
 _PILOT = 24
@@ -41,7 +49,7 @@ _ROWS_AT_A_TIME = 256
 _WIDEST = 600.0
 _NORMAL = 1.959963984540054
 
-Batch = Callable[[np.random.Generator], float]
+EstimateBatch = Callable[[np.random.Generator], float]
 """A draw of an unbiased estimate, in a unit of its own."""
 
 
@@ -66,7 +74,11 @@ class _Halves:
 
 
 def estimate(
-    diagram: Diagram, seed: int, relative: float = RELATIVE, most_draws: int = MOST_DRAWS, size: int | None = None
+    diagram: DecisionDiagram,
+    seed: int,
+    relative: float = RELATIVE_HALF_WIDTH,
+    most_draws: int = MOST_ESTIMATE_DRAWS,
+    size: int | None = None,
 ) -> Tally:
     """The number of rows that meet all rules, with a 95 % interval of about *relative* to either side.
 
@@ -85,7 +97,7 @@ def estimate(
         return Tally(count(diagram))
     depth = len(diagram.layers) + 1
     size = min(size, rows_at_once(diagram)) if wide else size
-    most_draws = min(most_draws, MOST_CELLS // depth)
+    most_draws = min(most_draws, MOST_DRAWN_CELLS // depth)
     batch, log_unit = _by_rows(diagram, tilted, size) if wide else _by_halves(diagram, tilted, size)
     pilot, main = generator(seed).spawn(2)
     first = np.array([batch(pilot) for _ in range(_PILOT)])
@@ -105,7 +117,7 @@ def estimate(
     return Tally(inside[0], False, inside[1], inside[2])
 
 
-def estimate_occurrences(diagram: Diagram, seed: int, number: int = 10_000) -> Shares:
+def estimate_occurrences(diagram: DecisionDiagram, seed: int, number: int = 10_000) -> Shares:
     """How often each value occurs among the valid rows, from *number* uniform ones; Wilson's intervals.
 
     Exact, with half-widths 0, if the layers hold all rules. A half-width is the distance to the far end of the
@@ -134,7 +146,7 @@ def exact_shares(times: Iterable[Sequence[int]], total: int) -> Shares:
     return Shares(tuple(shares), tuple(np.zeros_like(share) for share in shares))
 
 
-def _by_halves(diagram: Diagram, tilted: Tilt, size: int) -> tuple[Batch, float]:
+def _by_halves(diagram: DecisionDiagram, tilted: Tilt, size: int) -> tuple[EstimateBatch, float]:
     """A batch of crossed halves, and the logarithm of its unit."""
     first, second = halves(diagram, tilted)
     slope = slopes(tilted)
@@ -153,7 +165,7 @@ def _by_halves(diagram: Diagram, tilted: Tilt, size: int) -> tuple[Batch, float]
     return batch, tilted.log_bound
 
 
-def _by_rows(diagram: Diagram, tilted: Tilt, size: int) -> tuple[Batch, float]:
+def _by_rows(diagram: DecisionDiagram, tilted: Tilt, size: int) -> tuple[EstimateBatch, float]:
     """The same for rows drawn decision by decision, as the rules that are no sums need them."""
     walks = tilted_walks(diagram, tilted)
 

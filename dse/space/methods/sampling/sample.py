@@ -17,15 +17,15 @@ from numpy.typing import NDArray
 
 from dse.space.flat import ABSENT, Bools, Floats, Ints, Linear, Rows, Wide
 from dse.space.methods.listing.recheck import recheck
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import DecisionDiagram
 from dse.space.methods.mdd.folds import fold_rows, judged
 from dse.space.methods.sampling.tilt import Tilt, TooRareError, branches, tilt
-from dse.space.methods.sampling.uniform import BITS, BranchTable, bits, draw, generator, tabulate
+from dse.space.methods.sampling.uniform import DRAWN_BITS, BranchTable, bits, draw, generator, tabulate
 
 MOST_DRAWS = 20_000_000
 """Rows drawn before `sample` gives up."""
 
-MOST_CELLS = 400_000_000
+MOST_DRAWN_CELLS = 400_000_000
 """Decisions of rows drawn before that, too; some twenty seconds."""
 
 _BLOCK = 1 << 15
@@ -44,7 +44,7 @@ class Walks:
     that a walk may break.
     """
 
-    diagram: Diagram
+    diagram: DecisionDiagram
     tables: tuple[BranchTable, ...]
     below: tuple[NDArray[np.int32], ...]
     log_floor: float
@@ -62,7 +62,7 @@ class Walked:
     acceptance: NDArray[np.uint64]
 
 
-def sample(diagram: Diagram, number: int, seed: int, most_draws: int = MOST_DRAWS) -> Rows:
+def sample(diagram: DecisionDiagram, number: int, seed: int, most_draws: int = MOST_DRAWS) -> Rows:
     """*number* independent rows, each drawn uniformly among all that meet all rules; shape (number, variables).
 
     The same seed gives the same rows, and the first rows of a larger sample. Raises EmptyError if it is proven that
@@ -73,7 +73,7 @@ def sample(diagram: Diagram, number: int, seed: int, most_draws: int = MOST_DRAW
     found: list[Rows] = []
     missing, drawn = number, 0
     block = min(_BLOCK, rows_at_once(diagram))
-    most_draws = min(most_draws, max(MOST_CELLS // (len(walks.tables) + 1), _LIKELY * number))
+    most_draws = min(most_draws, max(MOST_DRAWN_CELLS // (len(walks.tables) + 1), _LIKELY * number))
     while missing > 0:
         if drawn >= most_draws:
             raise TooRareError
@@ -86,12 +86,12 @@ def sample(diagram: Diagram, number: int, seed: int, most_draws: int = MOST_DRAW
     return recheck(diagram.flat).insist(rows)
 
 
-def rows_at_once(diagram: Diagram) -> int:
+def rows_at_once(diagram: DecisionDiagram) -> int:
     """How many rows may be drawn at a time, for the memory that the random bits take to stay small."""
     return max(1, _WORDS // (len(diagram.layers) + 1))
 
 
-def tilted_walks(diagram: Diagram, tilted: Tilt) -> Walks:
+def tilted_walks(diagram: DecisionDiagram, tilted: Tilt) -> Walks:
     """The walks that take every row with a probability proportional to its weight under the tilt."""
     tables: list[BranchTable] = []
     below: list[NDArray[np.int32]] = []
@@ -129,7 +129,7 @@ def walk(walks: Walks, random: np.random.Generator, number: int) -> Walked:
 def kept(walks: Walks, walked: Walked) -> NDArray[np.intp]:
     """Which rows to keep, for all valid rows to be equally likely: those that meet the rules and are accepted."""
     floor = floor_share(walks, walked)
-    accepted = walked.acceptance.astype(np.float64) < np.ldexp(floor, BITS)
+    accepted = walked.acceptance.astype(np.float64) < np.ldexp(floor, DRAWN_BITS)
     places = np.flatnonzero(accepted)
     places = places[meets(walks, walked.rows[places])]
     if (floor[places] > 1).any():

@@ -4,6 +4,15 @@ Every row gets the weight exp(-sum over cuts of multiplier * (sum - bound)). A r
 least one, so the weights of all rows together bound the number of valid rows from above; the multipliers that make
 this bound least are those of the maximum-entropy distribution whose mean sums keep the bounds (Chernoff bound and
 conjugate family: Siegmund, Importance sampling in the Monte Carlo study of sequential tests, 1976).
+
+Example: ten coins, at most two heads: 56 of 1,024 rows, so 5 % of plain draws are valid.
+
+    the multiplier ln 4 makes the mean number of heads 2: a coin shows heads with probability 1 / 5
+    68 % of the draws are then valid, and the bound is (1 + 1 / 4)^10 * 4^2 = 149 instead of 1,024
+    for uniform rows, each valid one is kept in inverse proportion to its weight: 56 / 149 = 38 % of all draws
+
+Cost: at most 80 steps of a few passes over the diagram each; then a draw is a walk. 10,000 uniform rows of 54
+decisions take 0.7 s (docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations
@@ -17,7 +26,7 @@ from numpy.typing import NDArray
 
 from dse.space.flat import Floats, Ints, Linear
 from dse.space.methods.listing.bounds import Cut, cuts_of, stacked
-from dse.space.methods.mdd.diagram import Diagram, extremes
+from dse.space.methods.mdd.diagram import DecisionDiagram, extremes
 
 _ITERATIONS = 80
 _HALVINGS = 30
@@ -66,12 +75,12 @@ class Tilt:
 class _Problem:
     """What the bound depends on: *weights* of the cuts per layer, shape (values + 1, cuts); *bounds*, shape (cuts,)."""
 
-    diagram: Diagram
+    diagram: DecisionDiagram
     weights: tuple[Floats, ...]
     bounds: Floats
 
 
-def tilt(diagram: Diagram) -> Tilt:
+def tilt(diagram: DecisionDiagram) -> Tilt:
     """The tilt that makes the bound on the number of valid rows least; Wide rules are not seen.
 
     Raises EmptyError if the diagram is empty, if a sum cannot reach its bounds on any path (in whole numbers), or if
@@ -104,7 +113,7 @@ def slopes(tilted: Tilt) -> Floats:
     return found
 
 
-def node_masses(diagram: Diagram, energies: Sequence[Floats]) -> list[Masses]:
+def node_masses(diagram: DecisionDiagram, energies: Sequence[Floats]) -> list[Masses]:
     """The weight of all completions of each node, per layer, the terminal's included; never overflows."""
     masses = [Masses(np.full(1, 0.5), np.ones(1, np.int64))]
     for layer, energy in zip(reversed(diagram.layers), reversed(energies), strict=True):
@@ -130,7 +139,7 @@ def log_mass(masses: Masses) -> float:
     return log(float(masses.mantissa[0])) + int(masses.exponent[0]) * log(2)
 
 
-def _breakable(diagram: Diagram) -> tuple[Linear, ...]:
+def _breakable(diagram: DecisionDiagram) -> tuple[Linear, ...]:
     """The sum rules that are not in the layers and that some path breaks, without the sides that none breaks."""
     found: list[Linear] = []
     for linear in () if diagram.expanded else diagram.flat.linears():

@@ -17,7 +17,7 @@ from dse.space.flat import Floats
 Bits = NDArray[np.uint64]
 """Independent uniform whole numbers below 2^63."""
 
-BITS = 63
+DRAWN_BITS = 63
 
 _Entry = TypeVar("_Entry", bound=np.generic)
 
@@ -42,7 +42,7 @@ def generator(seed: int) -> np.random.Generator:
 
 def bits(random: np.random.Generator, shape: tuple[int, ...]) -> Bits:
     """Uniform whole numbers below 2^63; one word of the stream each, in order."""
-    return random.integers(0, 1 << BITS, size=shape, dtype=np.uint64)
+    return random.integers(0, 1 << DRAWN_BITS, size=shape, dtype=np.uint64)
 
 
 def tabulate(shares: Floats) -> BranchTable:
@@ -54,17 +54,17 @@ def tabulate(shares: Floats) -> BranchTable:
     most = int(alive.sum(axis=1).max())
     columns = np.argsort(~alive, axis=1, kind="stable")[:, :most]
     own = np.take_along_axis(shares / shares.sum(axis=1, keepdims=True), columns, axis=1)
-    parts = np.ceil(own * 2.0**BITS).astype(np.uint64)
+    parts = np.ceil(own * 2.0**DRAWN_BITS).astype(np.uint64)
     rows, largest = np.arange(len(parts)), own.argmax(axis=1)
     parts[rows, largest] = 0
-    parts[rows, largest] = np.uint64(1 << BITS) - parts.sum(axis=1, dtype=np.uint64)
+    parts[rows, largest] = np.uint64(1 << DRAWN_BITS) - parts.sum(axis=1, dtype=np.uint64)
     # As wide as a power of two, so that every bisection takes the same steps.
     width = 1 << (most - 1).bit_length()
-    starts = np.full((len(parts), width), 1 << BITS, np.uint64)
+    starts = np.full((len(parts), width), 1 << DRAWN_BITS, np.uint64)
     starts[:, 0] = 0
     np.cumsum(parts[:, :-1], axis=1, out=starts[:, 1:most])
     return BranchTable(
-        starts, _widened(columns.astype(np.int16), width), _widened(np.ldexp(parts.astype(float), -BITS), width)
+        starts, _widened(columns.astype(np.int16), width), _widened(np.ldexp(parts.astype(float), -DRAWN_BITS), width)
     )
 
 

@@ -1,7 +1,11 @@
-"""Answers about a space too entangled for a decision diagram, as large feature models are.
+"""Answers about a space that is too wide for a decision diagram in every order, as large feature models are.
 
 A decision-DNNF of all rules, where they have a small form in clauses; else one of the logical rules, from which rows
-are drawn and kept if they meet the others; else complete search, which may have to give up.
+are drawn and kept if they meet the others; else a complete search, which may have to give up.
+
+Example of the second way: 12 coins, of which at least 6 show heads. The logical rules leave 4,096 rows. Of 50,000 rows
+drawn from them, about 61 % meet the sum, so the estimate is near the true 2,510. Rules that one row in 2,500 or fewer
+meets are refused. Models of up to 2,513 features were measured: docs/decisions/0007-design-space-engine.md.
 """
 
 from __future__ import annotations
@@ -17,12 +21,12 @@ import numpy as np
 
 from dse.errors import DseError, fail
 from dse.space.flat import FlatSpace, Ints, Linear, Rows, Wide
-from dse.space.methods import listed
+from dse.space.methods import enumeration
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.dnnf import queries, rows as listing
 from dse.space.methods.dnnf.compile import Dnnf, compile_dnnf
 from dse.space.methods.dnnf.optimum import least
-from dse.space.methods.dnnf.satisfy import satisfiable
+from dse.space.methods.dnnf.satisfiability import satisfiable
 from dse.space.methods.dnnf.trim import UnsupportedError
 from dse.space.methods.listing.recheck import recheck
 from dse.space.methods.listing.search import Effort, first as search_first, rows as search_rows
@@ -34,7 +38,7 @@ from dse.space.methods.tally import Tally
 SEARCHED = 2_000_000
 """Values that a complete search tries before it gives up."""
 
-WORK = 50_000_000
+SEARCH_WORK = 50_000_000
 """Variables of rules that a search looks at before it gives up, in all or, where rows are listed, since the last block.
 """
 
@@ -47,7 +51,7 @@ _SEEN = 20
 _NORMAL = 1.959963984540054
 
 
-class Entangled:
+class ClausalEngine:
     """Answers about *flat* without a diagram. Rows are rechecked against the rules before anyone sees them."""
 
     def __init__(self, flat: FlatSpace) -> None:
@@ -63,7 +67,7 @@ class Entangled:
         if self.graph is not None:
             return queries.count(self.graph)
         try:
-            return sum(1 for _ in search_rows(self.flat, SEARCHED, Effort(WORK)))
+            return sum(1 for _ in search_rows(self.flat, SEARCHED, Effort(SEARCH_WORK)))
         except TooMuchError:
             return None
 
@@ -95,19 +99,19 @@ class Entangled:
         else:
             return None if found is None else recheck(self.flat).insist(found[None, :])[0]
         try:
-            return search_first(self.flat, SEARCHED, Effort(WORK))
+            return search_first(self.flat, SEARCHED, Effort(SEARCH_WORK))
         except TooMuchError as error:
             raise self._gives_up("find a configuration") from error
 
     def blocks(self) -> Iterator[Rows]:
         """Every valid row in blocks, in a stable order. Raises DseError if a search finds no more for too long."""
         if self.graph is None:
-            effort = Effort(WORK)
+            effort = Effort(SEARCH_WORK)
             searched = search_rows(self.flat, effort=effort)
             try:
                 while waiting := list(islice(searched, _BLOCK)):
                     yield np.array(waiting)
-                    effort.left = WORK
+                    effort.left = SEARCH_WORK
             except TooMuchError as error:
                 raise self._gives_up("list the configurations") from error
             return
@@ -125,7 +129,7 @@ class Entangled:
         kept = self._kept(number, seed)
         if kept is not None:
             return kept
-        return listed.drawn(self._searched("draw configurations"), number, seed)
+        return enumeration.drawn(self._searched("draw configurations"), number, seed)
 
     def least(self, weights: Mapping[int, Ints], number: int) -> Rows:
         """The *number* rows of least sum of weights, ascending. Raises TooMuchError where rules fit into no graph."""
@@ -141,7 +145,7 @@ class Entangled:
     def shares(self) -> Shares:
         """The share of valid rows that take each value, exactly. Raises EmptyError, DseError if it cannot be known."""
         if self.graph is None:
-            return listed.shares(self.flat, self._searched("compute how often each alternative occurs"))
+            return enumeration.shares(self.flat, self._searched("compute how often each alternative occurs"))
         total = queries.count(self.graph)
         if not total:
             raise EmptyError
@@ -174,7 +178,7 @@ class Entangled:
     def _searched(self, what: str) -> Rows:
         """All rows by complete search. Raises EmptyError, DseError that it cannot do *what* if there are too many."""
         try:
-            rows = list(search_rows(self.flat, SEARCHED, Effort(WORK)))
+            rows = list(search_rows(self.flat, SEARCHED, Effort(SEARCH_WORK)))
         except TooMuchError as error:
             raise self._gives_up(what) from error
         if not rows:
@@ -182,7 +186,7 @@ class Entangled:
         return np.array(rows, np.int16)
 
     def _gives_up(self, what: str) -> DseError:
-        hint = "its rules are too entangled for every method; fix some choices, or leave some constraints out"
+        hint = "no method fits its rules: fix some choices, or leave some constraints out"
         return fail(f"cannot {what} of '{self.flat.name}'", None, hint)
 
 

@@ -9,7 +9,7 @@ from dse.domain.component import Component
 from dse.domain.design import Alternative, Compound, DesignSpace, Optional, Part
 from dse.errors import DseError
 from dse.space.methods.engine import Engine
-from dse.space.narrowing.choosing import choosing, completed, kept_choices, read_choices
+from dse.space.restriction.choices import choosing, completed, kept_choices, read_choices
 
 
 def part(name):

@@ -9,7 +9,7 @@ import numpy as np
 from dse.domain.design import DesignSpace
 from dse.errors import DseError, Problem, closest, raise_if_any
 from dse.space.decisions import Choices, alternatives, decisions, made
-from dse.space.flat import NOBODY, Clause, FlatSpace, Rule, by_path, single
+from dse.space.flat import NO_OWNER, Clause, FlatSpace, Rule, by_path, single
 
 ABSENT_NAME = "absent"
 """What a user calls a part that is left out."""
@@ -87,7 +87,7 @@ def choosing(space: FlatSpace, chosen: Choices) -> tuple[Rule, ...]:
             ((number, mask),) = masks.items()
             rules.append(single(number, mask))
         else:
-            rules.append(Clause(tuple(masks.items()), NOBODY))
+            rules.append(Clause(tuple(masks.items()), NO_OWNER))
     return tuple(rules)
 
 

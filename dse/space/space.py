@@ -15,8 +15,8 @@ from dse.space.flat import Rows
 from dse.space.lowering import selecting
 from dse.space.methods.engine import Engine
 from dse.space.methods.tally import Tally
-from dse.space.narrowing.choosing import ABSENT_NAME, choosing, completed, read_choices
-from dse.space.narrowing.constraint_sets import switched
+from dse.space.restriction.choices import ABSENT_NAME, choosing, completed, read_choices
+from dse.space.restriction.constraint_sets import switched
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -139,7 +139,7 @@ class OpenedSpace:
         """The first *limit* valid configurations, one at a time, in the order of the file.
 
         That is: parts are nested loops, the last part is the fastest, and an optional part is there before it is left
-        out. Each was checked against every constraint in exact arithmetic. A space whose decisions are too entangled
+        out. Each was checked against every constraint in exact arithmetic. A space whose decisions are too connected
         to be compiled in that order is listed in another, always the same. Raises DseError if connections cannot be
         resolved.
         """
@@ -147,7 +147,7 @@ class OpenedSpace:
 
     def configuration(self, name: str) -> Configuration:
         """The valid configuration whose id is *name* or starts with it. Raises DseError if that is not one."""
-        from dse.space.questions.finding import find
+        from dse.space.questions.id_search import find
 
         return find(self.space, self.engine, name)
 
@@ -233,7 +233,7 @@ class OpenedSpace:
 
     def funnel(self, seed: int = 0) -> tuple[Tally, ...]:
         """What each constraint and those before it leave, in the order of the file. DseError where that takes long."""
-        from dse.space.questions.funnel import funnel
+        from dse.space.questions.impact import funnel
 
         return funnel(self.engine, seed)
 
@@ -254,8 +254,8 @@ class OpenedSpace:
 
         With *ids* only what occurs in these configurations. Ids stay what they are. Raises DseError if nothing is left.
         """
-        from dse.space.narrowing.choosing import kept_choices
-        from dse.space.narrowing.refine import refine, spanned
+        from dse.space.restriction.choices import kept_choices
+        from dse.space.restriction.refine import refine, spanned
 
         within = {} if ids is None else spanned(self.space, [self.configuration(name).choices for name in ids])
         return refine(self.space, kept_choices(self.space, keep, drop, within))

@@ -1,7 +1,14 @@
-"""Rows that grant wishes, from a diagram that holds every rule: one pass up its layers and one walk down.
+"""Rows that meet preferences, from a diagram that holds every rule: one pass up its layers and one walk down.
 
-A wish is worth twice all that come after it together, so the paths of greatest worth are those that grant the wishes
-in their order. A node keeps the worth of its best completions and in how many ways there are such.
+A preference is worth twice all that come after it together, so the paths of greatest worth are those that meet the
+preferences in their order. A node keeps the worth of its best completions and in how many ways there are such.
+
+Example: three preferences are worth 4, 2 and 1. A row with only the first (4) beats one with both others (3); among
+rows with the first, one that also has the third (5) is best if none has the second. Of equal rows one is drawn.
+
+Cost: a pass over ten thousand nodes takes half a millisecond. Where the sums fit into no diagram,
+`dse.space.methods.completion.completion` narrows the space first: 2 to 60 ms a row, against 160 to 460 ms by an exact
+optimum (docs/decisions/0007-design-space-engine.md).
 """
 
 from __future__ import annotations
@@ -13,11 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.space.flat import ABSENT, Floats, Ints, Rows
-from dse.space.methods.completing.wishes import Wish
-from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.completion.preferences import Preference
+from dse.space.methods.mdd.diagram import DecisionDiagram
 
 _TOGETHER = 60
-"""Wishes whose worth a machine word holds."""
+"""Preferences whose worth a machine word holds."""
 
 _NOTHING = -(1 << 62)
 """Worth of no completion: less than any, and twice that still fits."""
@@ -32,7 +39,7 @@ Children = Sequence[NDArray[Any]]
 class LayeredCompletion:
     """Completes rows by a *diagram* that is not empty and whose layers hold all rules."""
 
-    def __init__(self, diagram: Diagram) -> None:
+    def __init__(self, diagram: DecisionDiagram) -> None:
         self._diagram = diagram
         # Without choices there is no layer, and so no next one.
         self._none = [*map(len, diagram.layers), 1][1:]
@@ -41,21 +48,21 @@ class LayeredCompletion:
             for layer, none in zip(diagram.layers, self._none, strict=True)
         ]
 
-    def row(self, wishes: Sequence[Wish], random: np.random.Generator) -> Rows:
-        """A row that grants *wishes* in their order, uniform among those that do; shape (variables,)."""
-        row: Rows = self.rows(wishes, random, 1)[0]
+    def row(self, preferences: Sequence[Preference], random: np.random.Generator) -> Rows:
+        """A row that meets *preferences* in their order, uniform among those that do; shape (variables,)."""
+        row: Rows = self.rows(preferences, random, 1)[0]
         return row
 
-    def rows(self, wishes: Sequence[Wish], random: np.random.Generator, number: int) -> Rows:
+    def rows(self, preferences: Sequence[Preference], random: np.random.Generator, number: int) -> Rows:
         """*number* such rows, drawn independently; shape (number, variables)."""
         children: Children = self._children
-        while len(wishes) > _TOGETHER:
-            ways = self._best(children, wishes[:_TOGETHER])
+        while len(preferences) > _TOGETHER:
+            ways = self._best(children, preferences[:_TOGETHER])
             children = [
                 np.where(way > 0, child, none) for way, child, none in zip(ways, children, self._none, strict=True)
             ]
-            wishes = wishes[_TOGETHER:]
-        ways = self._best(children, wishes)
+            preferences = preferences[_TOGETHER:]
+        ways = self._best(children, preferences)
         rows = np.full((number, len(self._diagram.flat.variables)), ABSENT, np.int16)
         for row, chances in zip(rows, random.random((number, len(ways))).tolist(), strict=True):
             node = 0
@@ -66,11 +73,11 @@ class LayeredCompletion:
                     row[variable] = value
         return rows
 
-    def _best(self, children: Children, wishes: Sequence[Wish]) -> list[Floats]:
+    def _best(self, children: Children, preferences: Sequence[Preference]) -> list[Floats]:
         """The ways through each of *children* that are on the best paths, in a unit of the layer; else 0."""
         worth: dict[int, Ints] = {}
-        for rank, wish in enumerate(reversed(wishes)):
-            for variable, marks in wish.marks.items():
+        for rank, preference in enumerate(reversed(preferences)):
+            for variable, marks in preference.marks.items():
                 worth[variable] = worth.get(variable, 0) + (marks << rank)
         best, ways = np.array([0, _NOTHING]), np.array([1.0, 0.0])
         found: list[Floats] = []

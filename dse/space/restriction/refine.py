@@ -15,7 +15,7 @@ from dse.domain.design import Alternative, Compound, Connection, Constraint, Des
 from dse.errors import Problem, closest, fail, raise_if_any
 from dse.expression import parse_expression
 from dse.space.decisions import Choices, alternatives, decisions, made
-from dse.space.narrowing.rewriting import rewritten_constraints
+from dse.space.restriction.rewriting import rewritten_constraints
 
 Subset = Mapping[str, Collection[str | None]]
 """What may still be chosen, by the path of the decision; None is leaving the part out. Other decisions stay open."""

@@ -1,7 +1,8 @@
-"""Rows that grant wishes, from a decision-DNNF: counting upwards, where only the best alternatives count.
+"""Rows that meet preferences, from a decision-DNNF: counting upwards, where only the best alternatives count.
 
 Worth adds up over independent parts and is the greatest of alternatives; ways multiply and add up over the best ones
-(Kimmig, Van den Broeck and De Raedt, Algebraic model counting, 2017). A wish is worth twice all that come after it.
+(Kimmig, Van den Broeck and De Raedt, Algebraic model counting, 2017). A preference is worth twice all that come after
+it.
 """
 
 from __future__ import annotations
@@ -12,13 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dse.space.flat import Rows
-from dse.space.methods.completing.wishes import Wish
-from dse.space.methods.dnnf.cnf import NO_LITERAL, TRUE
+from dse.space.methods.completion.preferences import Preference
+from dse.space.methods.dnnf.cnf import NO_LITERAL, TRUE_LITERAL
 from dse.space.methods.dnnf.compile import Dnnf
 from dse.space.methods.dnnf.descend import descend
-from dse.space.methods.dnnf.graph import Branch
+from dse.space.methods.dnnf.graph import GraphBranch
 from dse.space.methods.dnnf.selection import RandomSelection
-from dse.space.methods.dnnf.simplify import FALSE
+from dse.space.methods.dnnf.simplify import FALSE_LITERAL
 from dse.space.methods.dnnf.weigh import Weighed, weigh
 
 Best = tuple[int, int]
@@ -38,22 +39,22 @@ class GraphCompletion:
         """By a compiled space."""
         return cls(weigh(dnnf))
 
-    def row(self, wishes: Sequence[Wish], random: np.random.Generator) -> Rows:
-        """A row that grants *wishes* in their order, uniform among those that do; shape (variables,)."""
-        row: Rows = descend(_best(self.weighed, wishes), RandomSelection(np.zeros(1, np.intp), random))[0]
+    def row(self, preferences: Sequence[Preference], random: np.random.Generator) -> Rows:
+        """A row that meets *preferences* in their order, uniform among those that do; shape (variables,)."""
+        row: Rows = descend(_best(self.weighed, preferences), RandomSelection(np.zeros(1, np.intp), random))[0]
         return row
 
 
-def _best(weighed: Weighed, wishes: Sequence[Wish]) -> Weighed:
+def _best(weighed: Weighed, preferences: Sequence[Preference]) -> Weighed:
     """Numbers of rows among the best ones alone; 0 for what is none of them."""
     dnnf = weighed.dnnf
-    below, classes = _of_values(weighed, wishes)
+    below, classes = _of_values(weighed, preferences)
     literals = [_NEUTRAL] * (2 * dnnf.booleans)
     for of_variable, bests in zip(dnnf.cnf.values, classes, strict=True):
         for literal, best in zip(of_variable, bests, strict=True):
             # What is worth something wherever there is a row decides nothing, and a part is left out in one way.
-            image = FALSE if literal == NO_LITERAL else dnnf.image[literal]
-            if image not in (TRUE, FALSE):
+            image = FALSE_LITERAL if literal == NO_LITERAL else dnnf.image[literal]
+            if image not in (TRUE_LITERAL, FALSE_LITERAL):
                 literals[image] = _both(literals[image], best)
     nodes: list[Best] = []
     branches: list[tuple[int, ...]] = []
@@ -67,13 +68,15 @@ def _best(weighed: Weighed, wishes: Sequence[Wish]) -> Weighed:
     return replace(weighed, ways=ways, literals=tuple(way for pair in pairs for way in pair), branches=tuple(branches))
 
 
-def _of_values(weighed: Weighed, wishes: Sequence[Wish]) -> tuple[tuple[tuple[int, ...], ...], list[list[Best]]]:
+def _of_values(
+    weighed: Weighed, preferences: Sequence[Preference]
+) -> tuple[tuple[tuple[int, ...], ...], list[list[Best]]]:
     """Ways by variable and value, 0 where an alike value is worth more; and the best of each class of the core."""
     trimmed = weighed.dnnf.trimmed
     variables = trimmed.flat.variables
     bests: list[list[Best]] = [[_NEUTRAL] * len(variable.values) for variable in variables]
-    for rank, wish in enumerate(reversed(wishes)):
-        for number, marks in wish.marks.items():
+    for rank, preference in enumerate(reversed(preferences)):
+        for number, marks in preference.marks.items():
             for value in np.flatnonzero(marks).tolist():
                 worth, ways = bests[number][value]
                 bests[number][value] = worth + int(marks[value]) * (1 << rank), ways
@@ -97,7 +100,7 @@ def _of_values(weighed: Weighed, wishes: Sequence[Wish]) -> tuple[tuple[tuple[in
     return tuple(below), classes
 
 
-def _of_branch(branch: Branch, literals: Sequence[Best], free: Sequence[Best], nodes: Sequence[Best]) -> Best:
+def _of_branch(branch: GraphBranch, literals: Sequence[Best], free: Sequence[Best], nodes: Sequence[Best]) -> Best:
     worth, ways = 0, 1
     for literal in branch.literals:
         worth, ways = worth + literals[literal][0], ways * literals[literal][1]

@@ -9,7 +9,7 @@ from math import prod
 
 import numpy as np
 
-from dse.space.methods.grid.axes import Axis, Span
+from dse.space.methods.grid.axes import SumAxis, SumSpan
 from dse.space.methods.grid.digits import Digits, running_sums, scalar_product
 
 
@@ -17,7 +17,7 @@ from dse.space.methods.grid.digits import Digits, running_sums, scalar_product
 class Side:
     """What the places of a grid stand for: the span of each axis."""
 
-    spans: tuple[Span, ...]
+    spans: tuple[SumSpan, ...]
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -30,7 +30,7 @@ def summed(grid: Digits, side: Side, paths: int) -> Digits:
     return running_sums(tuple(digit.reshape(side.shape) for digit in grid), paths)
 
 
-def pairs(sums: Sequence[Axis], own: Digits, side: Side, others: Digits, other: Side) -> int:
+def pairs(sums: Sequence[SumAxis], own: Digits, side: Side, others: Digits, other: Side) -> int:
     """Ways of *own* times ways of *others* whose sums, added up, are within the bounds of every axis.
 
     *others* as `summed` makes them.

@@ -1,4 +1,4 @@
-"""Rows that grant wishes: against all rows of small random spaces, and by the statistics of what is left open."""
+"""Rows that meet preferences: against all rows of small random spaces, and by the statistics of what is left open."""
 
 from __future__ import annotations
 
@@ -12,11 +12,10 @@ from question_spaces import EXAMPLES, Answers, asked, without_diagram
 from scipy.stats import chisquare
 
 from dse.space.decisions import alternatives
-from dse.space.methods.completing.choosing import Completion
-from dse.space.methods.completing.graph import GraphCompletion
-from dse.space.methods.completing.layers import LayeredCompletion
-from dse.space.methods.completing.narrowing import DiagramCompletion, NarrowedCompletion
-from dse.space.methods.completing.wishes import Wish, Wishing
+from dse.space.methods.completion.completion import Completion, DiagramCompletion, NarrowedCompletion
+from dse.space.methods.completion.graph import GraphCompletion
+from dse.space.methods.completion.layers import LayeredCompletion
+from dse.space.methods.completion.preferences import Preference, PreferenceReader
 from dse.space.methods.dnnf.compile import compile_dnnf
 from dse.space.methods.dnnf.trim import UnsupportedError
 from dse.space.methods.engine import Engine
@@ -49,14 +48,14 @@ WAYS: tuple[Way, ...] = (layered, by_graph, beside_sums, NarrowedCompletion, nar
 @pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
 @EXAMPLES
 @given(data=st.data(), found=asked())
-def test_wishes_are_granted_in_their_order_wherever_a_row_has_them(
+def test_preferences_are_met_in_their_order_wherever_a_row_has_them(
     way: Way, found: Answers, data: st.DataObject
 ) -> None:
-    wishes = _wishes(data.draw, found)
+    preferences = _preferences(data.draw, found)
     completion = _completion(way, found)
     for seed in range(3):
-        row = completion.row(wishes, np.random.default_rng(seed))
-        assert row.tolist() in _granting(found, wishes)
+        row = completion.row(preferences, np.random.default_rng(seed))
+        assert row.tolist() in _meeting(found, preferences)
 
 
 @pytest.mark.thorough
@@ -65,12 +64,12 @@ def test_wishes_are_granted_in_their_order_wherever_a_row_has_them(
 @given(data=st.data(), found=asked())
 def test_what_is_left_open_is_drawn_uniformly(way: Way, found: Answers, data: st.DataObject) -> None:
     """A false alarm in a million."""
-    wishes = _wishes(data.draw, found)[:1]
-    wanted = [tuple(row) for row in _granting(found, wishes)]
+    preferences = _preferences(data.draw, found)[:1]
+    wanted = [tuple(row) for row in _meeting(found, preferences)]
     assume(1 < len(wanted) < 6)
     completion = _completion(way, found)
     random = np.random.default_rng(1)
-    drawn = Counter(tuple(completion.row(wishes, random).tolist()) for _ in range(15 * len(wanted)))
+    drawn = Counter(tuple(completion.row(preferences, random).tolist()) for _ in range(15 * len(wanted)))
     assert set(drawn) <= set(wanted)
     assert chisquare([drawn[row] for row in wanted]).pvalue > 1e-6
 
@@ -84,17 +83,17 @@ def _completion(way: Way, found: Answers) -> Completion:
         raise
 
 
-def _wishes(draw: st.DrawFn, found: Answers) -> list[Wish]:
+def _preferences(draw: st.DrawFn, found: Answers) -> list[Preference]:
     every = [(path, choice) for path, choices in alternatives(found.space).items() for choice in (*choices, None)]
     wanted = draw(st.lists(st.sampled_from([*every, ("nowhere", "a")]), max_size=12))
-    return Wishing(found.engine.flat).read(wanted)
+    return PreferenceReader(found.engine.flat).read(wanted)
 
 
-def _granting(found: Answers, wishes: Sequence[Wish]) -> list[list[int]]:
-    """Wish after wish, those valid rows that have it, if there is one."""
+def _meeting(found: Answers, preferences: Sequence[Preference]) -> list[list[int]]:
+    """Preference after preference, those valid rows that have it, if there is one."""
     rows = found.rows[found.valid()]
-    for wish in wishes:
-        having = [wish.is_granted(row) for row in rows]
+    for preference in preferences:
+        having = [preference.is_met(row) for row in rows]
         rows = rows[having] if any(having) else rows
     found_rows: list[list[int]] = rows.tolist()
     return found_rows

@@ -34,10 +34,10 @@ from dse.expression import children, descend, parse_expression, show_expression
 from dse.space.decisions import sites
 from dse.units import DIMENSIONLESS, Unit
 
-Standing = dict[str, dict[str, Component | None]]
+_Components = dict[str, dict[str, Component | None]]
 """What can stand at every place, by name."""
 
-Guards = tuple[tuple[Node, bool], ...]
+_Guards = tuple[tuple[Node, bool], ...]
 """Conditions, each with the truth it must have."""
 
 
@@ -61,15 +61,15 @@ def _expression(root: Node, constraint: Constraint) -> Expression:
     return parse_expression(show_expression(root), (Piece(0, where, inserted=True),) if where else None)
 
 
-def _standing(space: DesignSpace) -> Standing:
-    found: Standing = {}
+def _standing(space: DesignSpace) -> _Components:
+    found: _Components = {}
     for site in sites(space):
         found.setdefault(site.path, {})[site.name] = site.component
     return found
 
 
 class _Rewriter:
-    def __init__(self, before: Standing, after: Standing) -> None:
+    def __init__(self, before: _Components, after: _Components) -> None:
         self.before = before
         self.after = after
         self.units = _units(before)
@@ -156,7 +156,7 @@ class _Rewriter:
         left = tuple(option for option in node.options if option in known or option in ("present", "absent"))
         return replace(node, options=left, spans=()) if left else Truth(False, node.span)
 
-    def cases(self, cases: Sequence[tuple[Guards, Node]], sense: bool) -> Node:
+    def cases(self, cases: Sequence[tuple[_Guards, Node]], sense: bool) -> Node:
         """That the condition of the case holds whose guards do."""
         found: Node | None = None
         for guards, value in cases:
@@ -169,14 +169,14 @@ class _Rewriter:
         assert found is not None  # noqa: S101  # a value has one case at least
         return found
 
-    def together(self, values: tuple[Node, ...]) -> Iterator[tuple[Guards, tuple[Node, ...]]]:
+    def together(self, values: tuple[Node, ...]) -> Iterator[tuple[_Guards, tuple[Node, ...]]]:
         """The cases of several numbers; empty where one of them is undefined."""
         for combination in product(*(list(self.number(value)) for value in values)):
             numbers = tuple(number for _, number in combination if number is not None)
             guards = tuple(guard for some, _ in combination for guard in some)
             yield guards, numbers if len(numbers) == len(values) else ()
 
-    def number(self, node: Node) -> Iterator[tuple[Guards, Node | None]]:
+    def number(self, node: Node) -> Iterator[tuple[_Guards, Node | None]]:
         """The cases of a number; None where it is undefined."""
         if not self.is_touched(node):
             yield (), node
@@ -225,7 +225,7 @@ class _Rewriter:
         return Call(function, (number, *open_), (), node.span)
 
 
-def _units(standing: Standing) -> dict[str, Unit]:
+def _units(standing: _Components) -> dict[str, Unit]:
     return {
         name: quantity.unit
         for named in standing.values()

@@ -1,1 +1,0 @@
-"""One row that grants wishes in their order, each as far as it can still be had; what is left open is drawn."""
