@@ -59,7 +59,7 @@ def test_two_paths_through_one_element_are_no_loop_if_the_description_says_so(fo
 
 
 def test_a_loop_is_solved(folder):
-    # a = 3 b + 1, b = 0.5 a - 2: walking round would grow by half every time.
+    # a = 3 b + 1, b = 0.5 a - 2: sweeping round would grow by half every time.
     elements = {"a": gain(3.0, 1.0), "b": gain(0.5, -2.0)}
     found = first_row(system(elements, ["a.y0 -> b.u0", "b.y0 -> a.u0"], folder), ["a.y0", "b.y0"])
     assert found == pytest.approx([10.0, 3.0], rel=1e-11)
@@ -102,7 +102,7 @@ def test_a_loop_without_a_solution_or_with_any_is_not_answered(folder):
 
 
 def test_a_value_that_an_fmu_discards_is_no_solution_of_a_loop_but_no_failure_either(shelf):
-    # y = sqrt(u), u = 10 - 10 y: walking round, u is 10, then -21.6.
+    # y = sqrt(u), u = 10 - 10 y: sweeping round, u is 10, then -21.6.
     elements = {"root": shelf.fmu("gain", 2, "-DROOT"), "line": shelf.fmu("gain", 3)}
     wires = ["root.y -> line.u", "line.y -> root.u"]
     made = shelf.system(elements, wires, {"line.k": -10.0, "line.c": 10.0}, ["root.y"])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dse.cosim.failure.diagnosis import of_loop, of_output
 from dse.cosim.failure.fmu_messages import of_value
 from dse.cosim.failure.run_failed import RunFailed, StopReason
-from dse.cosim.tables.method import DISCRETE_WALKS, declared_nominal, nominal_of
+from dse.cosim.tables.method import DISCRETE_SWEEPS, declared_nominal, nominal_of
 from dse.cosim.wiring.border import Border, ElementPort
 from dse.cosim.wiring.check import OwnStep, extrapolation_of
 from dse.cosim.wiring.dependency import AlgebraicLoop, Read, Step, doubtful_reads, order_of
@@ -100,13 +100,13 @@ class Master:
     # ---- initialization ----
 
     def _initialize(self) -> None:
-        self._walk(order_of(self.wiring, initially=True))
+        self._sweep(order_of(self.wiring, initially=True))
         reads = doubtful_reads(self.wiring)
         passed_on = dict(self.values)
-        self._walk(reads)
+        self._sweep(reads)
         ports = [port for read in reads for port in read.ports]
         if any(self._differs(port, label, passed_on) for port in ports for label in self._labels(port)):
-            self._walk(order_of(self.wiring, initially=True, told=False))
+            self._sweep(order_of(self.wiring, initially=True, told=False))
 
     def _differs(self, port: ElementPort, label: str, passed_on: Mapping[str, Value]) -> bool:
         a, b = self.values[label], passed_on[label]
@@ -144,7 +144,7 @@ class Master:
 
     # ---- the order of dependencies ----
 
-    def _walk(self, steps: Sequence[Step], *, in_loop: bool = False) -> None:
+    def _sweep(self, steps: Sequence[Step], *, in_loop: bool = False) -> None:
         for step in steps:
             if isinstance(step, AlgebraicLoop):
                 self._solve(step)
@@ -171,7 +171,7 @@ class Master:
         def walk(x: Sequence[float]) -> list[float]:
             self.values |= zip(torn, x, strict=True)
             try:
-                self._walk(loop.walk, in_loop=True)
+                self._sweep(loop.sweep, in_loop=True)
             except RunFailed as failure:
                 if not _is_discarded(failure):
                     raise
@@ -180,7 +180,7 @@ class Master:
 
         begin = x = [self.values[label] for label in torn]
         settled = False
-        for _ in range(len(torn) + len(texts) + 1 + (0 if reals else DISCRETE_WALKS)):
+        for _ in range(len(torn) + len(texts) + 1 + (0 if reals else DISCRETE_SWEEPS)):
             found = walk(x)
             settled = same_bits(x, found)
             if settled and not texts:
@@ -291,7 +291,7 @@ class Master:
         self.time = time
         self._check_finite(self.limits)
         if self.meeting:
-            self._walk(self.meeting)
+            self._sweep(self.meeting)
             self._check_finite(self.limits)
         for bond in self.method.bonds:
             effort_used, flow_used = self._ends(bond.effort, bond.flow)

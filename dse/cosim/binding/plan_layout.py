@@ -22,7 +22,7 @@ class Operation(ctypes.Structure):
     ]
 
 
-class StepTable(ctypes.Structure):
+class Sweep(ctypes.Structure):
     """Operations one after another."""
 
     _fields_: ClassVar[_Fields] = pointers("begin", "end")
@@ -32,9 +32,9 @@ class Loop(ctypes.Structure):
     """Outputs that depend on each other."""
 
     _fields_: ClassVar[_Fields] = [
-        ("walk", StepTable),
+        ("sweep", Sweep),
         *pointers("torn"),
-        *numbers("n_reals", "n_torn", "walks", "number", "has_texts"),
+        *numbers("n_reals", "n_torn", "sweeps", "number", "has_texts"),
         *pointers("nominals", "room", "rows", "way", "pivots"),
     ]
 
@@ -72,7 +72,7 @@ class Clock(ctypes.Structure):
     ]
 
 
-class ClockStepLayout(ctypes.Structure):
+class ClockStep(ctypes.Structure):
     """What is done with a clock, or with a variable that belongs to clocks."""
 
     _fields_: ClassVar[_Fields] = [
@@ -94,7 +94,7 @@ class CountColumn(ctypes.Structure):
     _fields_: ClassVar[_Fields] = [*numbers("column"), *pointers("counter")]
 
 
-class ClockGroupLayout(ctypes.Structure):
+class ClockGroup(ctypes.Structure):
     """Elements that stop together where clocks tick."""
 
     _fields_: ClassVar[_Fields] = [
@@ -114,10 +114,10 @@ class Plan(ctypes.Structure):
     """How a system is simulated."""
 
     _fields_: ClassVar[_Fields] = [
-        ("initial", StepTable),
-        ("meeting", StepTable),
-        ("doubtful", StepTable),
-        ("untold", StepTable),
+        ("initial", Sweep),
+        ("meeting", Sweep),
+        ("doubtful", Sweep),
+        ("untold", Sweep),
         *pointers("doubted"),
         *numbers("n_doubted_reals", "n_doubted"),
         *pointers("doubted_nominals", "passed_on"),

@@ -4,7 +4,7 @@
 #ifndef DSE_COSIM_ADAPTIVE_H
 #define DSE_COSIM_ADAPTIVE_H
 
-#include "course.h"
+#include "step_loop.h"
 
 #define EASY 0.1 /* an error so small still fits when the interval is doubled, be it of third order */
 

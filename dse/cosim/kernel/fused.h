@@ -2,7 +2,7 @@
 #ifndef DSE_COSIM_FUSED_H
 #define DSE_COSIM_FUSED_H
 
-#include "course.h"
+#include "step_loop.h"
 #include "element.h"
 
 #include "csolve/fused_abi.h"

@@ -24,14 +24,14 @@ typedef struct {
 
 typedef struct {
     const Operation *begin, *end;
-} Walk;
+} Sweep;
 
-/* Outputs that depend on each other. From the torn ones the walk computes all, the torn ones again. */
+/* Outputs that depend on each other. From the torn ones the sweep computes all, the torn ones again. */
 struct Loop {
-    Walk walk;
+    Sweep sweep;
     const int32_t *torn; /* positions among the values, those of continuous numbers first */
     int64_t n_reals, n_torn;
-    int64_t walks; /* so many settle a loop that is none in truth */
+    int64_t sweeps; /* so many settle a loop that is none in truth */
     int64_t number, has_texts;
     const double *nominals; /* of the real ones */
     double *room;           /* 5 n_torn doubles */
@@ -111,9 +111,9 @@ typedef struct {
 } Ticking;
 
 typedef struct {
-    Walk initial, meeting;
-    Walk doubtful; /* reads of what was not right in the initial walk if an FMU's dependencies are not true */
-    Walk untold;   /* the initial walk that believes no FMU; empty until it is needed */
+    Sweep initial, meeting;
+    Sweep doubtful; /* reads of what was not right in the initial sweep if an FMU's dependencies are not true */
+    Sweep untold;   /* the initial sweep that believes no FMU; empty until it is needed */
     const int32_t *doubted; /* where those outputs lie, continuous numbers first */
     int64_t n_doubted_reals, n_doubted;
     const double *doubted_nominals; /* of the continuous ones */

@@ -2,7 +2,7 @@
 #ifndef DSE_COSIM_TICKS_H
 #define DSE_COSIM_TICKS_H
 
-#include "walk.h"
+#include "sweep.h"
 
 RARE static bool fail_clock(System *system, int64_t kind, const Clock *clock, double value)
 {

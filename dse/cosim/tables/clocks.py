@@ -39,8 +39,8 @@ class CompiledClocks:
         clocks = wiring.clocks
         self._at = {name: position for position, name in enumerate(wiring.values)}
         self._clocks = (layout.Clock * len(clocks.clocks))(*map(self._clock, clocks.clocks))
-        self._steps = (layout.ClockStepLayout * len(clocks.steps))(*map(self._step, clocks.steps))
-        self._groups = (layout.ClockGroupLayout * len(clocks.groups))(*map(self._group, clocks.groups))
+        self._steps = (layout.ClockStep * len(clocks.steps))(*map(self._step, clocks.steps))
+        self._groups = (layout.ClockGroup * len(clocks.groups))(*map(self._group, clocks.groups))
         self._ticking = (layout.Ticking * len(wiring.system.elements))()
         group_of = np.full(len(wiring.system.elements), -1, np.int32)
         for number, group in enumerate(clocks.groups):
@@ -57,7 +57,7 @@ class CompiledClocks:
         plan.count_columns, plan.n_count_columns = ctypes.addressof(self._columns), len(self._columns)
 
     def _column(self, column: int, is_clock: bool, number: int) -> layout.CountColumn:
-        array, field = (self._clocks, layout.Clock.count) if is_clock else (self._steps, layout.ClockStepLayout.bytes)
+        array, field = (self._clocks, layout.Clock.count) if is_clock else (self._steps, layout.ClockStep.bytes)
         return layout.CountColumn(column, ctypes.addressof(array[number]) + field.offset)
 
     def _clock(self, clock: WiredClock) -> layout.Clock:
@@ -90,8 +90,8 @@ class CompiledClocks:
             library = self._tables.elements.library(clock.element)
             return address(element.model, library, function_name(call, element.model.version))
 
-    def _step(self, step: ClockStep) -> layout.ClockStepLayout:
-        made = layout.ClockStepLayout(
+    def _step(self, step: ClockStep) -> layout.ClockStep:
+        made = layout.ClockStep(
             act=step.act,
             element=step.element,
             clock=step.clock,
@@ -112,7 +112,7 @@ class CompiledClocks:
             made.before = int(room.ctypes.data)
         return made
 
-    def _group(self, group: ClockGroup) -> layout.ClockGroupLayout:
+    def _group(self, group: ClockGroup) -> layout.ClockGroup:
         structures = self._tables.elements.structures
         for e in group.elements:
             element = self._tables.wiring.system.elements[e]
@@ -125,8 +125,8 @@ class CompiledClocks:
                 # What it would tell at the end of a step cut short reached others too late: they have gone on.
                 structures[e].abilities &= ~Ability.CAN_RETURN_EARLY
         clocks, steps = ctypes.addressof(self._clocks), ctypes.addressof(self._steps)
-        clock_size, step_size = ctypes.sizeof(layout.Clock), ctypes.sizeof(layout.ClockStepLayout)
-        return layout.ClockGroupLayout(
+        clock_size, step_size = ctypes.sizeof(layout.Clock), ctypes.sizeof(layout.ClockStep)
+        return layout.ClockGroup(
             elements=self._numbers(group.elements),
             n_elements=len(group.elements),
             leader=min(group.elements),

@@ -26,8 +26,8 @@ from dse.domain.system import Element
 READ, WRITE, SOLVE = range(3)
 HELD, MIDDLE, SLOPED = range(3)
 
-DISCRETE_WALKS = 20
-"""How often a loop without real numbers goes round at most before it counts as having no solution, besides the walks
+DISCRETE_SWEEPS = 20
+"""How often a loop without real numbers goes round at most before it counts as having no solution, besides the sweeps
 that settle a loop that is none."""
 
 
@@ -77,9 +77,9 @@ class CompiledMethod:
             moves=self._address(self._moves),
             used=self._address(self._used),
         )
-        self.structure.initial = self._walk(orders[0])
+        self.structure.initial = self._sweep(orders[0])
         if len(orders) > 1:
-            self.structure.meeting = self._walk(orders[1])
+            self.structure.meeting = self._sweep(orders[1])
         self._paces = (layout.Pace * len(everything))(*(self._pace(write) for write in everything))
         self.structure.paces = ctypes.addressof(self._paces)
         self._doubt(doubtful)
@@ -100,14 +100,14 @@ class CompiledMethod:
     def distrust_dependencies(self) -> None:
         """Be ready for FMUs whose dependencies in the initialization are not true: from now on the kernel goes on by
         itself where it stopped with MISLED."""
-        self.structure.untold = self._walk(order_of(self._wiring, initially=True, told=False))
+        self.structure.untold = self._sweep(order_of(self._wiring, initially=True, told=False))
         self._tables.publish()
 
-    def _walk(self, order: Sequence[Step]) -> layout.StepTable:
+    def _sweep(self, order: Sequence[Step]) -> layout.Sweep:
         operations = (layout.Operation * len(order))(*(self._operation(step) for step in order))
         self._kept.append(operations)
         begin = ctypes.addressof(operations)
-        return layout.StepTable(begin, begin + ctypes.sizeof(operations))
+        return layout.Sweep(begin, begin + ctypes.sizeof(operations))
 
     def _operation(self, step: Step, slopes: NDArray[np.float64] | None = None) -> layout.Operation:
         if isinstance(step, AlgebraicLoop):
@@ -139,11 +139,11 @@ class CompiledMethod:
         n, m = len(reals) + len(others), len(reals)
         n_texts = sum(not self._border.values[port] for port in loop.others)
         structure = layout.Loop(
-            walk=self._walk(loop.walk),
+            sweep=self._sweep(loop.sweep),
             torn=self._integers([*reals, *others]),
             n_reals=m,
             n_torn=n,
-            walks=n + n_texts + 1 + (0 if m else DISCRETE_WALKS),
+            sweeps=n + n_texts + 1 + (0 if m else DISCRETE_SWEEPS),
             number=len(self.loops),
             has_texts=bool(n_texts),
             nominals=self._numbers(self._nominals(loop.reals)),
@@ -184,7 +184,7 @@ class CompiledMethod:
         at = self._positions([*reals, *(port for port in ports if not self._border.is_real(port))])
         nominals = self._nominals(reals)
         plan = self.structure
-        plan.doubtful = self._walk(reads)
+        plan.doubtful = self._sweep(reads)
         plan.doubted = self._integers(at)
         plan.n_doubted_reals, plan.n_doubted = len(nominals), len(at)
         plan.doubted_nominals = self._numbers(nominals)
@@ -303,5 +303,5 @@ def declared_nominal(element: Element, variable: Variable) -> float:
 def _writes(order: Sequence[Step]) -> list[Write]:
     found: list[Write] = []
     for step in order:
-        found += _writes(step.walk) if isinstance(step, AlgebraicLoop) else [step] if isinstance(step, Write) else []
+        found += _writes(step.sweep) if isinstance(step, AlgebraicLoop) else [step] if isinstance(step, Write) else []
     return found

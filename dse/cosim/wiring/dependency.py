@@ -37,14 +37,14 @@ class Read:
 class AlgebraicLoop:
     """Outputs that depend on each other.
 
-    If the outputs *reals* and *others* are known, *walk* computes every value of the loop, these among them: the
+    If the outputs *reals* and *others* are known, *sweep* computes every value of the loop, these among them: the
     fixed points of that map are the loop's solutions. *reals* are continuous numbers; *wires* names the connections,
     ``a.y -> b.u``, in order.
     """
 
     reals: tuple[ElementPort, ...]
     others: tuple[ElementPort, ...]
-    walk: tuple[Read | Write, ...]
+    sweep: tuple[Read | Write, ...]
     wires: tuple[str, ...]
 
     @property
@@ -227,14 +227,14 @@ def _loop(border: Border, graph: dict[ElementPort, list[ElementPort]]) -> Algebr
         torn.add(best)
         rest[best] = part[best] = []
         cycles += _cycles(part)
-    walk: list[Read | Write] = []
+    sweep: list[Read | Write] = []
     waiting: _Waiting = {}
     for generation in _generations(rest):
-        walk += _moves(generation, waiting)
-    walk += _flush(sorted(waiting), waiting)
+        sweep += _moves(generation, waiting)
+    sweep += _flush(sorted(waiting), waiting)
     return AlgebraicLoop(
         tuple(sorted(port for port in torn if border.is_real(port))),
         tuple(sorted(port for port in torn if not border.is_real(port))),
-        tuple(walk),
+        tuple(sweep),
         wires,
     )

@@ -1,7 +1,7 @@
-/* Walks: reads and writes one after another. Among them are loops of outputs that depend on each other, which are solved
- * by walking round, first until nothing changes, then by Newton's method. */
-#ifndef DSE_COSIM_WALK_H
-#define DSE_COSIM_WALK_H
+/* Sweeps: reads and writes one after another. Among them are loops of outputs that depend on each other, which are solved
+ * by sweeping round, first until nothing changes, then by Newton's method. */
+#ifndef DSE_COSIM_SWEEP_H
+#define DSE_COSIM_SWEEP_H
 
 #include "element.h" /* before anything of the system */
 #include "plan.h"
@@ -53,10 +53,10 @@ static bool are_finite(const System *system, const int32_t *positions, int64_t c
 static bool solve(System *system, Loop *loop);
 
 /* What is passed on must be finite; on the way round a *loop* that is yet to be solved it need not. */
-static bool do_walk(System *system, Walk walk, bool in_loop)
+static bool do_sweep(System *system, Sweep sweep, bool in_loop)
 {
     const Plan *plan = system->plan;
-    for (const Operation *operation = walk.begin; operation < walk.end; operation++) {
+    for (const Operation *operation = sweep.begin; operation < sweep.end; operation++) {
         if (operation->kind == SOLVE) {
             const Loop *loop = operation->loop;
             if (!solve(system, operation->loop))
@@ -90,12 +90,12 @@ static inline double larger(double a, double b)
     return a > b ? a : b;
 }
 
-/* to = what one walk makes of the torn values x. */
-static bool walk_round(System *system, const Loop *loop, const double *x, double *to)
+/* to = what one sweep makes of the torn values x. */
+static bool sweep_round(System *system, const Loop *loop, const double *x, double *to)
 {
     for (int64_t i = 0; i < loop->n_torn; i++)
         system->values[loop->torn[i]] = x[i];
-    const bool went = do_walk(system, loop->walk, true);
+    const bool went = do_sweep(system, loop->sweep, true);
     /* An FMU may discard what it is given as being out of its domain: then these values are no solution, that is all. */
     if (!went && !is_discarded(system))
         return false;
@@ -105,7 +105,7 @@ static bool walk_round(System *system, const Loop *loop, const double *x, double
     return true;
 }
 
-/* Largest change of a walk, relative to the values' size; infinite if there is none to speak of. */
+/* Largest change of a sweep, relative to the values' size; infinite if there is none to speak of. */
 static double residual(const Loop *loop, const double *x, const double *found)
 {
     double largest = 0.0;
@@ -156,7 +156,7 @@ static bool linearize(System *system, const Loop *loop, double *x, const double 
         const double at = x[c];
         x[c] = at + DIFFERENCE * larger(loop->nominals[c], fabs(at));
         const double difference = x[c] - at;
-        const bool went = walk_round(system, loop, x, moved);
+        const bool went = sweep_round(system, loop, x, moved);
         x[c] = at;
         if (!went)
             return false;
@@ -167,7 +167,7 @@ static bool linearize(System *system, const Loop *loop, double *x, const double 
     return true;
 }
 
-/* Solve for the real ones among x, the others held; *found* is what the last walk made of x.
+/* Solve for the real ones among x, the others held; *found* is what the last sweep made of x.
  *
  * A small residual is not enough: where the loop hardly tells one value from another it is small everywhere. What is
  * left of the way to the solution must be short as well. */
@@ -176,7 +176,7 @@ static bool newton(System *system, const Loop *loop, double *x, double *found, d
     const int64_t n = loop->n_reals;
     const size_t size = (size_t)loop->n_torn * sizeof *x;
     double *const way = loop->way, left = INFINITY;
-    if (!walk_round(system, loop, x, found))
+    if (!sweep_round(system, loop, x, found))
         return false;
     double rest = residual(loop, x, found);
     for (int64_t k = 0; k < NEWTON_STEPS; k++) {
@@ -196,13 +196,13 @@ static bool newton(System *system, const Loop *loop, double *x, double *found, d
         for (int64_t halved = 0; is_regular && !is_there && halved <= HALVINGS && !(now < rest); halved++, part *= 0.5) {
             for (int64_t i = 0; i < n; i++)
                 trial[i] = x[i] + part * way[i];
-            if (!walk_round(system, loop, trial, moved))
+            if (!sweep_round(system, loop, trial, moved))
                 return false;
             now = residual(loop, trial, moved);
         }
         if (!(now < rest)) {
             /* There, or nothing better in that direction: back to where it was best. */
-            if (!walk_round(system, loop, x, found))
+            if (!sweep_round(system, loop, x, found))
                 return false;
             break;
         }
@@ -234,8 +234,8 @@ static bool solve(System *system, Loop *loop)
         x[i] = begin[i] = system->values[loop->torn[i]];
     /* Many loops are none: their FMUs do not tell what depends on what. These settle, and exactly. */
     bool is_settled = false;
-    for (int64_t k = 0; k < loop->walks; k++) {
-        if (!walk_round(system, loop, x, found))
+    for (int64_t k = 0; k < loop->sweeps; k++) {
+        if (!sweep_round(system, loop, x, found))
             return false;
         is_settled = memcmp(x, found, size) == 0;
         if (is_settled && !loop->has_texts)

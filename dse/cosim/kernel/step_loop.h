@@ -1,6 +1,6 @@
 /* How a system goes through its initialization, and from one communication point to the next, as its plan says. */
-#ifndef DSE_COSIM_COURSE_H
-#define DSE_COSIM_COURSE_H
+#ifndef DSE_COSIM_STEP_LOOP_H
+#define DSE_COSIM_STEP_LOOP_H
 
 #include "clocks.h"
 
@@ -14,13 +14,13 @@ static bool differs(double a, double b, double size)
     return a != b && !(fabs(a - b) <= NOTICED * (magnitude > size ? magnitude : size)) && (a == a || b == b);
 }
 
-/* Whether outputs are not what the initial walk passed on: they depend on inputs of which their FMU does not tell. */
+/* Whether outputs are not what the initial sweep passed on: they depend on inputs of which their FMU does not tell. */
 static bool look_again(System *system, bool *is_misled)
 {
     const Plan *plan = system->plan;
     const int64_t texts = system->texts_changed;
     gather(plan->passed_on, system->values, plan->doubted, plan->n_doubted);
-    if (!do_walk(system, plan->doubtful, false))
+    if (!do_sweep(system, plan->doubtful, false))
         return false;
     *is_misled = system->texts_changed != texts;
     for (int64_t i = 0; i < plan->n_doubted; i++) {
@@ -37,13 +37,13 @@ static bool initialize(System *system)
     Plan *plan = system->plan;
     bool is_misled = false;
     plan->k = 0;
-    if (!do_walk(system, plan->initial, false))
+    if (!do_sweep(system, plan->initial, false))
         return false;
     if (plan->doubtful.begin < plan->doubtful.end && !look_again(system, &is_misled))
         return false;
     if (!is_misled)
         return true;
-    return plan->untold.begin < plan->untold.end ? do_walk(system, plan->untold, false) : fail(system, MISLED, 0, 0, 0);
+    return plan->untold.begin < plan->untold.end ? do_sweep(system, plan->untold, false) : fail(system, MISLED, 0, 0, 0);
 }
 
 /* ---- one element ---- */
@@ -295,7 +295,7 @@ static bool meet(System *system, double time, double length)
     system->now = time;
     if (!all_watched_finite(system))
         return false;
-    if (plan->meeting.begin < plan->meeting.end && (!do_walk(system, plan->meeting, false) || !all_watched_finite(system)))
+    if (plan->meeting.begin < plan->meeting.end && (!do_sweep(system, plan->meeting, false) || !all_watched_finite(system)))
         return false;
     for (int64_t i = 0; i < plan->n_bonds; i++) {
         const Bond *bond = &plan->bonds[i];
