@@ -6,7 +6,6 @@
 
 #define LEFT_ITS_LANE 0.6 /* of a change's time */
 #define AWAY INT32_MAX    /* the path of who is nobody: at the end of the order */
-#define BESIDE 1e-9       /* m: the order and the way tell who is ahead of whom but for their rounding */
 
 static bool is_changing(const flow_user *user) {
     return user->lane != user->old_lane && user->shift.progress < 1;
@@ -23,60 +22,6 @@ void flow_set_paths(flow *self, const flow_path *otherwise) {
         path->left = self->in->paths[p].leftmost;
         if (self->in->paths[p].lane_width > 0) path->lane_width = self->in->paths[p].lane_width;
     }
-}
-
-/* Whether user *i* would have to mind the host on that lane. */
-static bool shares_with_host(const flow *self, int32_t i, int32_t lane) {
-    const flow_rules *rules = &self->rules;
-    const flow_user *user = &self->users[i];
-    if (!rules->minds_host || user->path != 0) return false;
-    double width = self->paths[0].lane_width, aside = self->in->lane.offset + (rules->host_lane - lane) * width;
-    return fabs(aside) < 0.5 * fmax(width, rules->host_width + user->width);
-}
-
-/* Of its centre. */
-static double station_of(const flow *self, int32_t who) {
-    return who == FLOW_HOST ? self->in->lane.station + 0.5 * (self->rules.host_front - self->rules.host_rear)
-                            : self->users[who].station;
-}
-
-static double speed_of(const flow *self, int32_t who) {
-    return who == FLOW_HOST ? self->in->motion.speed : self->users[who].speed;
-}
-
-static double length_of(const flow *self, int32_t who) {
-    return who == FLOW_HOST ? self->rules.host_front + self->rules.host_rear : self->users[who].length;
-}
-
-/* From the centre of who is behind to that of who is ahead, in the direction of travel; on a closed path less than a lap. */
-static double way_between(const flow *self, int32_t path, int32_t behind, int32_t ahead) {
-    double way = station_of(self, ahead) - station_of(self, behind), lap = self->paths[path].lap;
-    return lap > 0 ? way - lap * floor(way / lap) : way;
-}
-
-flow_neighbour flow_next(const flow *self, int32_t i, int32_t lane, bool is_ahead) {
-    const flow_user *user = &self->users[i];
-    flow_neighbour next = {FLOW_NOBODY, HUGE_VAL};
-    double nearest = HUGE_VAL, lap = self->paths[user->path].lap;
-    int32_t who = (is_ahead ? user->ahead : user->behind)[lane - user->lane + 1];
-    if (who != FLOW_NOBODY) {
-        int32_t behind = is_ahead ? i : who, ahead = is_ahead ? who : i;
-        double way = way_between(self, user->path, behind, ahead);
-        if (lap > 0 && way > lap - BESIDE) way -= lap;
-        if (!(way == 0 && ahead > behind)) {
-            nearest = way;
-            next.who = who;
-        }
-    }
-    if (shares_with_host(self, i, lane)) {
-        double way = is_ahead ? way_between(self, 0, i, FLOW_HOST) : way_between(self, 0, FLOW_HOST, i);
-        if (!(way < 0 || (way == 0 && is_ahead) || way >= nearest)) {
-            nearest = way;
-            next.who = FLOW_HOST;
-        }
-    }
-    if (next.who != FLOW_NOBODY) next.gap = nearest - 0.5 * (length_of(self, i) + length_of(self, next.who));
-    return next;
 }
 
 static bool comes_before(const flow_place *one, const flow_place *other) {
@@ -167,7 +112,7 @@ void flow_begin(flow *self) {
 /* The acceleration of *who* behind *ahead* at that gap; of the host as *judge* would drive. */
 static double acceleration_of(const flow *self, int32_t who, int32_t judge, double gap, int32_t ahead) {
     const following_driver *driver = &self->users[who == FLOW_HOST ? judge : who].driver;
-    return following_acceleration(driver, speed_of(self, who), gap, ahead == FLOW_NOBODY ? 0 : speed_of(self, ahead));
+    return following_acceleration(driver, flow_speed_of(self, who), gap, ahead == FLOW_NOBODY ? 0 : flow_speed_of(self, ahead));
 }
 
 static double own_acceleration(const flow *self, int32_t i, int32_t lane) {
@@ -181,7 +126,7 @@ static double gain_behind(const flow *self, int32_t i, int32_t lane, double sign
     *with = 0;
     if (behind.who == FLOW_NOBODY || (behind.who != FLOW_HOST && self->users[behind.who].walks)) return 0;
     bool alone = ahead.who == FLOW_NOBODY || ahead.who == behind.who; /* then, on a closed path, it is ahead of itself */
-    double whole = behind.gap + length_of(self, i) + ahead.gap;
+    double whole = behind.gap + flow_length_of(self, i) + ahead.gap;
     double without = acceleration_of(self, behind.who, i, alone ? HUGE_VAL : whole, alone ? FLOW_NOBODY : ahead.who);
     *with = acceleration_of(self, behind.who, i, behind.gap, i);
     return sign * (*with - without);

@@ -90,6 +90,14 @@ void flow_step(flow *self, double h);
 
 traffic_mover flow_mover(const flow *self, int32_t i);
 
+static inline double flow_speed_of(const flow *self, int32_t who) {
+    return who == FLOW_HOST ? self->in->motion.speed : self->users[who].speed;
+}
+
+static inline double flow_length_of(const flow *self, int32_t who) {
+    return who == FLOW_HOST ? self->rules.host_front + self->rules.host_rear : self->users[who].length;
+}
+
 static inline bool flow_drives(const flow_user *user) {
     return user->class != 0 && !user->walks;
 }

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "random_draw.h"
 #include "walkers.h"
 
 #define IDM_PLUS 1          /* of model */
@@ -15,23 +16,15 @@ typedef struct {
 
 static const size SIZES[] = {{0, 0, 0}, {4.5, 1.8, 1.5}, {12, 2.5, 3.5}, {2.2, 0.8, 1.5}};
 
-double population_draw(const stream_traffic *self, int32_t id, int32_t number) {
-    uint64_t z = (uint64_t)self->par.seed * 1000003u + (uint64_t)id * 64u + (uint64_t)number;
-    z = (z + 1) * 0x9E3779B97F4A7C15u;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return (double)((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
-}
-
 /* Mean 0, standard deviation 1, never beyond 3.5: the sum of four. */
 static double normal(const stream_traffic *self, int32_t id, int32_t number) {
     double sum = 0;
-    for (int32_t n = 0; n < 4; ++n) sum += population_draw(self, id, number + n);
+    for (int32_t n = 0; n < 4; ++n) sum += random_draw(self, id, number + n);
     return (sum - 2) * sqrt(3);
 }
 
 static int32_t class_of(const stream_traffic *self, int32_t id) {
-    double drawn = population_draw(self, id, 0);
+    double drawn = random_draw(self, id, 0);
     if (drawn < self->par.truck_share) return TRAFFIC_TRUCK;
     return drawn < self->par.truck_share + self->par.motorcycle_share ? TRAFFIC_MOTORCYCLE : TRAFFIC_CAR;
 }
@@ -104,7 +97,7 @@ static bool fill(stream_traffic *self, flow *all, int32_t path, int32_t count) {
     double speed = (1 - SPREAD_OF_GAPS) * room / self->par.time_gap;
     for (int32_t n = 0; n < count; ++n) {
         flow_user user = vehicle(self, path);
-        double moved = SPREAD_OF_GAPS * (population_draw(self, user.id, 8) - 0.5);
+        double moved = SPREAD_OF_GAPS * (random_draw(self, user.id, 8) - 0.5);
         user.station = from + (n / lanes + 0.5) * spacing + moved * room;
         user.speed = fmin(speed, user.driver.desired_speed);
         set_lane(&user, all, way->right + n % lanes);

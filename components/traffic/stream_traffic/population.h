@@ -4,9 +4,6 @@
 
 #include "stream_traffic.h"
 
-/* From 0 to less than 1: the *number*-th that belongs to that id (splitmix64; G. Steele, D. Lea, C. Flood: OOPSLA 2014). */
-double population_draw(const stream_traffic *self, int32_t id, int32_t number);
-
 /* Everybody at the start. False: they do not fit on the road. */
 bool population_begin(stream_traffic *self, flow *all);
 

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "population.h"
+#include "random_draw.h"
 
 #define START_UP 3.0      /* s */
 #define STANDS 0.5        /* m/s */
@@ -28,19 +28,19 @@ void walkers_add(stream_traffic *self, const flow *all, int32_t class, bool cros
     stream_walker *walker = &self->walkers[i];
     flow_user user = {
         .id = id, .class = class, .walks = true, .length = rides ? 1.8 : 0.5, .width = rides ? 0.6 : 0.5,
-        .height = 1.75, .station = from + population_draw(self, id, 0) * (to - from), .low = 1,
+        .height = 1.75, .station = from + random_draw(self, id, 0) * (to - from), .low = 1,
     };
     self->users[i] = user;
     walker->crosses = crosses;
-    walker->pace = rides ? 4 + 2 * population_draw(self, id, 1) : 1 + 0.5 * population_draw(self, id, 1);
-    walker->sense = rides || population_draw(self, id, 2) < 0.5 ? 1 : -1;
+    walker->pace = rides ? 4 + 2 * random_draw(self, id, 1) : 1 + 0.5 * random_draw(self, id, 1);
+    walker->sense = rides || random_draw(self, id, 2) < 0.5 ? 1 : -1;
     if (crosses) {
         walker->from = edge(path, -walker->sense) - walker->sense * KERB;
         walker->to = edge(path, walker->sense) + walker->sense * KERB;
         walker->offset = walker->from;
-        walker->waits_until = 20 * population_draw(self, id, 3);
+        walker->waits_until = 20 * random_draw(self, id, 3);
     } else {
-        walker->offset = edge(path, -1) - (rides ? 0.8 : 1.5 + population_draw(self, id, 3));
+        walker->offset = edge(path, -1) - (rides ? 0.8 : 1.5 + random_draw(self, id, 3));
     }
 }
 
@@ -87,7 +87,7 @@ static void cross(stream_traffic *self, const flow *all, int32_t i, double h) {
             walker->to = kerb;
             walker->sense = -walker->sense;
             walker->is_crossing = false;
-            walker->waits_until = now(self) + 5 + 20 * population_draw(self, self->users[i].id, 3);
+            walker->waits_until = now(self) + 5 + 20 * random_draw(self, self->users[i].id, 3);
         }
     } else if ((self->steps + i) % LOOKING == 0 && now(self) >= walker->waits_until) {
         walker->is_crossing = may_cross(self, all, i);

@@ -1,0 +1,51 @@
+#include "flow.h"
+
+#include <math.h>
+
+#define BESIDE 1e-9       /* m: the order and the way tell who is ahead of whom but for their rounding */
+
+/* Whether user *i* would have to mind the host on that lane. */
+static bool shares_with_host(const flow *self, int32_t i, int32_t lane) {
+    const flow_rules *rules = &self->rules;
+    const flow_user *user = &self->users[i];
+    if (!rules->minds_host || user->path != 0) return false;
+    double width = self->paths[0].lane_width, aside = self->in->lane.offset + (rules->host_lane - lane) * width;
+    return fabs(aside) < 0.5 * fmax(width, rules->host_width + user->width);
+}
+
+/* Of its centre. */
+static double station_of(const flow *self, int32_t who) {
+    return who == FLOW_HOST ? self->in->lane.station + 0.5 * (self->rules.host_front - self->rules.host_rear)
+                            : self->users[who].station;
+}
+
+/* From the centre of who is behind to that of who is ahead, in the direction of travel; on a closed path less than a lap. */
+static double way_between(const flow *self, int32_t path, int32_t behind, int32_t ahead) {
+    double way = station_of(self, ahead) - station_of(self, behind), lap = self->paths[path].lap;
+    return lap > 0 ? way - lap * floor(way / lap) : way;
+}
+
+flow_neighbour flow_next(const flow *self, int32_t i, int32_t lane, bool is_ahead) {
+    const flow_user *user = &self->users[i];
+    flow_neighbour next = {FLOW_NOBODY, HUGE_VAL};
+    double nearest = HUGE_VAL, lap = self->paths[user->path].lap;
+    int32_t who = (is_ahead ? user->ahead : user->behind)[lane - user->lane + 1];
+    if (who != FLOW_NOBODY) {
+        int32_t behind = is_ahead ? i : who, ahead = is_ahead ? who : i;
+        double way = way_between(self, user->path, behind, ahead);
+        if (lap > 0 && way > lap - BESIDE) way -= lap;
+        if (!(way == 0 && ahead > behind)) {
+            nearest = way;
+            next.who = who;
+        }
+    }
+    if (shares_with_host(self, i, lane)) {
+        double way = is_ahead ? way_between(self, 0, i, FLOW_HOST) : way_between(self, 0, FLOW_HOST, i);
+        if (!(way < 0 || (way == 0 && is_ahead) || way >= nearest)) {
+            nearest = way;
+            next.who = FLOW_HOST;
+        }
+    }
+    if (next.who != FLOW_NOBODY) next.gap = nearest - 0.5 * (flow_length_of(self, i) + flow_length_of(self, next.who));
+    return next;
+}
