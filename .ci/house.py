@@ -98,9 +98,9 @@ def worded() -> dict[str, int]:
 def changes() -> list[str]:
     """What is wrong with the names of changes/*.md, and with the subjects of commits since the one in .ci/base."""
     wrong = [
-        f"changes/{path.name}: no <topic>.<kind>.md with a kind of {', '.join(sorted(KINDS))}"
+        f"changes/{path.name}: not +<topic>.<kind>.md with a kind of {', '.join(sorted(KINDS))}"
         for path in sorted((HOUSE / "changes").iterdir())
-        if path.name != "README.md" and not re.fullmatch(rf"[\w-]+\.({'|'.join(KINDS)})\.md", path.name)
+        if path.name != "README.md" and not re.fullmatch(rf"\+[\w-]+\.({'|'.join(KINDS)})\.md", path.name)
     ]
     base = (HOUSE / ".ci/base").read_text(encoding="utf-8").strip()
     log = ["git", "log", "--no-merges", "--format=%h %s", f"{base}..HEAD"]

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given, strategies as st
 
 from dse.domain.component import Causality, Component, Interface, Kind, Port, Type
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Optional, Part
+from dse.domain.labels import is_part, wholes
 from dse.errors import DseError, Location
 from dse.space.check import check_space
 from dse.space.configurations.wiring import architecture_outputs, wire
@@ -207,3 +209,12 @@ def test_alternatives_that_are_not_exchangeable_are_found():
     assert "an architecture among alternatives without an interface" in first.what
     assert "'simple' is a powertrain, 'brick' a gearbox" in second.what
     assert second.where == other.where
+
+
+@given(st.lists(st.from_regex(r"[ab](\.[ab]|\[[12]\]){0,3}", fullmatch=True), unique=True))
+def test_the_ports_of_a_group_are_its_parts_in_order(names):
+    # A name that is a port has no parts beside itself.
+    names = [name for name in names if not any(other != name and is_part(other, name) for other in names)]
+    interface = Interface("i", tuple(Port(name, Causality.INPUT, REAL) for name in names))
+    for whole in {*names, *(whole for name in names for whole in wholes(name)), "a", "c"}:
+        assert [port.name for port in interface.group(whole)] == [name for name in names if is_part(name, whole)]
