@@ -83,7 +83,9 @@ def _columns(source: Path) -> Mapping[str, NDArray[np.float64]]:
 
     if source.suffix.lower() not in _KINDS or not source.is_file():
         raise fail(
-            "no study folder, and no file of waveforms", Location(str(source)), f"it ends in {' or '.join(_KINDS)}"
+            "this is neither a study folder nor a file of waveforms",
+            Location(str(source)),
+            f"it ends in {' or '.join(_KINDS)}",
         )
     try:
         frame = pd.read_csv(source) if source.suffix.lower() == ".csv" else pd.read_parquet(source)

@@ -152,7 +152,10 @@ def test_correlated_variables_are_refused_by_the_design():
 
 @pytest.mark.parametrize(
     ("kind", "options", "why"),
-    [("sobol_indices", {"base": 100}, "no power of two: take 64"), ("morris", {"trajectories": 4, "levels": 5}, "odd")],
+    [
+        ("sobol_indices", {"base": 100}, "not a power of two: take 64"),
+        ("morris", {"trajectories": 4, "levels": 5}, "odd"),
+    ],
 )
 def test_options_that_make_no_design_are_refused(kind, options, why):
     with pytest.raises(ValueError, match=why):

@@ -43,7 +43,7 @@ def test_check_reads_roads_of_both_kinds_and_tells_what_is_wrong(dse_in, tmp_pat
         ("figure nowhere", "nowhere"),
         ("export opendrive straigt -o x.xodr", "did you mean 'straight'?"),
         ("export opendrive straight -o x.xml", "must end in .xodr"),
-        ("figure straight --drive nothing.csv", "not a file of waveforms"),
+        ("figure straight --drive nothing.csv", "nor a file of waveforms"),
     ],
 )
 def test_what_cannot_be_drawn_or_written_is_named(dse, line, what):

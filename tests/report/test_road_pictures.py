@@ -97,7 +97,7 @@ def test_the_same_road_gives_the_same_bytes(tmp_path, kind):
 
 @pytest.mark.parametrize(
     ("source", "what"),
-    [("x.csv", "no position was recorded"), ("x.txt", "not a file of waveforms"), ("no.csv", "not a file of")],
+    [("x.csv", "no position was recorded"), ("x.txt", "nor a file of waveforms"), ("no.csv", "nor a file of")],
 )
 def test_what_has_no_path_is_refused(tmp_path, source, what):
     if source.startswith("x"):

@@ -100,7 +100,7 @@ def test_a_start_is_refused_for_what_cannot_be_set_and_a_parameter_needs_a_value
         variables(made.solved(), {"p": 1.0, "y": 2.0})
     with pytest.raises(DseError, match="the model has no variable 'q'"):
         variables(made.solved(), {"p": 1.0, "q": 2.0})
-    with pytest.raises(DseError, match="no finite number"):
+    with pytest.raises(DseError, match="not a finite number"):
         variables(made.solved(), {"p": math.nan})
 
 
