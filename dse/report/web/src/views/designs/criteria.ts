@@ -162,7 +162,11 @@ function answersOf(model: Model): HTMLElement[] {
     el("b", {}, group(feasible.length)),
     ` of ${count(grouping.size, "design")} ${verb} ${every}${margin}${amongst}.`,
   );
-  if (!feasible.length) return [head, el("li", { class: "muted" }, "The leader board first lists the designs that miss the requirements by the least.")];
+  if (!feasible.length)
+    return [
+      head,
+      el("li", { class: "muted" }, "The leader board first lists the designs that miss the requirements by the least."),
+    ];
   const best = choices.criteria.flatMap(({ column, maximize }) => {
     const { title, unit, values, text } = model.column(column);
     const design = first(feasible, (one) => (maximize ? -values[one]! : values[one]!));
