@@ -11,6 +11,7 @@ from .entries import (
     read_entry as read_entry,
     recent_entries as recent_entries,
     replace_file as replace_file,
+    tell_damage as tell_damage,
     try_to_put as try_to_put,
     vouch as vouch,
 )

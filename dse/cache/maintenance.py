@@ -118,6 +118,7 @@ SECTIONS = (
     CacheSection("runs", "runs that were simulated", Path.is_dir),  # what is damaged in it is found when it is read
     CacheSection("received", "FMUs that other machines sent"),
     CacheSection("compilers", "compilers that made what is here", stay=True),
+    CacheSection("answers", "answers of commands", _matches_head),
     CacheSection("documents", "YAML files of workspaces, read", _matches_head),
     CacheSection("units", "units, looked up", _matches_head),
     CacheSection("trusted", "workspaces that were trusted", _matches_head, stay=True),

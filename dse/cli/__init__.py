@@ -12,6 +12,12 @@ def main() -> None:
         from dse.cli.streams import mend_streams
 
         mend_streams()
+        import sys
+
+        from dse.cli.answers import answer
+
+        if answer(sys.argv[1:]):
+            return
         from dse.cli.entry import run
     except KeyboardInterrupt:
         raise SystemExit(130) from None

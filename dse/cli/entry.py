@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from dse.cache import CacheWarning
+from dse.cli.answers import keep
 from dse.cli.app import DONE, WRONG_FILES, InterruptedCommandError, app
 from dse.cli.commands import register
 from dse.cli.completion import words
@@ -28,6 +29,8 @@ def run() -> None:
     """Run the command line in ``sys.argv`` and raise SystemExit."""
     try:
         code = _carry_out()
+        if code == DONE:
+            keep()
         tidy_up()
     except KeyboardInterrupt:  # while it was told what went wrong
         code = stop_code()

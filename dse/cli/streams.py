@@ -8,6 +8,26 @@ import sys
 from typing import Any, TextIO
 
 
+class Record:
+    """What went to standard output, while it is wanted and not much; and whether there were notes, progress aside."""
+
+    def __init__(self) -> None:
+        self.content: bytearray | None = None
+        self.has_notes = False
+
+    def add(self, content: bytes) -> None:
+        """Take *content*, or nothing any more."""
+        if self.content is not None:
+            self.content += content
+            if len(self.content) > _MOST_RECORDED:
+                self.content = None
+
+
+record = Record()
+
+_MOST_RECORDED = 2**20
+
+
 class OutputError(Exception):
     """Standard output takes no more; *is_left* if because its reader went away, as ``head`` does."""
 
@@ -38,6 +58,7 @@ def _nowhere(mode: str) -> TextIO:
 
 class _Output(io.FileIO):
     def write(self, content: Any, /) -> int:
+        record.add(content)
         try:
             return super().write(content)
         except OSError as error:

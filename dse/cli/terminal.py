@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from dse.cli import streams
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
@@ -51,6 +53,7 @@ def console(*, stderr: bool = False) -> Console:
     """A rich console that never guesses at highlights or markup in the user's words."""
     from rich.console import Console
 
+    streams.record.has_notes |= stderr
     return Console(stderr=stderr, highlight=False, markup=False, emoji=False)
 
 
@@ -121,7 +124,9 @@ _PATIENCE = 1.0
 @contextmanager
 def status_line() -> Iterator[Callable[[str], None]]:
     """Shows the text it was last given on a terminal's standard error, once the context has lasted a second."""
+    has_notes = streams.record.has_notes
     screen = console(stderr=True)
+    streams.record.has_notes = has_notes  # progress is not one
     if not screen.is_terminal:
         yield lambda _: None
         return

@@ -8,6 +8,9 @@ from pathlib import Path
 
 from dse.errors import Location, fail
 
+FOLLOWED: set[Path] = set()
+"""Every path that files of a workspace have named in this process."""
+
 
 def find_root(path: Path) -> Path | None:
     """The nearest folder at or above *path* that holds ``components/``, or None."""
@@ -32,9 +35,11 @@ def named_file(folder: Path, name: str, inside: Path, suffixes: Collection[str],
 def followed(folder: Path, name: str, where: Location) -> Path:
     """The path *name*, relative to *folder*, with its links followed. Raises DseError, at *where*."""
     try:
-        return (folder / name).resolve()
+        path = (folder / name).resolve()
     except (OSError, RuntimeError) as error:  # RuntimeError is how Python 3.11 tells of links in a circle
         raise fail(f"'{name}' cannot be followed to a file", where, "paths are relative to this file") from error
+    FOLLOWED.add(path)
+    return path
 
 
 def is_file(path: Path) -> bool:
