@@ -120,6 +120,7 @@ UNFIT: dict[str, tuple[list[str], Callable[[Path, pytest.MonkeyPatch], object]]]
     "a clock could miss a change": (COUNT, lambda _, patch: patch.setattr(answers, "_SETTLED", 10**12)),
     "a link leads to a folder": (COUNT, lambda root, _: (root / "designs/more").symlink_to(root.parent)),
     "there are too many files": (COUNT, lambda _, patch: patch.setattr(answers, "_MOST_FILES", 2)),
+    "the user wants none": (COUNT, lambda _, patch: patch.setenv("DSE_ANSWERS", "0")),
     "there is no workspace": (COUNT, lambda root, patch: patch.chdir(root.parent)),
 }
 
@@ -152,8 +153,7 @@ def test_commands_answer_from_what_they_printed(tmp_path):
     first, second, third = (run_dse(tmp_path / "w", *COUNT, cache=tmp_path / "cache") for _ in range(3))
     assert first.stdout == second.stdout == third.stdout == "d: 2 of 2 configurations are valid\n"
     assert len([*(tmp_path / "cache/answers").iterdir()]) in (1, 2)
-    wrong = run_dse(tmp_path / "w", "enumerate", "e", "--count", cache=tmp_path / "cache")
-    assert wrong.returncode == 1
+    assert run_dse(tmp_path / "w", "enumerate", "e", "--count", cache=tmp_path / "cache").returncode == 1
     script = "import sys; sys.argv[1:] = %r; from dse.cli import main; main(); print(*sys.modules)"
     for _ in range(2):  # the first one is the first in this environment
         fresh = subprocess.run(
