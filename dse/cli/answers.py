@@ -11,7 +11,7 @@ So the second ``dse check`` reads the times of the files and prints what the fir
 A stamp has size, times, number and mode of each file. On POSIX this is enough, as no program can set back the time at
 which a file changed; elsewhere no answer is kept. The stamp is taken before and after a command, and must be the same
 and two seconds old: no answer is kept for files that changed while it was found, or so recently that a clock could miss
-the next change. Only answers without errors, notes and warnings are kept; ``DSE_ANSWERS=0`` has each command run.
+the next change. Only answers without errors, notes and warnings are kept, and only where ``DSE_ANSWERS=1``.
 
 This module runs before anything else of a command, so it imports next to nothing. Costs: `docs/decisions/0037`.
 """
@@ -49,7 +49,7 @@ class _UnfitError(Exception):
 class _Question:
     def __init__(self, arguments: list[str]) -> None:
         is_help = any(each in arguments for each in _HELP)
-        if os.name != "posix" or os.environ.get("DSE_ANSWERS") == "0" or not (is_help or _is_reading(arguments)):
+        if os.name != "posix" or os.environ.get("DSE_ANSWERS") != "1" or not (is_help or _is_reading(arguments)):
             raise _UnfitError
         self.roots = () if is_help else _roots(arguments)
         folder = _cache_folder()
