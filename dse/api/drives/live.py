@@ -231,7 +231,7 @@ def _value(port: Port | None, name: str, value: object) -> float:
     raise fail(f"'{name}' does not accept this value")
 
 
-# What a driver sees of a run while it goes on: the scene's columns, worked out from the signals of one moment.
+# What a driver sees while a run is simulated: the columns of the scene, computed from the signals at one time.
 
 
 _FASTEST = 70.0

@@ -139,7 +139,7 @@ class Study(_Named[nouns.Study]):
         *sandbox* FMUs have no network and write in their scratch folder only (Linux). *executor* makes the runs instead
         of what the study names: one of ``concurrent.futures`` with so many *workers* (0: as it says itself), or a
         function that makes one. Results do not depend on any of that. Runs that were made before, for this study or
-        another, are not simulated again, unless *fresh*; `plan` tells.
+        another, are not simulated again, unless *fresh*; `plan` lists them.
 
         Raises DseError with everything that is wrong, and ExplorationInterruptedError, a KeyboardInterrupt, on Ctrl-C:
         finished runs are stored, and the same call resumes.
