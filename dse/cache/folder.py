@@ -11,19 +11,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from dse.errors import DseError, Location, fail, remedy
+from dse.places import cache_path
 from dse.scratch import name_of_mine
 
 
 def cache_folder(cache: Path | None = None) -> Path:
     """*cache* if given, else ``$DSE_CACHE``, else the user's cache folder; it need not exist yet."""
-    if cache is not None:
-        return cache
-    named = os.environ.get("DSE_CACHE", "").strip()
-    if named:
-        return Path(named)
-    import platformdirs
-
-    return Path(platformdirs.user_cache_dir("dse", appauthor=False))
+    return Path(cache_path()) if cache is None else cache
 
 
 def content_key(entries: Iterable[tuple[str, bytes]]) -> str:

@@ -11,7 +11,7 @@ So the second ``dse check`` reads the times of the files and prints what the fir
 A stamp has size, times, number and mode of each file. On POSIX this is enough, as no program can set back the time at
 which a file changed; elsewhere no answer is kept. The stamp is taken before and after a command, and must be the same
 and two seconds old: no answer is kept for files that changed while it was found, or so recently that a clock could miss
-the next change. Only answers without errors, notes and warnings are kept, and only where ``DSE_ANSWERS=1``.
+the next change. Only answers without errors, notes and warnings are kept, and none where ``DSE_ANSWERS=0``.
 
 This module runs before anything else of a command, so it imports next to nothing. Costs: `docs/decisions/0037`.
 """
@@ -23,6 +23,7 @@ import sys
 
 from dse import __version__
 from dse.cli import streams
+from dse.places import cache_path, workspace_around
 
 _COMMANDS = {("check",), ("components",), ("enumerate",)} | {
     ("space", name) for name in ("best", "choices", "compare", "conflict", "constraints", "count", "explain", "pareto")
@@ -34,6 +35,8 @@ _PASSING = frozenset({"_", "OLDPWD", "PWD", "SHLVL", "WINDOWID"})
 _TOOLS = ("cc", "gcc", "clang", "omc", "wine", "sumo")
 _KNOWN = ("facts", "numerics", "trusted", "compilers")
 """Folders of the cache that say what is known of FMUs and workspaces."""
+FOLDER = "answers"
+"""Where answers are in the cache."""
 _MOST_FILES = 20_000
 _SETTLED = 2_000_000_000
 """Nanoseconds after which a file that changes has other times than before."""
@@ -49,11 +52,11 @@ class _UnfitError(Exception):
 class _Question:
     def __init__(self, arguments: list[str]) -> None:
         is_help = any(each in arguments for each in _HELP)
-        if os.name != "posix" or os.environ.get("DSE_ANSWERS") != "1" or not (is_help or _is_reading(arguments)):
+        if os.name != "posix" or os.environ.get("DSE_ANSWERS") == "0" or not (is_help or _is_reading(arguments)):
             raise _UnfitError
         self.roots = () if is_help else _roots(arguments)
-        folder = _cache_folder()
-        self.file = os.path.join(folder, "answers", _digest(*_circumstances(arguments, folder)))
+        folder = cache_path()
+        self.file = os.path.join(folder, FOLDER, _digest(*_circumstances(arguments, folder)))
         self.stamp, self.newest = "", 0
 
     def look(self, named: tuple[str, ...]) -> None:
@@ -113,19 +116,11 @@ def _is_reading(arguments: list[str]) -> bool:
 
 def _roots(arguments: list[str]) -> tuple[str, ...]:
     """The workspaces of the current folder and of each argument that is a path."""
-    found = [_root(os.getcwd())]  # pathlib costs more than the rest
-    found += [_root(each) for each in arguments if os.path.lexists(each)]
-    return tuple(dict.fromkeys(found))
-
-
-def _root(path: str) -> str:
-    folder = os.path.realpath(path)
-    while not os.path.isdir(os.path.join(folder, "components")):
-        above = os.path.dirname(folder)
-        if above == folder:
-            raise _UnfitError
-        folder = above
-    return folder
+    places = [os.getcwd(), *(each for each in arguments if os.path.lexists(each))]
+    found = [workspace_around(place) for place in places]
+    if None in found:
+        raise _UnfitError
+    return tuple(dict.fromkeys(filter(None, found)))
 
 
 def _circumstances(arguments: list[str], cache: str) -> list[str]:
@@ -214,15 +209,6 @@ def _has_plugins() -> bool:
     from importlib.metadata import entry_points
 
     return any(group.startswith("dse.") for group in entry_points().groups)
-
-
-def _cache_folder() -> str:
-    named = os.environ.get("DSE_CACHE", "").strip()
-    if named:
-        return named
-    import platformdirs
-
-    return platformdirs.user_cache_dir("dse", appauthor=False)
 
 
 def _digest(*parts: str) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from dse.errors import Location, fail
+from dse.places import workspace_around
 
 FOLLOWED: set[Path] = set()
 """Every path that files of a workspace have named in this process."""
@@ -14,8 +15,8 @@ FOLLOWED: set[Path] = set()
 
 def find_root(path: Path) -> Path | None:
     """The nearest folder at or above *path* that holds ``components/``, or None."""
-    start = path.resolve()
-    return next((folder for folder in (start, *start.parents) if (folder / "components").is_dir()), None)
+    found = workspace_around(str(path))
+    return Path(found) if found else None
 
 
 def named_file(folder: Path, name: str, inside: Path, suffixes: Collection[str], where: Location) -> Path:

@@ -16,6 +16,7 @@ import dse
 from dse.cache import SECTIONS, CacheWarning, damaged, keep, keep_file, keep_files, left_overs, survey, take_out, unused
 from dse.cache.entries import digest_file
 from dse.cache.folder import aside
+from dse.cli import answers
 from dse.errors import DseError
 
 
@@ -44,6 +45,7 @@ def test_every_folder_of_the_cache_is_in_the_table():
     named = r'cache_folder\([^)]*\)(?:\.absolute\(\))? / "([^".]+)"(?: / "([^"]+)")?'
     sources = [path.read_text(encoding="utf-8") for path in Path(dse.__file__).parent.rglob("*.py")]
     folders = {"/".join(filter(None, found)) for text in sources for found in re.findall(named, text)}
+    folders |= {answers.FOLDER}
     assert {"built", "unpacked", "fused/parts", "units"} < folders
     assert sorted(folders) == sorted(shelf.name for shelf in SECTIONS)
 

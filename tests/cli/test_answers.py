@@ -31,7 +31,6 @@ def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     written(tmp_path / "w", FILES)
     monkeypatch.chdir(tmp_path / "w")
     monkeypatch.setenv("DSE_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setenv("DSE_ANSWERS", "1")
     monkeypatch.setattr(answers, "_SETTLED", 0)
     monkeypatch.setattr(answers, "_has_plugins", lambda: False)
     monkeypatch.setattr(paths, "FOLLOWED", set())
@@ -151,9 +150,7 @@ def test_help_depends_on_no_workspace(root, capsysbinary, monkeypatch):
 def test_commands_answer_from_what_they_printed(tmp_path):
     written(tmp_path / "w", FILES)
     time.sleep(2.1)
-    first, second, third = (
-        run_dse(tmp_path / "w", *COUNT, cache=tmp_path / "cache", DSE_ANSWERS="1") for _ in range(3)
-    )
+    first, second, third = (run_dse(tmp_path / "w", *COUNT, cache=tmp_path / "cache") for _ in range(3))
     assert first.stdout == second.stdout == third.stdout == "d: 2 of 2 configurations are valid\n"
     assert len([*(tmp_path / "cache/answers").iterdir()]) in (1, 2)
     assert run_dse(tmp_path / "w", "enumerate", "e", "--count", cache=tmp_path / "cache").returncode == 1
@@ -162,7 +159,7 @@ def test_commands_answer_from_what_they_printed(tmp_path):
         fresh = subprocess.run(
             [sys.executable, "-c", script % COUNT],
             cwd=tmp_path / "w",
-            env={**os.environ, "DSE_CACHE": str(tmp_path / "cache"), "DSE_ANSWERS": "1"},
+            env={**os.environ, "DSE_CACHE": str(tmp_path / "cache")},
             capture_output=True,
             text=True,
             check=True,
