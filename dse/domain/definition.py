@@ -268,8 +268,10 @@ def _sampling(definition: StudyDefinition) -> tuple[object, ...]:
 
 def to_json(noun: Any) -> Json:
     """A noun of this module as plain data, with all its fields."""
+    if noun is None or isinstance(noun, str | float | int):
+        return noun
     if hasattr(noun, "__dataclass_fields__"):
         return {entry.name: to_json(getattr(noun, entry.name)) for entry in fields(noun)}
     if isinstance(noun, Mapping):
         return {key: to_json(value) for key, value in noun.items()}
-    return [to_json(value) for value in noun] if isinstance(noun, tuple | list) else noun
+    return [to_json(value) for value in noun]

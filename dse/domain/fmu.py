@@ -130,7 +130,7 @@ class Variable:
     @property
     def labels(self) -> tuple[str, ...]:
         """A name for each value, row by row: the variable's own, or ``name[2]``, ``name[1,3]``, counted from 1."""
-        return tuple(element_names(self.name, self.shape))
+        return tuple(element_names(self.name, self.shape)) if self.shape else (self.name,)
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,7 +23,7 @@ from dse.interchange.resolving.resolve import ResolvedSystem, system_of
 from dse.interchange.structure import ExperimentSettings, SspComponent, SspSystem
 from dse.loading import is_multiple
 from dse.metrics import compile_metrics
-from dse.testbench import PreparedBench, Recording, with_facts
+from dse.testbench import KnownFmus, PreparedBench, Recording, with_facts
 
 _STEPS = 1000
 """Steps of an experiment for which nobody says how long they are."""
@@ -115,7 +115,7 @@ def prepare_ssp(
         program=compile_metrics((), (), {}, frozenset()),
         recording=Recording(resolved.record, resolved.record, resolved.record),
     )
-    return PreparedPackage(ssp, resolved, timing, with_facts(bench, {}, where, cache=cache))
+    return PreparedPackage(ssp, resolved, timing, with_facts(bench, {}, where, KnownFmus(cache)))
 
 
 def timing_of(

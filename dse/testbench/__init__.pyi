@@ -2,6 +2,7 @@ from .address import address_of as address_of
 from .check import check_workspace as check_workspace
 from .error_bar_selection import checked_benches as checked_benches, require_checkable as require_checkable
 from .facts import (
+    KnownFmus as KnownFmus,
     consequences as consequences,
     facts_as_data as facts_as_data,
     keep_facts as keep_facts,

@@ -40,26 +40,47 @@ def keep_facts(facts: FmuFacts, *, cache: Path | None = None) -> Path:
     return put_file(_file(facts.content_hash, facts.platform, facts.interface, cache), text.encode())
 
 
-def facts_of(system: SystemStructure, *, cache: Path | None = None) -> dict[str, FmuFacts]:
-    """What is known of the elements of *system*, by their names."""
-    models = {_key(element.model): element.model for element in system.elements if element.model.content_hash}
-    known = {key: facts for key, model in models.items() if (facts := known_facts(model, cache=cache))}
-    return {e.name: known[_key(e.model)] for e in system.elements if _key(e.model) in known}
+class KnownFmus:
+    """What is known of the FMUs of systems; each FMU is looked up once."""
 
+    def __init__(self, cache: Path | None = None) -> None:
+        self._cache = cache
+        self._facts: dict[tuple[str, str], FmuFacts | None] = {}
+        self._shares_nothing: dict[Path, bool] = {}
 
-def is_thread_safe(
-    system: SystemStructure,
-    facts: Mapping[str, FmuFacts],
-    parts: Mapping[str, Component],
-    *,
-    cache: Path | None = None,
-) -> bool:
-    """Whether *system* may be simulated several times at once in threads of one process.
+    def facts_of(self, system: SystemStructure) -> dict[str, FmuFacts]:
+        """What is known of the elements of *system*, by their names."""
+        known = {element.name: self._known(element.model) for element in system.elements if element.model.content_hash}
+        return {name: facts for name, facts in known.items() if facts}
 
-    Its FMUs were seen to bear it; or they are built from source here, without static variables, so that instances
-    share nothing, and nothing else was seen. *parts* are the components by element.
-    """
-    return all(_supports_threads(e.model, facts.get(e.name), parts.get(e.name), cache) for e in system.elements)
+    def is_thread_safe(
+        self, system: SystemStructure, facts: Mapping[str, FmuFacts], parts: Mapping[str, Component]
+    ) -> bool:
+        """Whether *system* may be simulated several times at once in threads of one process.
+
+        Its FMUs were seen to bear it; or they are built from source here, without static variables, so that instances
+        share nothing, and nothing else was seen. *parts* are the components by element.
+        """
+        return all(self._supports_threads(e.model, facts.get(e.name), parts.get(e.name)) for e in system.elements)
+
+    def _known(self, model: FmuModel) -> FmuFacts | None:
+        key = model.content_hash, model.manner
+        if key not in self._facts:
+            self._facts[key] = known_facts(model, cache=self._cache)
+        return self._facts[key]
+
+    def _supports_threads(self, model: FmuModel, facts: FmuFacts | None, component: Component | None) -> bool:
+        if model.capabilities.once_per_process:
+            return False
+        if facts is not None and facts.answer(Question.THREADS) is not Answer.UNKNOWN:
+            limited = facts.denies(Question.RENEWS) or facts.denies(Question.LASTS)
+            return facts.answer(Question.THREADS) is Answer.YES and not limited
+        source = component.source if component is not None else None
+        if source is None or source.is_finished:
+            return False
+        if model.folder not in self._shares_nothing:
+            self._shares_nothing[model.folder] = shares_nothing(model, cache=self._cache)
+        return self._shares_nothing[model.folder]
 
 
 def consequences(facts: FmuFacts) -> tuple[str, ...]:
@@ -101,19 +122,5 @@ def _from_json(data: Mapping[str, Any]) -> FmuFacts:
     return FmuFacts(**values)
 
 
-def _key(model: FmuModel) -> tuple[str, str]:
-    return model.content_hash, model.manner
-
-
 def _file(content: str, platform: str, interface: str, cache: Path | None) -> Path:
     return cache_folder(cache) / "facts" / f"{content[:32]}-{interface}-{platform}-{PROBE_VERSION}.json"
-
-
-def _supports_threads(model: FmuModel, facts: FmuFacts | None, component: Component | None, cache: Path | None) -> bool:
-    if model.capabilities.once_per_process:
-        return False
-    if facts is not None and facts.answer(Question.THREADS) is not Answer.UNKNOWN:
-        limited = facts.denies(Question.RENEWS) or facts.denies(Question.LASTS)
-        return facts.answer(Question.THREADS) is Answer.YES and not limited
-    source = component.source if component is not None else None
-    return source is not None and not source.is_finished and shares_nothing(model, cache=cache)

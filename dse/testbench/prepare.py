@@ -20,7 +20,7 @@ from dse.fmu import build_all, in_parallel, open_component
 from dse.loading import is_multiple
 from dse.metrics import MetricProgram, RowProgram, compile_metrics, compile_value
 from dse.system import assemble, wiring_problems
-from dse.testbench.facts import facts_of, is_thread_safe
+from dse.testbench.facts import KnownFmus
 from dse.testbench.method import method_of, signal_name
 from dse.testbench.prepared_bench import PreparedBench, Recording, Setting
 from dse.testbench.split_bench import Halves, WorldPlace, far_half, in_world, near_half, signal_in_near, split_in_two
@@ -92,7 +92,8 @@ def build_checked(
     components = {c.name: c for one in checked.values() for c in one.wired.parts.values()}
     archives = build_all(components.values(), version=version, cache=cache)
     models = in_parallel(archives, lambda name: open_component(components[name], archives[name], cache=cache))
-    return _each(checked, lambda one: _prepared(one, models, cache))
+    known = KnownFmus(cache)
+    return _each(checked, lambda one: _prepared(one, models, known))
 
 
 def check_bench(bench: TestBench, configuration: Configuration) -> CheckedBench:
@@ -176,17 +177,17 @@ def _labels(name: str, signals: Iterable[str]) -> list[str]:
 
 
 def with_facts(
-    prepared: PreparedBench, parts: Mapping[str, Component], where: Location | None, *, cache: Path | None = None
+    prepared: PreparedBench, parts: Mapping[str, Component], where: Location | None, known: KnownFmus
 ) -> PreparedBench:
-    """*prepared* with what is known of its FMUs; *parts* are the components by element, as far as there are some.
+    """*prepared* with what is *known* of its FMUs; *parts* are the components by element, as far as there are some.
 
     Raises DseError, at *where*, with every reason why it cannot be simulated.
     """
     system, simulation = prepared.system, prepared.simulation
-    facts = facts_of(system, cache=cache)
+    facts = known.facts_of(system)
     unfit = simulation_problems(system, simulation.method, facts, stop=simulation.stop, step=simulation.step)
     raise_if_any(Problem(problem.what, problem.where or where, problem.hint) for problem in [*_crowded(system), *unfit])
-    return replace(prepared, facts=facts, thread_safe=is_thread_safe(system, facts, parts, cache=cache))
+    return replace(prepared, facts=facts, thread_safe=known.is_thread_safe(system, facts, parts))
 
 
 def _each(keys: Mapping[str, Key], make: Callable[[Key], Made]) -> dict[str, Made]:
@@ -202,7 +203,7 @@ def _each(keys: Mapping[str, Key], make: Callable[[Key], Made]) -> dict[str, Mad
     return made
 
 
-def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], cache: Path | None) -> PreparedBench:
+def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], known: KnownFmus) -> PreparedBench:
     wired, simulation, parts = checked.wired, checked.simulation, checked.wired.parts
     raise_if_any(stepping_problems(simulation, parts, models))
     columns, sources = checked.columns, checked.sources
@@ -219,7 +220,7 @@ def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], cache: Path
         fixed=fixed,
         derived=checked.derived,
     )
-    return with_facts(prepared, parts, simulation.where, cache=cache)
+    return with_facts(prepared, parts, simulation.where, known)
 
 
 def _crowded(system: SystemStructure) -> list[Problem]:

@@ -15,7 +15,7 @@ import pytest
 
 from dse.domain.run import RunRequest
 from dse.errors import DseError, fail
-from dse.exploration.packed_configuration import packed
+from dse.exploration.packed_configuration import Packer
 from dse.exploration.remote import dispatcher as module
 from dse.exploration.remote.dispatcher import Dispatcher
 from dse.exploration.remote.machine import Machine, this_machine
@@ -363,7 +363,7 @@ def small_message(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WorkMess
     work = work_in(tmp_path_factory.mktemp("work"))
     todo = batches(keep=True)[:2]
     names = {batch.configuration for batch in todo}
-    configurations = {name: packed(work.configurations[name]).content for name in names}
+    configurations = {name: Packer().pack(work.configurations[name]).content for name in names}
     needs: dict[str, dict[str, str]] = {name: {} for name in names}
     yield WorkMessage(
         "a study",

@@ -16,7 +16,7 @@ from dse.domain.fmu import Capabilities, FmiInterface, FmuModel
 from dse.domain.system import Element, SystemStructure
 from dse.fmu.toolchain.platforms import this_platform
 from dse.kinds.fmu import FmuSource
-from dse.testbench.facts import consequences, facts_of, is_thread_safe, keep_facts, known_facts
+from dse.testbench.facts import KnownFmus, consequences, keep_facts, known_facts
 
 HASH = "5a" * 32
 
@@ -110,7 +110,7 @@ def test_a_file_with_a_word_too_many_or_too_few_counts_as_nothing_known(tmp_path
 
 def test_every_element_of_a_known_fmu_has_its_facts(tmp_path: Path):
     keep_facts(facts(), cache=tmp_path)
-    found = facts_of(system(a=model(), b=model("7b" * 32), c=model()), cache=tmp_path)
+    found = KnownFmus(tmp_path).facts_of(system(a=model(), b=model("7b" * 32), c=model()))
     assert set(found) == {"a", "c"}
 
 
@@ -130,12 +130,21 @@ THEIRS = Component("theirs", Interface("", ()), source=FmuSource(Path("x.fmu")))
     ids=["theirs", "probed", "unclear", "ours, but seen to fail", "wears out"],
 )
 def test_threads_are_for_fmus_that_bear_them(component: Component, known: FmuFacts | None, safe: bool):
-    assert is_thread_safe(system(a=model()), {"a": known} if known else {}, {"a": component}) is safe
+    assert KnownFmus().is_thread_safe(system(a=model()), {"a": known} if known else {}, {"a": component}) is safe
+
+
+def test_an_fmu_at_several_places_is_looked_into_once(monkeypatch: pytest.MonkeyPatch):
+    seen = []
+    monkeypatch.setattr("dse.testbench.facts.shares_nothing", lambda model, cache: not seen.append(model))
+    known = KnownFmus()
+    for _ in range(2):
+        assert known.is_thread_safe(system(a=model(), b=model()), {}, {"a": OURS, "b": OURS})
+    assert seen == [model()]
 
 
 def test_an_fmu_that_can_be_instantiated_only_once_is_never_run_in_threads():
     once = model(capabilities=Capabilities(once_per_process=True))
-    assert not is_thread_safe(system(a=once), {}, {"a": OURS})
+    assert not KnownFmus().is_thread_safe(system(a=once), {}, {"a": OURS})
 
 
 def test_a_good_fmu_has_no_consequences_and_a_bad_one_has_each():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping
 from enum import IntEnum
+from functools import cache
 from typing import Any
 
 from dse.domain.fmu import Variable
@@ -171,6 +172,7 @@ def text_type_of(variable: Variable, version: int) -> AccessorType | None:
     return found if found is not None and found.is_text else None
 
 
+@cache
 def function_name(call: int, version: int) -> str:
     """Name of the FMI function behind a call number, "" where this version has none or the number means nothing.
 

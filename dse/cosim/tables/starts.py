@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 from dse.cosim.binding.calls import text_type_of, type_of
 from dse.cosim.wiring.wiring import VariableGroup, groups_by_type
-from dse.domain.fmu import Variable
+from dse.domain.fmu import FmuModel, Variable
+from dse.domain.labels import array_of, wholes
 from dse.domain.system import Element, SystemStructure
 from dse.errors import Problem, raise_if_any
 
@@ -36,7 +37,8 @@ def starts_of(system: SystemStructure, extra: Iterable[str]) -> Starts:
     """
     given = {f"{e.name}.{name}": float(value) for e in system.elements for name, value in e.start.items()}
     asked = dict.fromkeys(extra)
-    raise_if_any(_problems(system, given, asked))
+    named = _named(system, [*given, *asked])
+    raise_if_any(_problems(system, given, asked, named))
     numbers: dict[str, float] = {}
     texts: dict[str, bytes] = {}
     structural: set[str] = set()
@@ -45,9 +47,7 @@ def starts_of(system: SystemStructure, extra: Iterable[str]) -> Starts:
     text_groups: list[tuple[VariableGroup, ...]] = []
     problems: list[Problem] = []
     for element in system.elements:
-        names = given.keys() | asked.keys()
-        variables = element.model.variables.values()
-        wanted = [v for v in variables if any(f"{element.name}.{label}" in names for label in v.labels)]
+        wanted = named[element.name]
         for is_structural, parts in ((False, groups), (True, configuration)):
             part = []
             for group in groups_by_type(element, (v for v in wanted if v.is_structural is is_structural)):
@@ -61,8 +61,7 @@ def starts_of(system: SystemStructure, extra: Iterable[str]) -> Starts:
                     numbers[name] = 0.0 if value is None else value
             parts.append(tuple(part))
         part = []
-        named = (v for v in variables if any(label in element.texts for label in v.labels))
-        for group in groups_by_type(element, named, texts=True):
+        for group in groups_by_type(element, _holding(element.model, element.texts), texts=True):
             part.append(_placed(group, texts))
             for name, variable, index in _values(element, group):
                 label = variable.labels[index]
@@ -126,10 +125,31 @@ def _described_text(variable: Variable, index: int) -> str | bytes | None:
     return bytes.fromhex(text) if variable.fmi_type == "Binary" else text
 
 
-def _problems(system: SystemStructure, given: Iterable[str], asked: Iterable[str]) -> Iterable[Problem]:
+def _named(system: SystemStructure, names: Iterable[str]) -> dict[str, list[Variable]]:
+    """The variables of each element that have values called one of *names*."""
+    labels: dict[str, list[str]] = {element.name: [] for element in system.elements}
+    for name in names:
+        for whole in wholes(name):  # names of elements may have points, too
+            if whole in labels:
+                labels[whole].append(name[len(whole) + 1 :])
+    return {element.name: _holding(element.model, labels[element.name]) for element in system.elements}
+
+
+def _holding(model: FmuModel, labels: Iterable[str]) -> list[Variable]:
+    """The variables of *model* that have values called one of *labels*, in its order."""
+    wanted: dict[str, set[str]] = {}
+    for label in labels:
+        for name in (label, array_of(label)):
+            wanted.setdefault(name, set()).add(label)
+    return [v for name, v in model.variables.items() if name in wanted and not wanted[name].isdisjoint(v.labels)]
+
+
+def _problems(
+    system: SystemStructure, given: Iterable[str], asked: Iterable[str], named: Mapping[str, Iterable[Variable]]
+) -> Iterable[Problem]:
     known: dict[str, tuple[Element, Variable]] = {}
     for element in system.elements:
-        for variable in element.model.variables.values():
+        for variable in (*named[element.name], *_holding(element.model, element.texts)):
             known |= {f"{element.name}.{label}": (element, variable) for label in variable.labels}
     for name in dict.fromkeys([*given, *asked]):
         if name not in known:

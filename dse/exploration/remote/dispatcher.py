@@ -21,7 +21,7 @@ from queue import Empty, SimpleQueue
 from dse.cache import cache_folder
 from dse.errors import DseError, fail
 from dse.exploration.failures import failed_run
-from dse.exploration.packed_configuration import PackedConfiguration, packed
+from dse.exploration.packed_configuration import PackedConfiguration, Packer
 from dse.exploration.remote.assignments import Assignment, BatchSplitter
 from dse.exploration.remote.entries import digest_of_entry, sent
 from dse.exploration.remote.machine import Machine, this_machine
@@ -74,6 +74,7 @@ class Dispatcher:
         self._sent: dict[Future[Answer], Assignment] = {}
         self._again: deque[Assignment] = deque()
         self._packed: dict[str, PackedConfiguration] = {}
+        self._packer = Packer()
         self._needs: dict[str, dict[str, str]] = {}
         self._digests: dict[str, str] = {}
         self._seconds = 0.0
@@ -318,5 +319,5 @@ class Dispatcher:
         if name not in self._packed:
             while len(self._packed) >= _MOST_PACKED:
                 del self._packed[next(iter(self._packed))]
-            self._packed[name] = packed(self._work.configurations[name])
+            self._packed[name] = self._packer.pack(self._work.configurations[name])
         return self._packed[name]

@@ -34,7 +34,7 @@ import numpy as np
 
 from dse.errors import DseError, fail
 from dse.exploration.failures import not_stored
-from dse.exploration.packed_configuration import packed
+from dse.exploration.packed_configuration import Packer
 from dse.exploration.supervision.channel import GarbledError
 from dse.exploration.supervision.heartbeat import Phase, states_in
 from dse.exploration.supervision.messages import Report, Setup, in_sandbox
@@ -77,6 +77,7 @@ class Supervisor:
 
     def __init__(self, work: Work, sink: Sink, workers: int, threads: int = 1, *, sandboxed: bool = False) -> None:
         self._configurations = work.configurations
+        self._packer = Packer()
         self._sink = sink
         self._workers_wanted = self._most = workers
         log_folder, waveforms = work.log_folder.absolute(), work.waveforms.absolute()
@@ -198,7 +199,7 @@ class Supervisor:
     def _store(self, configuration: str) -> None:
         file = self._setup.file(configuration)
         if not file.exists():
-            file.write_bytes(packed(self._configurations[configuration]).content)
+            file.write_bytes(self._packer.pack(self._configurations[configuration]).content)
 
     def _listen(self) -> None:
         heard = [worker for worker in self._workers if not worker.offence]

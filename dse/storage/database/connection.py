@@ -18,7 +18,7 @@ from dse.domain.definition import StudyDefinition, to_json
 from dse.errors import DseError, Location, fail, remedy
 from dse.json_data import read_json, read_noun
 from dse.storage.database.attempts import ATTEMPTS, FROM_TIMING
-from dse.storage.database.definition import definition_from_json, definition_to_json
+from dse.storage.database.definition import definition_to_json, read_definition
 from dse.storage.database.files import FILES
 from dse.storage.database.header import StudyHeader
 from dse.storage.database.sampler_requests import Block, SamplerRequests, read_sampler_requests, write_sampler_requests
@@ -122,7 +122,7 @@ def attachable(path: Path) -> str:
 def create_tables(path: Path, header: StudyHeader) -> None:
     """Write an empty `study.sqlite` into *path*, all of it or nothing. DseError if *header* cannot be stored."""
     try:
-        definition_from_json(read_json(_json(definition_to_json(header.definition))))
+        read_definition(_json(definition_to_json(header.definition)))
     except (ValueError, RecursionError) as error:  # the latter while it is written
         raise fail(f"the study cannot be stored: {error}", Location(str(path))) from error
     aside = path / f"{NAME}.part"
@@ -199,8 +199,9 @@ def write_header(connection: sqlite3.Connection, header: StudyHeader, asks: Samp
 def read_header(connection: sqlite3.Connection, path: Path) -> tuple[StudyHeader, SamplerRequests]:
     """What `write_header` stored, in this version's tables or earlier ones, and the asks; DseError if it is none."""
     try:
-        facts = {key: read_json(value) for key, value in connection.execute("SELECT key, value FROM facts")}
-        definition = definition_from_json(facts["definition"])
+        stored = dict(connection.execute("SELECT key, value FROM facts"))
+        data, definition = read_definition(stored.pop("definition"))
+        facts = {"definition": data} | {key: read_json(value) for key, value in stored.items()}
         if _version(connection) == 1:
             facts = _of_first_version(facts)
         counts: dict[str, int] = {key: read_noun(facts[key], int, key) for key in _COUNTS}

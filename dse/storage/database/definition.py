@@ -6,12 +6,13 @@ import hashlib
 import json
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Any
 
 from dse.domain.definition import Json, StudyDefinition, to_json
 from dse.domain.distribution import Distribution
 from dse.domain.sampler import Role, Scale
-from dse.json_data import read_noun
+from dse.json_data import read_json, read_noun
 from dse.units import UnitError, parse_unit
 
 FORMAT = 2
@@ -21,6 +22,13 @@ FORMAT = 2
 def definition_to_json(definition: StudyDefinition) -> dict[str, Json]:
     """*definition* as plain data."""
     return {"format": FORMAT, **to_json(definition)}
+
+
+@lru_cache(maxsize=2)
+def read_definition(text: str) -> tuple[Json, StudyDefinition]:
+    """What *text* holds, as plain data and as a definition; ValueError if it is none. Neither may be changed."""
+    data = read_json(text)
+    return data, definition_from_json(data)
 
 
 def definition_from_json(data: Json) -> StudyDefinition:
