@@ -15,7 +15,6 @@ from bench_study import first_ask
 
 from dse.domain.run import Run, RunRequest
 from dse.loading.workspace import Workspace
-from dse.testbench import fuse_study
 from dse.testbench.prepared_bench import PreparedBench
 from dse.testbench.runner import Runner
 from dse.testbench.study import prepare_study
@@ -27,7 +26,7 @@ def main() -> None:
     study = Workspace.around(Path(__file__).parent).study("acc_gains_coded")
     planned = prepare_study(study)
     asked = first_ask(study, planned.definition)
-    for title, benches in (("through FMI", planned.benches), ("fused", fuse_study(planned).benches)):
+    for title, benches in (("through FMI", planned.benches), ("fused", prepare_study(study, fuse=True).benches)):
         compare(title, benches, asked)
 
 

@@ -8,7 +8,6 @@ from .facts import (
     keep_facts as keep_facts,
     known_facts as known_facts,
 )
-from .fuse import fuse_study as fuse_study
 from .multi_bench import Prepared as Prepared, make_runner as make_runner, on_bench as on_bench, singly as singly
 from .numerics import numerics_as_data as numerics_as_data, numerics_of_element as numerics_of_element
 from .prepare import (

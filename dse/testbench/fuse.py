@@ -2,32 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from dse.domain.bench import Simulation
 from dse.domain.method import PLAIN
+from dse.domain.study import Study
 from dse.errors import Problem, raise_if_any
 from dse.fmu import Tell, Wanted, fuse_all
-from dse.testbench.multi_bench import singly, together
-from dse.testbench.study import PreparedStudy
+from dse.testbench.multi_bench import Prepared, singly, together
 
 
-def fuse_study(study: PreparedStudy, *, cache: Path | None = None, tell: Tell | None = None) -> PreparedStudy:
-    """*study* with a fused library for each of its benches: the same results, faster.
+def fuse_benches(
+    study: Study, benches: Mapping[str, Prepared], *, cache: Path | None = None, tell: Tell | None = None
+) -> dict[str, Prepared]:
+    """*benches* of *study*, by configuration, with a fused library each: the same results, faster.
 
     *tell* is told how many libraries are made.
 
     Raises one DseError naming all that cannot be fused, located in the bench and the components.
     """
-    raise_if_any([*(p for bench in study.study.benches for p in _of_method(bench.simulation)), *_of_components(study)])
-    names = [bench.name for bench in study.study.benches]
-    each = {f"{n} on {on}": b for n, all_ in study.benches.items() for on, b in zip(names, singly(all_), strict=True)}
+    raise_if_any([*(p for bench in study.benches for p in _of_method(bench.simulation)), *_of_parts(study, benches)])
+    names = [bench.name for bench in study.benches]
+    each = {f"{n} on {on}": b for n, all_ in benches.items() for on, b in zip(names, singly(all_), strict=True)}
     wanted = {n: Wanted(b.system, b.recording.variables, b.simulation.method) for n, b in each.items()}
     libraries = fuse_all(wanted, cache=cache, tell=tell)
     fused = {name: replace(bench, fused=libraries[name]) for name, bench in each.items()}
-    return replace(study, benches={n: together([fused[f"{n} on {on}"] for on in names], names) for n in study.benches})
+    return {n: together([fused[f"{n} on {on}"] for on in names], names) for n in benches}
 
 
 def _of_method(simulation: Simulation) -> Iterator[Problem]:
@@ -45,9 +47,9 @@ def _of_method(simulation: Simulation) -> Iterator[Problem]:
         yield Problem(what, simulation.where, "leave out --fuse, or these keys")
 
 
-def _of_components(study: PreparedStudy) -> Iterator[Problem]:
-    standing = [c for bench in study.benches.values() for c in bench.configuration.parts.values()]
-    standing += [part.component for bench in study.study.benches for part in bench.test_components]
+def _of_parts(study: Study, benches: Mapping[str, Prepared]) -> Iterator[Problem]:
+    standing = [c for bench in benches.values() for c in bench.configuration.parts.values()]
+    standing += [part.component for bench in study.benches for part in bench.test_components]
     for component in {component.name: component for component in standing}.values():
         if component.source is not None and component.source.is_finished:
             what = f"{component.name} is a finished FMU, which cannot be fused"

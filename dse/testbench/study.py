@@ -21,6 +21,7 @@ from dse.loading import Raw, read_setting
 from dse.metrics import RowProgram, compile_number
 from dse.testbench.definition import configuration_of, define, fmus_of
 from dse.testbench.error_bars import with_error_bars
+from dse.testbench.fuse import fuse_benches
 from dse.testbench.multi_bench import Prepared, together
 from dse.testbench.numerics import Say
 from dse.testbench.prepare import prepare_bench
@@ -35,7 +36,7 @@ class Preparing:
     """How the configurations of *study* are prepared.
 
     FMUs are built as *version* of FMI; *say* and *sandboxed* are for `with_error_bars`. With a *world*, that half of
-    the bench is there.
+    the bench is there. *fuse* links each configuration into one library.
     """
 
     study: Study
@@ -44,6 +45,7 @@ class Preparing:
     say: Say = lambda _: None
     sandboxed: bool = False
     world: WorldPlace | None = None
+    fuse: bool = False
 
     def benches(self, configurations: Iterable[Configuration]) -> dict[str, Prepared]:
         """*configurations* on the study's benches, by id. Raises DseError with everything that is wrong."""
@@ -56,7 +58,14 @@ class Preparing:
             raise DseError(*dict.fromkeys(problems))
         _require_units(self.study, made)
         names = [bench.name for bench in self.study.benches]
-        return {name: together([each[name] for each in made], names) for name in made[0]}
+        benches = {name: together([each[name] for each in made], names) for name in made[0]}
+        if not self.fuse or not benches:
+            return benches
+        say = self.say
+        say("fusing configurations")
+        return fuse_benches(
+            self.study, benches, cache=self.cache, tell=lambda n, all_: say(f"fusing configurations: {n} of {all_}")
+        )
 
     def _on(self, bench: TestBench, configurations: Iterable[Configuration]) -> dict[str, PreparedBench]:
         test_parts = {part.name: part.component for part in bench.test_components}
@@ -115,15 +124,17 @@ def prepare_study(
     say: Say = lambda _: None,
     sandboxed: bool = False,
     world: WorldPlace | None = None,
+    fuse: bool = False,
 ) -> PreparedStudy:
     """Choose the configurations, build FMUs, assemble systems. Raises DseError with everything that is wrong.
 
     Of a sampler that proposes configurations only the first valid one is prepared: what is wrong with all shows there.
-    *say* and *sandboxed* are for `with_error_bars`. With a *world*, that half of the bench is there.
+    *say* and *sandboxed* are for `with_error_bars`. With a *world*, that half of the bench is there. *fuse* links each
+    configuration into one library.
     """
     if world is not None and study.others:
         raise fail("a study on several benches has no other half: each would need a world of its own", study.where)
-    preparing = Preparing(study, version, cache, say, sandboxed, world)
+    preparing = Preparing(study, version, cache, say, sandboxed, world, fuse)
     if not study.sampler.proposes:
         benches = preparing.benches(selected(study.bench.design, study.selection, study.where))
         require_variables(study, {name: bench.settings for name, bench in benches.items()})

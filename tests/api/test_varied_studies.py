@@ -148,6 +148,10 @@ def test_a_search_over_the_whole_space_goes_on_where_it_was(folder, tmp_path):
     assert again.explored is not None
     assert again.explored.simulated == 0
     assert again.to_pandas("si").equals(first)
+    fused = study.explore(place / "out" / "fused", workers=1, fuse=True, fresh=True)
+    assert fused.explored is not None
+    assert fused.explored.simulated == len(first)
+    assert fused.to_pandas("si").equals(first)
     totals = {each.id: each.totals["cost"].value for each in results.definition.configurations}
     for each in results.best().best:
         consumption = first.loc[each.runs[0], "consumption"]

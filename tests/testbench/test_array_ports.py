@@ -18,7 +18,6 @@ from dse.interchange.importing.ssp import import_ssp
 from dse.loading.workspace import Workspace
 from dse.space.space import open_space
 from dse.testbench.check import check_workspace
-from dse.testbench.fuse import fuse_study
 from dse.testbench.runner import Runner
 from dse.testbench.study import bench_study, prepare_study
 from dse.testing.kinds import lay_out, the_component
@@ -139,7 +138,7 @@ def test_a_connection_of_arrays_is_bit_for_bit_those_of_their_values(
 
 
 def test_a_fused_loop_takes_arrays_and_gives_the_same_bits(root: Path) -> None:
-    study = fuse_study(prepare_study(bench_study(Workspace(root).bench("see"))))
+    study = prepare_study(bench_study(Workspace(root).bench("see")), fuse=True)
     ((identity, prepared),) = study.benches.items()
     assert prepared.fused is not None
     with Runner(prepared) as runner:

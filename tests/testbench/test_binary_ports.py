@@ -244,9 +244,8 @@ def test_the_integers_behind_a_binary_are_no_ports(root: Path, tmp_path: Path) -
 
 
 def test_a_fused_loop_refuses_binaries_by_name(root: Path) -> None:
-    from dse.testbench.fuse import fuse_study
     from dse.testbench.study import bench_study, prepare_study
 
-    study = prepare_study(bench_study(Workspace(root).bench("see")))
+    study = bench_study(Workspace(root).bench("see"))
     with pytest.raises(DseError, match=r"source\.view: variables of type Binary cannot be fused"):
-        fuse_study(study)
+        prepare_study(study, fuse=True)

@@ -16,7 +16,6 @@ from dse.interchange.importing.component import import_component
 from dse.loading.workspace import Workspace
 from dse.space.space import open_space
 from dse.testbench.check import check_workspace
-from dse.testbench.fuse import fuse_study
 from dse.testbench.runner import Runner
 from dse.testbench.study import bench_study, prepare_study
 
@@ -93,7 +92,7 @@ def test_a_parameter_follows_what_is_wired_to_it_a_step_behind(root: Path, versi
 
 def test_a_fused_loop_tunes_parameters_to_the_same_bits(root: Path) -> None:
     write(root, wired(ALL, "parameters: {seat.slope: 2}\n"))
-    study = fuse_study(prepare_study(bench_study(Workspace(root).bench("see"))))
+    study = prepare_study(bench_study(Workspace(root).bench("see")), fuse=True)
     ((identity, prepared),) = study.benches.items()
     assert prepared.fused is not None
     with Runner(prepared) as runner:
@@ -177,7 +176,7 @@ def test_parameters_of_a_modelica_model_are_tuned_with_what_is_calculated_of_the
     found = columns(root, version=version)
     k = np.maximum(np.arange(21) - 1, 0)
     assert np.allclose(found["sink.y"], 2 * (1.5 + 2 * k), rtol=1e-12)
-    study = fuse_study(prepare_study(bench_study(Workspace(root).bench("see"))))
+    study = prepare_study(bench_study(Workspace(root).bench("see")), fuse=True)
     ((identity, prepared),) = study.benches.items()
     with Runner(prepared) as runner:
         fused = runner.run(RunRequest(0, identity, {}), keep=True)

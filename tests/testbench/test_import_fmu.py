@@ -17,7 +17,6 @@ from dse.errors import DseError
 from dse.interchange.importing.component import import_component, name_of
 from dse.loading.workspace import Workspace
 from dse.testbench.check import check_workspace
-from dse.testbench.fuse import fuse_study
 from dse.testbench.study import bench_study, prepare_study
 
 
@@ -177,7 +176,7 @@ def test_what_cannot_be_fused_is_told_in_the_files(tmp_path):
     lay_out(tmp_path, "coupling: solve,")
     bench = workspace(tmp_path).bench("oscillating")
     with pytest.raises(DseError) as caught:
-        fuse_study(prepare_study(bench_study(bench), cache=tmp_path / "cache"))
+        prepare_study(bench_study(bench), cache=tmp_path / "cache", fuse=True)
     component, method = caught.value.problems
     assert method.what.startswith("'coupling' cannot be fused")
     assert str(method.where).endswith("oscillating.yaml:3:1")

@@ -42,7 +42,6 @@ from dse.testbench import (
     PreparedStudy,
     WorldPlace,
     checked_benches,
-    fuse_study,
     make_runner,
     on_bench,
     prepare_study,
@@ -119,16 +118,9 @@ def ready(
     world: WorldPlace | None = None,
 ) -> PreparedStudy:
     """*study* with all that has to be built for it. Raises DseError."""
-    if fuse and study.sampler.proposes:
-        what = f"the sampler '{study.sampler.name}' proposes configurations as it goes: they are not fused"
-        raise fail(what, study.where, "leave out --fuse")
     say = tell or (lambda _: None)
     say("building FMUs, assembling configurations")
-    planned = prepare_study(study, version=fmi, say=say, sandboxed=sandbox, world=world)
-    if not fuse:
-        return planned
-    say("fusing configurations")
-    return fuse_study(planned, tell=lambda made, all_: say(f"fusing configurations: {made} of {all_}"))
+    return prepare_study(study, version=fmi, say=say, sandboxed=sandbox, world=world, fuse=fuse)
 
 
 def explore_into(
