@@ -6,14 +6,44 @@ from what is known of the FMUs: not from the number of workers, nor from how oft
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Set as AbstractSet
 from dataclasses import dataclass
 from itertools import groupby
+
+import numpy as np
+from numpy.typing import NDArray
 
 from dse.domain.run import RunRequest
 from dse.domain.study import Shard
 from dse.exploration.work import Batch
 from dse.storage import SamplerRequests, waveform_file
+
+
+class Numbers(AbstractSet[int]):
+    """Numbers of runs, in ascending order; a byte for each number up to the largest, where a set takes sixty."""
+
+    def __init__(self, numbers: Iterable[int] = ()) -> None:
+        self._has: NDArray[np.bool_] = np.zeros(0, np.bool_)
+        self.update(numbers)
+
+    def update(self, numbers: Iterable[int]) -> None:
+        """Add *numbers*."""
+        new = np.fromiter(numbers, np.int64)
+        if len(new):
+            missing = int(new.max()) + 1 - len(self._has)
+            # Half as much again, so that numbers which come one by one are not copied each time.
+            grown = max(missing, len(self._has) // 2) if missing > 0 else 0
+            self._has = np.concatenate([self._has, np.zeros(grown, np.bool_)])
+            self._has[new] = True
+
+    def __contains__(self, number: object) -> bool:
+        return isinstance(number, int) and 0 <= number < len(self._has) and bool(self._has[number])
+
+    def __iter__(self) -> Iterator[int]:
+        return map(int, np.flatnonzero(self._has))
+
+    def __len__(self) -> int:
+        return int(np.count_nonzero(self._has))
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +82,7 @@ class Chunks:
         def chunk(number: int) -> tuple[int, int]:
             return self.asks.chunk(number, self.most(self.requests[number].configuration))
 
-        return groupby(sorted(missing), chunk)
+        return groupby(Numbers(missing), chunk)
 
     def _batch(self, identity: int, numbers: Iterable[int], file: str) -> Batch:
         requests = tuple(self.requests[number] for number in numbers)

@@ -14,7 +14,7 @@ from dse.domain.run import RunRequest
 from dse.domain.sampler import Architectures
 from dse.domain.study import Keep, Shard, Study
 from dse.errors import fail
-from dse.exploration.batches import Chunks
+from dse.exploration.batches import Chunks, Numbers
 from dse.exploration.executor import Executor
 from dse.exploration.known_runs import NOT_REPRODUCIBLE, NOTHING_KNOWN, KnownRuns
 from dse.exploration.near_boundary import near_boundary
@@ -111,7 +111,7 @@ def explore(
         chunks = Chunks(asking.requests, folder.asks, most)
         with executor.open(work, sink) as pool:
             while asking.ask():
-                asked = chunks.part(asking.asked, shard) if shard else set(asking.asked)
+                asked = Numbers(chunks.part(asking.asked, shard) if shard else asking.asked)
                 sink.take(asking.requests[number] for number in asked - sink.finished)
                 keeps = study.keep is Keep.ALL
                 there = asked & sink.finished & (sink.failed | sink.kept.keys() if keeps else asked)
@@ -168,7 +168,7 @@ class _Sink:
     """Stores results, compares those that were there before, and counts."""
 
     def __init__(self, folder: StudyFolder, on_progress: Callable[[Progress], None] | None, known: KnownRuns) -> None:
-        self.finished = folder.finished()
+        self.finished = Numbers(folder.finished())
         self.failed = folder.failed()
         self.kept = dict(folder.kept())
         self.simulated = 0
@@ -185,10 +185,9 @@ class _Sink:
         if stage is not self._stage:
             self.tell()
             self._stage, self._meter, self._told = stage, Meter(self.simulated), 0.0
-            self._wanted: set[int] = set()
-            self._there: set[int] = set()
-        self._wanted |= wanted
-        self._there |= there
+            self._wanted, self._there = Numbers(), Numbers()
+        self._wanted.update(wanted)
+        self._there.update(there)
 
     def take(self, requests: Iterable[RunRequest]) -> None:
         """Store those of *requests* that are known."""
@@ -201,7 +200,7 @@ class _Sink:
         for batch in batches:
             # Another study may have made them since it was asked for their rows.
             self.take(request for request in batch.requests if request.number not in self.finished)
-            if self.finished.issuperset(batch.numbers) and self._known.make_file(
+            if all(number in self.finished for number in batch.numbers) and self._known.make_file(
                 batch, self._folder.waveform_folder / batch.file
             ):
                 self._keep(batch.numbers, batch.file)
@@ -220,7 +219,7 @@ class _Sink:
         if new is not block:
             self._compare(batch, block.part(np.flatnonzero(~fresh)))
         self.simulated += len(block) * (self._stage is not Stage.REPEATS)
-        self._there.update(self._wanted.intersection(numbers))
+        self._there.update(number for number in numbers if number in self._wanted)
 
     def tried(self, attempts: Sequence[Attempt]) -> None:
         """Store tries that gave no row."""
@@ -230,7 +229,7 @@ class _Sink:
         """Note which waveforms are there, and of which runs none ever will be."""
         if batch.keep:
             facts = self._keep(kept, batch.file)
-            self._there.update(self._wanted.intersection(kept))
+            self._there.update(number for number in kept if number in self._wanted)
             if facts:
                 self._known.add_file(batch, kept, self._folder.waveform_folder / batch.file, facts.digest)
             self._keep([n for n in batch.numbers if n not in kept and n not in self.failed], "")

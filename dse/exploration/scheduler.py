@@ -18,7 +18,7 @@ from dse.domain.sampler import Architectures, Brief, Candidate, Everywhere, Outc
 from dse.domain.study import Study
 from dse.errors import DseError, Location, fail
 from dse.exploration.one_shot_sampler import require_few
-from dse.exploration.variables import allowing, conditions_of
+from dse.exploration.variables import allowing, conditions_of, once_each
 from dse.storage import RunTable, StudyFolder
 from dse.testbench import with_composites
 
@@ -119,7 +119,7 @@ class AskTellScheduler:
         if isinstance(candidates, Everywhere) and self._is_fresh:
             self._check(candidates.points)
             for name in candidates.configurations:
-                self.requests.append(name, _once_each(self._settled(name, candidates.points)), self._has(name))
+                self.requests.append(name, once_each(self._settled(name, candidates.points)), self._has(name))
             self.asked = range(first, self.requests.end)
             return self.asked
         asked = []
@@ -162,18 +162,6 @@ class AskTellScheduler:
 
     def _refused(self, what: str) -> DseError:
         return fail(f"the sampler '{self._study.sampler.name}' {what}", self._study.where)
-
-
-def _once_each(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Each of *points* the first time only."""
-    if not points.shape[1]:
-        return points[:1]
-    order = np.lexsort(points.T)  # the first of equals comes first
-    is_new = np.ones(len(points), dtype=np.bool_)
-    for column in points.T:
-        is_new[order[1:]] &= column[order[1:]] == column[order[:-1]]
-    is_new[order[1:]] = ~is_new[order[1:]]
-    return points if is_new.all() else points[is_new]
 
 
 def _together(

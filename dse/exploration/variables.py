@@ -129,6 +129,20 @@ def levels(variable: DesignVariable) -> tuple[float, ...]:
     return tuple(float((low * (last - i) + high * i) / last) for i in range(variable.levels))
 
 
+def once_each(points: Array) -> Array:
+    """Each of *points* the first time only."""
+    import numpy as np
+
+    if not points.shape[1]:
+        return points[:1]
+    order = np.lexsort(points.T)  # the first of equals comes first
+    is_new = np.ones(len(points), dtype=np.bool_)
+    for column in points.T:
+        is_new[order[1:]] &= column[order[1:]] == column[order[:-1]]
+    is_new[order[1:]] = ~is_new[order[1:]]
+    return points if is_new.all() else points[is_new]
+
+
 def value_at(variable: DesignVariable, share: Array) -> Array:
     """The values at *share* (n,), 0 … 1, of the variable's range, values or distribution."""
     import numpy as np

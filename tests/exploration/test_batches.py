@@ -4,7 +4,10 @@ from fake_runners import study_of
 from first_asks import first_ask
 from hypothesis import given, strategies as st
 
-from dse.exploration.batches import Chunks
+from dse.domain.run import RunRequest
+from dse.exploration.batches import Chunks, Numbers
+from dse.exploration.supervision.work_queue import WorkQueue
+from dse.exploration.work import Batch
 from dse.storage.database.sampler_requests import Block, SamplerRequests, blocks_of
 
 
@@ -54,3 +57,27 @@ def test_a_later_ask_has_chunks_of_its_own_whatever_came_before() -> None:
     assert asks.chunk(2048) == (2048, 2049)
     assert asks.chunk(2149) == (2148, 2149)
     assert asks.chunk(2197) == (2196, 2197)
+
+
+NUMBERS = st.lists(st.integers(0, 300), max_size=20)
+
+
+@given(NUMBERS, NUMBERS, NUMBERS)
+def test_numbers_are_a_set_in_ascending_order(first: list[int], more: list[int], others: list[int]) -> None:
+    numbers, like = Numbers(first), set(first) | set(more)
+    numbers.update(iter(more))
+    assert list(numbers) == sorted(like)
+    assert len(numbers) == len(like)
+    assert list(numbers - Numbers(others)) == sorted(like - set(others))
+    assert list(numbers & Numbers(others)) == list(numbers & set(others)) == sorted(like & set(others))
+    assert all((number in numbers) is (number in like) for number in (-1, *range(302)))
+
+
+def test_batches_are_made_as_they_are_needed() -> None:
+    made = []
+    queue = WorkQueue(None, None)
+    queue.fill(made.append(n) or Batch(n, "a", (RunRequest(n, "a", {}),)) for n in range(5000))
+    assert [queue.take(fresh=False).identity for _ in range(10)] == [*range(10)]
+    assert 1000 <= len(queue) + 10 == len(made) < 1100
+    assert queue.numbers() == {*range(10, 5000)}
+    assert [queue.take(fresh=False).identity for _ in range(len(queue))] == [*range(10, 5000)]

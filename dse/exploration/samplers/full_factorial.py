@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
-from typing import Any, ClassVar, Self
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief, DesignVariable, Grid, Placing, Point, Role
+from dse.domain.sampler import Brief, DesignVariable, Grid, Placing, Role
 from dse.errors import Problem, closest, raise_if_any
 from dse.exploration.one_shot_sampler import MOST_RUNS, ValueSampler, require_few
-from dse.exploration.variables import levels
+from dse.exploration.variables import levels, once_each
 from dse.loading import Surroundings
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class FullFactorial(ValueSampler):
@@ -51,15 +54,20 @@ class FullFactorial(ValueSampler):
         raise_if_any(problems)
         return self
 
-    def values(self, brief: Brief) -> Sequence[Point]:
+    def values(self, brief: Brief) -> NDArray[np.float64]:
         """The points in order, each once."""
+        import numpy as np
+
         free = [set(names) for names in self.slices] or [{variable.name for variable in brief.variables}]
         axes = [
             [levels(variable) if variable.name in names else (variable.nominal,) for variable in brief.variables]
             for names in free
         ]
         require_few(sum(math.prod(map(len, axis)) for axis in axes), None)
-        return list(dict.fromkeys(point for axis in axes for point in product(*axis)))
+        # As arrays: a million tuples would take 400 MB.
+        grids = [np.stack(np.meshgrid(*axis, indexing="ij"), axis=-1) if axis else np.empty((1, 0)) for axis in axes]
+        whole = [grid.reshape(math.prod(map(len, axis)), len(axis)) for grid, axis in zip(grids, axes, strict=True)]
+        return once_each(np.concatenate(whole))
 
     def _problems(self, around: Surroundings) -> Iterator[Problem]:
         for i, names in enumerate(self.slices):

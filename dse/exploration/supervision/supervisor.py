@@ -134,9 +134,9 @@ class Supervisor:
 
     def _report_interrupted(self) -> None:
         """Tell of runs that were begun when a supervisor before this one was killed with its workers."""
-        asked = self._queue.numbers()
         for folder in self._setup.log_folder.glob(f"{_FOLDER}*"):
             if folder != self._setup.configurations:
+                asked = self._queue.numbers()
                 for state in (state for file in folder.glob("*.beat") for state in states_in(file)):
                     if state.phase is Phase.RUNNING and state.number in asked:
                         attempt = Attempt(state.number, made_by(state.process), STOPPED, math.nan)

@@ -8,12 +8,16 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 from dse.exploration.failures import failed_run
 from dse.exploration.work import Batch, Sink
 from dse.storage import Attempt, Measures, block_of
+
+_MOST_DRAWN = 1000
+"""Batches that are ready at most: more than workers can take at once."""
 
 
 @dataclass(slots=True)
@@ -27,6 +31,8 @@ class _Whole:
 class WorkQueue:
     """Batches in the order they are made in, those for fresh processes apart. *sink* is told what workers cannot tell.
 
+    Batches are taken from where they come only as they are needed: those of a million runs would take 400 MB.
+
     *retried* is how many runs got a second try.
     """
 
@@ -34,6 +40,7 @@ class WorkQueue:
         self.retried = 0
         self._sink = sink
         self._measures = measures
+        self._source: Iterator[Batch] = iter(())
         self._pending: deque[Batch] = deque()
         self._again: deque[Batch] = deque()
         self._tried: set[int] = set()
@@ -41,6 +48,8 @@ class WorkQueue:
         self._wholes: dict[int, _Whole] = {}
 
     def __len__(self) -> int:
+        """How many batches there are, or so many that it makes no difference."""
+        self._draw()
         return len(self._pending) + len(self._again)
 
     @property
@@ -51,14 +60,16 @@ class WorkQueue:
     def fill(self, batches: Iterable[Batch]) -> None:
         """More is to be made; what was tried before counts no more."""
         self._tried.clear()
-        self._pending.extend(batches)
+        self._source = iter(batches)
 
     def numbers(self) -> set[int]:
         """The runs that are to be made."""
+        self._pending.extend(self._source)
         return {request.number for batch in self._pending for request in batch.todo}
 
     def take(self, *, fresh: bool, maker: str | None = None) -> Batch | None:
         """What a process makes next that is *fresh* or not; None if there is nothing for it or for this *maker*."""
+        self._draw()
         queue = self._again if self._again and fresh else self._pending
         return queue.popleft() if queue and queue[0].unlike != maker else None
 
@@ -110,8 +121,12 @@ class WorkQueue:
             del self._wholes[batch.identity]
             self.pass_on(whole.batch.after({*whole.batch.numbers}))
 
+    def _draw(self) -> None:
+        self._pending.extend(islice(self._source, max(0, _MOST_DRAWN - len(self._pending))))
+
     def _withdrawn(self, configuration: str) -> list[Batch]:
         """What is still to be made of *configuration*, taken from the queues."""
+        self._pending.extend(self._source)
         found = []
         for queue in (self._again, self._pending):
             found += [batch for batch in queue if batch.configuration == configuration]
