@@ -19,6 +19,16 @@ def shares_nothing(model: FmuModel, *, cache: Path | None = None) -> bool:
 
     False as well if that cannot be found out: it was not built by this version of dse, or there is no compiler.
     """
+    key = (model.content_hash, model.folder, cache)
+    if key not in _known:  # a component is part of many configurations
+        _known[key] = _shares_nothing(model, cache)
+    return _known[key]
+
+
+_known: dict[tuple[str, Path, Path | None], bool] = {}
+
+
+def _shares_nothing(model: FmuModel, cache: Path | None) -> bool:
     try:
         sources = own_sources(model)
     except (NotOursError, OSError):

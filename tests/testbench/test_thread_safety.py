@@ -7,6 +7,9 @@ from pathlib import Path
 import pytest
 from workspaces import written
 
+from dse.domain.fmu import FmuModel
+from dse.fmu import statics
+from dse.fmu.fusion.sources import OwnSources, own_sources
 from dse.fmu.statics import static_names
 from dse.fmu.toolchain.compilation import compile_assembly
 from dse.fmu.toolchain.compiler import find_compiler
@@ -77,3 +80,21 @@ def test_variables_that_last_are_found_and_constants_are_none(declaration: str, 
     text = f"{declaration}\ndouble use(double x) {{ {change} return x + (state != 0); }}\n"
     assembly = compile_assembly(find_compiler(), {"unit.c": text.encode()}, "unit.c")
     assert [name.removeprefix("_") for name in static_names(assembly)] == found
+
+
+def test_the_sources_of_a_component_are_read_once_however_many_configurations_have_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read: list[str] = []
+
+    def counted(model: FmuModel) -> OwnSources:
+        read.append(model.identifier)
+        return own_sources(model)
+
+    monkeypatch.setattr(statics, "own_sources", counted)
+    design = "design: one\nroot: {compound: {head: counter, tail: {optional: counter}}}\n"
+    written(tmp_path, {**FILES, "designs/one.yaml": design, "components/counter/counter.c": CODE % ""})
+    study = bench_study(Workspace(tmp_path).bench("one"))
+    planned = prepare_study(study, cache=tmp_path / "cache")
+    assert [bench.thread_safe for bench in planned.benches.values()] == [True, True]
+    assert len(read) == 1
