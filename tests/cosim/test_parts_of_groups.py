@@ -18,10 +18,7 @@ from dse.domain.system import Conversion
 
 
 def _group(shapes: list[tuple[int, ...]], *, transformed: bool = False) -> VariableGroup:
-    variables = [
-        Variable(f"v{n}", n, "Float64", "input", kind=None, shape=shape)
-        for n, shape in enumerate(shapes)
-    ]
+    variables = [Variable(f"v{n}", n, "Float64", "input", kind=None, shape=shape) for n, shape in enumerate(shapes)]
     positions = tuple(range(100, 100 + sum(variable.size for variable in variables)))
     transforms = tuple(Conversion(float(position)) for position in positions) if transformed else ()
     return VariableGroup(AccessorType.FLOAT64, tuple(variables), positions, transforms=transforms)
