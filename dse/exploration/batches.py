@@ -50,7 +50,7 @@ class Chunks:
 
     def _cut(self, missing: Iterable[int]) -> Iterator[tuple[tuple[int, int], Iterator[int]]]:
         def chunk(number: int) -> tuple[int, int]:
-            return self.asks.chunk(number, self.most(self.requests[number].configuration))
+            return self.asks.chunk(number, self.most(self.asks.configuration(number) or ""))
 
         return groupby(sorted(missing), chunk)
 

@@ -112,11 +112,11 @@ def explore(
         with executor.open(work, sink) as pool:
             while asking.ask():
                 asked = chunks.part(asking.asked, shard) if shard else set(asking.asked)
-                sink.take(asking.requests[number] for number in asked - sink.finished)
+                sink.take(asking.requests[number] for number in sorted(asked - sink.finished))
                 keeps = study.keep is Keep.ALL
                 there = asked & sink.finished & (sink.failed | sink.kept.keys() if keeps else asked)
                 sink.begin(Stage.RUNS, asked, there)
-                left = asked - there
+                left = asked - there if there else asked
                 pool.work_off(sink.unknown(chunks.waveforms(left, sink.kept)) if keeps else chunks.runs(left))
                 if (lost := asked - sink.finished) and not isinstance(folder, DryRun):
                     what = f"the executor '{executor.name}' ended without {len(lost)} of the runs that it was given"
@@ -180,14 +180,14 @@ class _Sink:
         self._on_progress = on_progress
         self._stage: Stage | None = None
 
-    def begin(self, stage: Stage, wanted: AbstractSet[int], there: AbstractSet[int]) -> None:
+    def begin(self, stage: Stage, wanted: set[int] | frozenset[int], there: AbstractSet[int]) -> None:
         """Count what comes as *stage*, of whose *wanted* runs some are *there* already; more of a stage adds to it."""
         if stage is not self._stage:
             self.tell()
             self._stage, self._meter, self._told = stage, Meter(self.simulated), 0.0
-            self._wanted: set[int] = set()
+            self._wanted: set[int] | frozenset[int] = set()
             self._there: set[int] = set()
-        self._wanted |= wanted
+        self._wanted = self._wanted | wanted if self._wanted else wanted
         self._there |= there
 
     def take(self, requests: Iterable[RunRequest]) -> None:
