@@ -49,10 +49,8 @@ class Chunks:
         return {n for index, (_, numbers) in cut if index % shard.of == shard.number - 1 for n in numbers}
 
     def _cut(self, missing: Iterable[int]) -> Iterator[tuple[tuple[int, int], Iterator[int]]]:
-        def chunk(number: int) -> tuple[int, int]:
-            return self.asks.chunk(number, self.most(self.asks.configuration(number) or ""))
-
-        return groupby(sorted(missing), chunk)
+        asks = self.asks
+        return groupby(sorted(missing), lambda number: asks.chunk(number, self.most(asks.configuration(number) or "")))
 
     def _batch(self, identity: int, numbers: Iterable[int], file: str) -> Batch:
         requests = tuple(self.requests[number] for number in numbers)

@@ -173,8 +173,8 @@ def in_parts(name: str, takes: str, given: str, statements: Sequence[str]) -> tu
         return [], list(statements)
     functions, calls = [], []
     for part in range(0, len(statements), _TOGETHER):
-        head = f"__attribute__((noinline)) static void {name}_{part}({takes}) {{"
-        functions += [head, *statements[part : part + _TOGETHER], "}"]
+        functions.append(f"__attribute__((noinline)) static void {name}_{part}({takes}) {{")
+        functions += [*statements[part : part + _TOGETHER], "}"]
         calls.append(f"    {name}_{part}({given});")
     return functions, calls
 

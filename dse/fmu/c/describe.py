@@ -75,8 +75,7 @@ def model_identifier(name: str) -> str:
 def xml_text(root: ET.Element) -> bytes:
     """The document as it is written to a file."""
     ET.indent(root)
-    # To a text first: as bytes, each piece would pass an encoder of its own.
-    text: str = ET.tostring(root, encoding="unicode")
+    text: str = ET.tostring(root, encoding="unicode")  # to bytes, each piece would pass an encoder of its own
     return f"<?xml version='1.0' encoding='utf-8'?>\n{text}\n".encode("utf-8", "xmlcharrefreplace")
 
 
