@@ -116,6 +116,7 @@ bench: setup
 	$(BIN)/python benchmarks/bench_optimise.py --only nsga2
 	$(BIN)/python benchmarks/bench_modelica.py
 	$(BIN)/python benchmarks/bench_startup.py
+	$(BIN)/python benchmarks/bench_scaling.py
 	$(BIN)/python benchmarks/bench_world.py
 
 # Every call of the system that a small study makes fails once, and 200 signals; hours. What is in out/faults.jsonl is done.

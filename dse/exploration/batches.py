@@ -79,10 +79,8 @@ class Chunks:
         return {n for index, (_, numbers) in cut if index % shard.of == shard.number - 1 for n in numbers}
 
     def _cut(self, missing: Iterable[int]) -> Iterator[tuple[tuple[int, int], Iterator[int]]]:
-        def chunk(number: int) -> tuple[int, int]:
-            return self.asks.chunk(number, self.most(self.requests[number].configuration))
-
-        return groupby(Numbers(missing), chunk)
+        asks = self.asks
+        return groupby(Numbers(missing), lambda number: asks.chunk(number, self.most(asks.configuration(number) or "")))
 
     def _batch(self, identity: int, numbers: Iterable[int], file: str) -> Batch:
         requests = tuple(self.requests[number] for number in numbers)

@@ -202,9 +202,9 @@ def _host(maker: str) -> str:
 
 
 def _parts(requests: Iterable[RunRequest]) -> Iterator[list[RunRequest]]:
-    """*requests* by configuration and number, not too many at once."""
-    coming = iter(requests)
-    while some := sorted(islice(coming, _AT_ONCE), key=lambda r: (r.configuration, r.number)):
+    """*requests* by configuration and number, not too many at once: as nouns, a million would take half a gigabyte."""
+    left = iter(requests)
+    while some := sorted(islice(left, _AT_ONCE), key=lambda r: (r.configuration, r.number)):
         yield from (list(group) for _, group in groupby(some, key=lambda r: r.configuration))
 
 

@@ -116,7 +116,7 @@ def explore(
                 keeps = study.keep is Keep.ALL
                 there = asked & sink.finished & (sink.failed | sink.kept.keys() if keeps else asked)
                 sink.begin(Stage.RUNS, asked, there)
-                left = asked - there
+                left = asked - there if there else asked
                 pool.work_off(sink.unknown(chunks.waveforms(left, sink.kept)) if keeps else chunks.runs(left))
                 if (lost := asked - sink.finished) and not isinstance(folder, DryRun):
                     what = f"the executor '{executor.name}' ended without {len(lost)} of the runs that it was given"
@@ -180,7 +180,7 @@ class _Sink:
         self._on_progress = on_progress
         self._stage: Stage | None = None
 
-    def begin(self, stage: Stage, wanted: AbstractSet[int], there: AbstractSet[int]) -> None:
+    def begin(self, stage: Stage, wanted: set[int] | frozenset[int], there: AbstractSet[int]) -> None:
         """Count what comes as *stage*, of whose *wanted* runs some are *there* already; more of a stage adds to it."""
         if stage is not self._stage:
             self.tell()

@@ -83,12 +83,11 @@ const unsigned char *{STRUCT}_library(size_t *size);
 
 def _code(values: Mapping[str, Sequence[_Value]]) -> str:
     into = [
-        line
+        _joined(_into(each, f"self->{target}[{place}]"))
         for group, target in (("par", "told"), ("in", "ask"))
         for place, each in enumerate(values[group])
-        for line in _into(each, f"self->{target}[{place}]")
     ]
-    out = [line for place, each in enumerate(values["out"]) for line in _out(each, f"self->answer[{place}]")]
+    out = [_joined(_out(each, f"self->answer[{place}]")) for place, each in enumerate(values["out"])]
     return f"""#include "{STRUCT}.h"
 
 static void is_wrong({STRUCT} *self, double value, const char *what) {{
@@ -104,21 +103,20 @@ void {STRUCT}_init({STRUCT} *self) {{
     {STRUCT}_step(self);
 }}
 
-void {STRUCT}_step({STRUCT} *self) {{
-    (void)self;
-{_joined(into)}
-}}
-
-void {STRUCT}_take({STRUCT} *self) {{
-    (void)self;
-{_joined(out)}
-}}
-
+{_function("step", into)}
+{_function("take", out)}
 const char *{STRUCT}_wrong(const {STRUCT} *self, double *value) {{
     *value = self->value;
     return self->wrong;
 }}
 """
+
+
+def _function(name: str, statements: Sequence[str]) -> str:
+    from dse.simulink import in_parts
+
+    parts, calls = in_parts(name, f"{STRUCT} *self", "self", statements)
+    return "\n".join([*parts, f"void {STRUCT}_{name}({STRUCT} *self) {{", "    (void)self;", *calls, "}", ""])
 
 
 def _joined(lines: Iterable[str]) -> str:

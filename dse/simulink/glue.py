@@ -163,8 +163,20 @@ def _definition(pattern: re.Pattern[str], texts: Iterator[str]) -> tuple[str, st
     return None
 
 
-_TOGETHER = 256
-"""Ports that one function of C transfers: compilers take the square of the time for twice as many."""
+_TOGETHER = 64
+"""Statements in one function of C: compilers take the square of the time for twice as many."""
+
+
+def in_parts(name: str, takes: str, given: str, statements: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Lines of C: functions with parameters *takes* that run many *statements*, and the calls of them with *given*."""
+    if len(statements) <= _TOGETHER:
+        return [], list(statements)
+    functions, calls = [], []
+    for part in range(0, len(statements), _TOGETHER):
+        functions.append(f"__attribute__((noinline)) static void {name}_{part}({takes}) {{")
+        functions += [*statements[part : part + _TOGETHER], "}"]
+        calls.append(f"    {name}_{part}({given});")
+    return functions, calls
 
 
 def _transfer(name: str, ports: Sequence[Port], *, writes: bool) -> Iterator[str]:
@@ -174,14 +186,8 @@ def _transfer(name: str, ports: Sequence[Port], *, writes: bool) -> Iterator[str
     for place, port in enumerate(ports):
         value = f"values[{place}]"
         lines.append(f"    {_put(port, value)}" if writes else f"    {value} = (double)({port.expression});")
-    if len(lines) > _TOGETHER:
-        parts = range(0, len(lines), _TOGETHER)
-        for part in parts:
-            yield f"__attribute__((noinline)) static void {name}_{part}(struct dse_model *{MODEL}, {kind} *values) {{"
-            yield f"    (void){MODEL};"
-            yield from lines[part : part + _TOGETHER]
-            yield "}"
-        lines = [f"    {name}_{part}({MODEL}, values);" for part in parts]
+    functions, lines = in_parts(name, f"struct dse_model *{MODEL}, {kind} *values", f"{MODEL}, values", lines)
+    yield from functions
     yield f"{exported} void {name}(void *self, {kind} *values) {{"
     yield f"    struct dse_model *{MODEL} = (struct dse_model *)self;"
     yield f"    (void){MODEL}, (void)values;"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,8 +13,9 @@ from dse_example.bisection import Bisection
 from fake_runners import benches, definition_of, make_fake, study_of
 
 from dse.domain.address import Address
+from dse.domain.run import RunRequest
 from dse.domain.study import Keep, Study
-from dse.exploration import KnownRuns, give
+from dse.exploration import KnownRuns, give, known_runs
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import Explored, explore
 from dse.storage import RunStore, StudyFolder
@@ -166,3 +168,21 @@ def test_a_folder_gives_all_it_has(tmp_path: Path) -> None:
     StudyFolder.discard(tmp_path / "one" / "study")
     taken = run(tmp_path / "two", study)
     assert (taken.taken, taken.failed) == (31, 0)
+
+
+def test_requests_are_looked_up_a_part_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(known_runs, "_AT_ONCE", 10)
+    taken: list[RunRequest] = []
+
+    def requests() -> Iterator[RunRequest]:
+        for number in range(35):
+            taken.append(RunRequest(number, NAMES[number % 2], {}))
+            yield taken[-1]
+
+    parts = known_runs._parts(requests())
+    first = next(parts)
+    assert len(taken) == 10  # the others are not there yet: as nouns, a million would take half a gigabyte
+    found = [first, *parts]
+    assert max(map(len, found)) <= 10
+    assert all(len({request.configuration for request in part}) == 1 for part in found)
+    assert sorted(request.number for part in found for request in part) == list(range(35))

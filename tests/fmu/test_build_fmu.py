@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from dse.cache import content_key
 from dse.domain.component import (
     Causality,
     Interface,
@@ -21,6 +22,8 @@ from dse.domain.component import (
     UnsupportedSource,
 )
 from dse.errors import DseError, Location
+from dse.fmu.c import build as c_build
+from dse.fmu.c.describe import describe
 from dse.fmu.component_build import build, build_all
 from dse.fmu.toolchain.compiler import environment, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
@@ -148,6 +151,24 @@ def test_the_same_component_elsewhere_is_the_same_bytes(workshop, tmp_path_facto
     assert archives[0] != archives[1]
     assert archives[0].name == archives[1].name
     assert archives[0].read_bytes() == archives[1].read_bytes()
+
+
+def test_the_token_names_the_contents_which_are_written_once(workshop, tmp_path, version, monkeypatch):
+    written = []
+
+    def counted(*arguments):
+        written.append(arguments)
+        return describe(*arguments)
+
+    monkeypatch.setattr(c_build, "describe", counted)
+    archive = build(workshop.counter(), version=version, cache=tmp_path)
+    assert len(written) == 1
+    with zipfile.ZipFile(archive) as opened:
+        contents = {name: opened.read(name) for name in opened.namelist() if not name.startswith("binaries")}
+    token = open_fmu(archive, cache=tmp_path).token
+    assert token.encode() in contents["sources/runtime/model.h"]
+    blank = {name: text.replace(token.encode(), b"") for name, text in contents.items()}
+    assert token == "{" + content_key(sorted(blank.items())) + "}"
 
 
 def test_the_archive_holds_no_path_of_this_machine(workshop, cache, version):

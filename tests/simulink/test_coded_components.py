@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,10 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
+from dse.domain.component import Causality, Component, Interface, Kind, Port, Type
 from dse.errors import DseError
 from dse.fmu.component_build import build
+from dse.kinds._coded import Code, coded_files
 from dse.loading.component.kind import KINDS
 from dse.testing.kinds import lay_out, the_component
 
@@ -205,4 +208,17 @@ def test_items_that_the_code_does_not_have_are_told(tmp_path: Path, cache: Path)
     assert (problem.what, problem.hint) == (
         "'mode' has the item 'Quik', which Mode in the code does not have",
         "did you mean 'Quick'?",
+    )
+
+
+def test_functions_between_the_fmu_and_the_code_stay_short() -> None:
+    # Compilers take the square of the time for twice as many statements.
+    ports = [Port(f"p{n}", Causality.INPUT, Type(Kind.INTEGER)) for n in range(1000)]
+    component = Component("many", Interface("many", tuple(ports)))
+    code = coded_files(component, {port.name: Code(low=0.0) for port in ports}, b"")["outer.c"]
+    functions = re.findall(r"^[^#\n]*\) \{\n(.*?)^\}", code, re.MULTILINE | re.DOTALL)
+    assert max(text.count(";") for text in functions) <= 2 * 64
+    assert [int(place) for place in re.findall(r"self->ask\[(\d+)\] = self->in.p\1;", code)] == list(range(1000))
+    assert re.findall(r"^    (step_\d+)\(self\);", code, re.MULTILINE) == re.findall(
+        r"static void (step_\d+)\(outer \*self\)", code
     )

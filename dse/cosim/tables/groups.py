@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -182,25 +183,21 @@ def in_place(group: VariableGroup, raw: Sequence[RawValue], conversions: Mapping
 
 def parts_of(group: VariableGroup, names: Collection[str], *, neighbours: bool) -> list[VariableGroup]:
     """Those variables of *group* with the given *names*, with *neighbours* in groups whose values lie side by side."""
-    parts: list[VariableGroup] = []
-    at = 0
-    last = None
+    wanted, parts = frozenset(names), list[list[int]]()
     for number, variable in enumerate(group.variables):
-        span = slice(at, at + variable.size)
-        at += variable.size
-        if variable.name not in names:
-            continue
-        positions, transforms = group.positions[span], group.transforms[span]
-        if parts and not (neighbours and last != number - 1):
-            before = parts.pop()
-            positions, transforms = before.positions + positions, before.transforms + transforms
-            parts.append(
-                replace(before, variables=(*before.variables, variable), positions=positions, transforms=transforms)
-            )
-        else:
-            parts.append(replace(group, variables=(variable,), positions=positions, transforms=transforms))
-        last = number
-    return parts
+        if variable.name in wanted and parts and (parts[-1][-1] == number - 1 or not neighbours):
+            parts[-1].append(number)
+        elif variable.name in wanted:
+            parts.append([number])
+    bounds = [0, *accumulate(variable.size for variable in group.variables)]
+    made = []
+    for part in parts:
+        spans = [slice(bounds[number], bounds[number + 1]) for number in part]
+        positions = tuple(position for span in spans for position in group.positions[span])
+        transforms = tuple(transform for span in spans for transform in group.transforms[span])
+        variables = tuple(group.variables[number] for number in part)
+        made.append(replace(group, variables=variables, positions=positions, transforms=transforms))
+    return made
 
 
 def _is_truth(structure: layout.Group) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import posixpath
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 from dse.cache import cache_folder, content_key, keep_file
@@ -72,11 +71,13 @@ def _contents(
     if source.is_coded:
         names = (*names, "coded.h")
     runtime = {f"sources/runtime/{name}": (_RUNTIME / name).read_bytes() for name in names}
+    # The token names the contents, so it is made from the contents without it; a mark is where it belongs.
+    mark = content_key(sorted(user.items()))
     subject = Subject(
         name=component.name,
         identifier=model_identifier(component.name),
         title=component.title,
-        token="",
+        token=mark,
         period=source.step,
         slots=variables,
         files=(f"runtime/fmi{version}.c", *(f"component/{unit}" for unit in staged.units)),
@@ -84,23 +85,17 @@ def _contents(
         has_state=not (source.partner or source.is_live or source.is_coded),
         needs_tool=source.is_live,
     )
+    tied = glue(source, variables, f"../component/{staged.header}", mark)
+    marked = {"sources/runtime/model.h": tied.text.encode(), "modelDescription.xml": describe(subject, version)}
+    files = {**runtime, **user}
+    if version == 3:
+        told = describe_sources(subject.identifier, subject.files, subject.include_folder, LANGUAGE_OPTIONS)
+        files["sources/buildDescription.xml"] = told
 
-    def generated(token: str) -> tuple[dict[str, bytes], Mapping[int, Demand]]:
-        tied = glue(source, variables, f"../component/{staged.header}", token)
-        named = replace(subject, token=token)
-        files = {
-            "sources/runtime/model.h": tied.text.encode(),
-            "modelDescription.xml": describe(named, version),
-        }
-        if version == 3:
-            told = describe_sources(named.identifier, named.files, named.include_folder, LANGUAGE_OPTIONS)
-            files["sources/buildDescription.xml"] = told
-        return {**runtime, **user, **files}, tied.demands
+    def contents(token: str) -> dict[str, bytes]:
+        return files | {name: text.replace(mark.encode(), token.encode()) for name, text in marked.items()}
 
-    # The token names the contents, so it is made from the contents with a blank in its place.
-    blank, _ = generated("")
-    contents, demands = generated("{" + content_key(sorted(blank.items())) + "}")
-    return contents, subject, demands
+    return contents("{" + content_key(sorted(contents("").items())) + "}"), subject, tied.demands
 
 
 _SOURCES = "sources/"

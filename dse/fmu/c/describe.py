@@ -75,8 +75,8 @@ def model_identifier(name: str) -> str:
 def xml_text(root: ET.Element) -> bytes:
     """The document as it is written to a file."""
     ET.indent(root)
-    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
-    return text + b"\n"
+    text: str = ET.tostring(root, encoding="unicode")  # to bytes, each piece would pass an encoder of its own
+    return f"<?xml version='1.0' encoding='utf-8'?>\n{text}\n".encode("utf-8", "xmlcharrefreplace")
 
 
 def _add_interface(root: ET.Element, subject: Subject, version: int) -> None:
