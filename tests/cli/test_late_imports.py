@@ -78,7 +78,7 @@ MAY_IMPORT = {
     "cache prune": set(),
     "import fmu {f} -o {o}": RUNS,
     "import simulink components/controllers/pd_acc_coded/acc_ert_rtw --step 10ms -o {o}": RUNS,
-    "simulate acc_following": RUNS,
+    "simulate acc_following": RUNS - {"pyarrow"},
     "run acc_following -o {o}": RUNS,
     "explore small -o {o}": RUNS,
 }
@@ -199,3 +199,14 @@ def test_the_package_is_imported_at_once():
     code = "import sys; before = {*sys.modules}; import dse; print(*({*sys.modules} - before))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {name.partition(".")[0] for name in done.stdout.split()} & {*HEAVY, "pydantic", "rich", "typer"}
+
+
+@pytest.mark.thorough
+def test_a_worker_imports_what_simulating_needs():
+    """Each run that is simulated alone, and each process of a study, waits for it."""
+    names = "from dse.exploration.supervision import worker; from dse.testbench import make_runner"
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys; {names}; print(*sys.modules)"], capture_output=True, text=True, check=True
+    )
+    unneeded = (HEAVY - {"numpy"}) | {"dse.loading", "psutil", "pydantic", "rich", "typer"}
+    assert unneeded.isdisjoint(done.stdout.split())
