@@ -13,8 +13,9 @@ from dse.domain.component import Kind, Type, Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.design import Configuration
 from dse.domain.expression import Call, Name, Node
+from dse.domain.run import TESTBENCH
 from dse.domain.sampler import Architectures, Nominal, Objective, Outcomes
-from dse.domain.study import TESTBENCH, Keep, Selection, Study
+from dse.domain.study import Keep, Selection, Study
 from dse.errors import DseError, Location, Problem, Problems, fail, raise_if_any
 from dse.expression import parse_expression, rewritten
 from dse.loading import Raw, read_setting

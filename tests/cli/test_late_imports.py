@@ -208,5 +208,13 @@ def test_a_worker_imports_what_simulating_needs():
     done = subprocess.run(
         [sys.executable, "-c", f"import sys; {names}; print(*sys.modules)"], capture_output=True, text=True, check=True
     )
-    unneeded = (HEAVY - {"numpy"}) | {"dse.loading", "psutil", "pydantic", "rich", "typer"}
+    unneeded = (HEAVY - {"numpy"}) | {
+        "concurrent.futures",
+        "dse.domain.study",
+        "dse.loading",
+        "psutil",
+        "pydantic",
+        "rich",
+        "typer",
+    }
     assert unneeded.isdisjoint(done.stdout.split())

@@ -64,7 +64,8 @@ def replay(
     *on_changed* is called before it is simulated if something has changed since the study was made, with what.
     """
     from dse.api.studies.single_run import again
-    from dse.domain.study import TESTBENCH, Selection
+    from dse.domain.run import TESTBENCH
+    from dse.domain.study import Selection
     from dse.storage import changed_results
     from dse.testbench import bench_study, with_values
 

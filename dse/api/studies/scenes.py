@@ -54,7 +54,7 @@ def _bench_of(stored: Run, source: str | Path | None, near: Path, workspace: Pat
     """The bench as it was simulated for *stored*; what was driven by somebody lies as a table in *scratch*."""
     from dse.api.studies.provenance import benches_near, in_workspace
     from dse.api.studies.replay import NOBODY, bench_driven, benches_of, drive_name, is_drives, recording
-    from dse.domain.study import TESTBENCH
+    from dse.domain.run import TESTBENCH
     from dse.testbench import with_values
 
     if is_drives(stored.definition):

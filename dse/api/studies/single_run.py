@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.api.studies.run import Run
-from dse.domain.study import TESTBENCH, Selection
+from dse.domain.run import TESTBENCH
+from dse.domain.study import Selection
 from dse.errors import fail
 from dse.exploration import simulate_alone
 from dse.storage import StudyHeader, changed_inputs, si_unit
