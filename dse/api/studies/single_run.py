@@ -15,7 +15,6 @@ from dse.exploration import simulate_alone
 from dse.storage import StudyHeader, changed_inputs, si_unit
 from dse.testbench import (
     bench_study,
-    fuse_study,
     make_runner,
     on_bench,
     one_configuration,
@@ -146,6 +145,8 @@ def ready(
     planned = prepare_study(study, version=fmi, say=say, sandboxed=sandbox, world=world)
     if not fuse:
         return planned
+    from dse.testbench import fuse_study
+
     say("fusing configurations")
     return fuse_study(planned, tell=lambda made, all_: say(f"fusing configurations: {made} of {all_}"))
 
