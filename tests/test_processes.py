@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import threading
@@ -11,7 +12,7 @@ import psutil
 import pytest
 
 from dse import processes
-from dse.processes import descendants
+from dse.processes import descendants, forget_start, unburdened
 
 NESTED = "read line; sleep 60 & sh -c 'sleep 60 & echo; wait' & wait"
 
@@ -44,3 +45,22 @@ def test_all_that_a_process_has_started_is_found(monkeypatch: pytest.MonkeyPatch
     thread.start()
     thread.join()
     assert told == [(["sh", "sleep", "sleep"], True)]
+
+
+def test_a_process_is_started_without_threads_for_linear_algebra_and_forgets_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    monkeypatch.setenv("PYTHONSAFEPATH", "yes")
+    before = dict(os.environ)
+    with unburdened():
+        assert (os.environ["OPENBLAS_NUM_THREADS"], os.environ["PYTHONSAFEPATH"]) == ("1", "yes")
+    assert dict(os.environ) == before
+    with unburdened():
+        forget_start()
+        assert dict(os.environ) == before
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "4")
+    with unburdened():
+        assert os.environ["OPENBLAS_NUM_THREADS"] == "4"
+        forget_start()
+        assert os.environ["OPENBLAS_NUM_THREADS"] == "4"
