@@ -13,7 +13,6 @@ import struct
 import sys
 import tempfile
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from errno import ENOSYS, EPERM
@@ -93,6 +92,8 @@ class Sandbox:
 
     def start(self, process: BaseProcess, *files: Path) -> None:
         """Start *process* in the sandbox, for good; it may write into *files*, too. DseError where there is none."""
+        from concurrent.futures import ThreadPoolExecutor
+
         abi()
         for folder in self.folders:
             folder.mkdir(parents=True, exist_ok=True)

@@ -7,5 +7,5 @@ from .feasibility import require_kernel as require_kernel, simulation_problems a
 from .instance_budget import most_runs as most_runs
 from .probing.child import ProbeLimits as ProbeLimits
 from .probing.numerics import probe_numerics as probe_numerics
-from .probing.probe import PROBE_VERSION as PROBE_VERSION, probe as probe
+from .probing.probe import probe as probe
 from .simulator import RunFailed as RunFailed, Simulator as Simulator

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
@@ -57,6 +58,12 @@ class Simulation:
     def stride(self) -> int:
         """Communication steps between two kept rows of a waveform."""
         return round(self.record_every / self.step)
+
+
+def is_multiple(whole: float, part: float) -> bool:
+    """Whether *whole* is *part* once or several times, but for rounding."""
+    ratio = whole / part
+    return math.isfinite(ratio) and round(ratio) >= 1 and abs(ratio - round(ratio)) <= 1e-9 * ratio
 
 
 @dataclass(frozen=True, slots=True)

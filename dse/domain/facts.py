@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from math import nan
 
+PROBE_VERSION = 3
+"""Of the experiments: facts found by another version are not comparable."""
+
 
 class Answer(StrEnum):
     """The outcome of an experiment."""

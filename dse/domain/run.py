@@ -19,6 +19,9 @@ VERDICTS_UNDER = ".verdicts"
 """What a requirement's name ends in, among the numbers of a run that was repeated for error bars: the verdicts that the
 repetitions gave, as a sum of 2^position in `VERDICTS`; 0 where none can tell."""
 
+TESTBENCH = "testbench"
+"""The condition that says which of a study's benches a run is made on."""
+
 
 class Outcome(StrEnum):
     """Whether a run came to its end."""

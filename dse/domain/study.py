@@ -60,9 +60,6 @@ class Shard:
         return f"shard-{self.number}-of-{self.of}"
 
 
-TESTBENCH = "testbench"
-"""The condition that says which of a study's benches a run is made on."""
-
 SHARD_FOLDER = re.compile(r"shard-([1-9][0-9]*)-of-([1-9][0-9]*)")
 """What the names of shards' folders look like."""
 

@@ -180,7 +180,7 @@ class _Sink:
         self._on_progress = on_progress
         self._stage: Stage | None = None
 
-    def begin(self, stage: Stage, wanted: set[int] | frozenset[int], there: AbstractSet[int]) -> None:
+    def begin(self, stage: Stage, wanted: AbstractSet[int], there: AbstractSet[int]) -> None:
         """Count what comes as *stage*, of whose *wanted* runs some are *there* already; more of a stage adds to it."""
         if stage is not self._stage:
             self.tell()

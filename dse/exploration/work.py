@@ -59,10 +59,10 @@ MakeRunner = Callable[[Any, memoryview], Runner]
 class Batch:
     """Runs of one configuration that go to one worker together, sorted by number.
 
-    If *file* is not "", waveforms are kept in the file of that name. Runs in *made* are in the write-ahead log
-    already: with it,
-    they come into the file. *alone* has the others made one at a time, *fresh* by a process that has made none before.
-    A *part* is not all that its file is made of. It goes to another worker than the maker *unlike*, where there is one.
+    If *file* is not "", waveforms are kept in the file of that name, or, with *logged*, in the write-ahead log alone.
+    Runs in *made* are in the log already: with it, they come into the file. *alone* has the others made one at a time,
+    *fresh* by a process that has made none before. A *part* is not all that its file is made of. It goes to another
+    worker than the maker *unlike*, where there is one.
     """
 
     identity: int
@@ -74,6 +74,7 @@ class Batch:
     fresh: bool = False
     part: bool = False
     unlike: str = ""
+    logged: bool = False
 
     @property
     def numbers(self) -> tuple[int, ...]:
@@ -94,6 +95,11 @@ class Batch:
     def keep(self) -> bool:
         """Whether waveforms are kept."""
         return bool(self.file)
+
+    @property
+    def makes_file(self) -> bool:
+        """Whether a file is made of its waveforms when all of its runs are made."""
+        return self.keep and not self.part and not self.logged
 
     def after(self, made: AbstractSet[int]) -> Batch:
         """The same batch when the runs *made* are, too."""

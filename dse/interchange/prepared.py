@@ -8,7 +8,7 @@ from pathlib import Path
 
 from dse.cache import cache_folder
 from dse.cosim import require_kernel
-from dse.domain.bench import Simulation
+from dse.domain.bench import Simulation, is_multiple
 from dse.domain.design import Configuration
 from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.method import PLAIN, Method
@@ -21,7 +21,6 @@ from dse.interchange.resolving.matching import of_fmu
 from dse.interchange.resolving.network import Models
 from dse.interchange.resolving.resolve import ResolvedSystem, system_of
 from dse.interchange.structure import ExperimentSettings, SspComponent, SspSystem
-from dse.loading import is_multiple
 from dse.metrics import compile_metrics
 from dse.testbench import KnownFmus, PreparedBench, Recording, with_facts
 

@@ -6,12 +6,13 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from dse.domain.bench import is_multiple
 from dse.domain.component import Component
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.kinds._generated import build_generated
 from dse.kinds._partner import partner_files
 from dse.kinds.road import RoadSection, RoadSource, tables_along, written_ways
-from dse.loading import ComponentKind, Plain, SourcePlace, Workspace, is_multiple
+from dse.loading import ComponentKind, Plain, SourcePlace, Workspace
 
 _INTERFACE = "traffic"
 _STRUCT = "sumo_traffic"

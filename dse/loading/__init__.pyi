@@ -1,5 +1,4 @@
 from .bench.bench import read_setting as read_setting
-from .bench.method import is_multiple as is_multiple
 from .component.kind import (
     KINDS as KINDS,
     ComponentKind as ComponentKind,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
+from graphlib import TopologicalSorter
+from heapq import heappop, heappush
 from math import isfinite
 
 from dse.domain.component import Causality, Component, Kind, Parameter, Port, Type, Value, as_number, same_signal
@@ -12,6 +14,7 @@ from dse.domain.fmu import FmuModel, Variable
 from dse.domain.labels import array_of
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
 from dse.errors import DseError, Location, Problem, fail, raise_if_any, some_of
+from dse.graphs import components
 from dse.system.binding import IDENTITY, Binding, bind
 
 
@@ -268,17 +271,25 @@ def _is_built_in(component: Component, parameter: Parameter, model: FmuModel) ->
 
 
 def along_the_flow(names: Sequence[str], wires: Iterable[Wire]) -> list[str]:
-    """*names* along the flow of signals; loops are cut where the given order says."""
-    import networkx as nx
-
-    graph = nx.DiGraph()
-    graph.add_nodes_from(names)
-    graph.add_edges_from((wire.source, wire.target) for wire in wires)
+    """*names* along the flow of signals; what that leaves open, as where a loop is cut, is as in *names*."""
     rank = {name: number for number, name in enumerate(names)}
-    condensed = nx.condensation(graph)
-    members = {node: sorted(data["members"], key=rank.__getitem__) for node, data in condensed.nodes(data=True)}
-    order = nx.lexicographical_topological_sort(condensed, key=lambda node: rank[members[node][0]])
-    return [name for node in order for name in members[node]]
+    needs: list[list[int]] = [[] for _ in names]
+    for wire in wires:
+        needs[rank[wire.target]].append(rank[wire.source])
+    loops = {loop[0]: loop for loop in components(needs)}
+    loop_of = {number: first for first, loop in loops.items() for number in loop}
+    sources = {first: {loop_of[n] for number in loop for n in needs[number]} for first, loop in loops.items()}
+    sorter = TopologicalSorter({first: found - {first} for first, found in sources.items()})
+    sorter.prepare()
+    ready: list[int] = []
+    order: list[str] = []
+    while sorter.is_active():
+        for each in sorter.get_ready():
+            heappush(ready, each)
+        first = heappop(ready)
+        order += (names[number] for number in loops[first])
+        sorter.done(first)
+    return order
 
 
 # Arrays whose size a structural parameter sets.

@@ -10,7 +10,7 @@ import json
 import math
 import platform
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from functools import cache
 from hashlib import sha256
@@ -25,9 +25,10 @@ from dse.cache import content_key
 from dse.domain.address import NOT_GIVEN, Address
 from dse.domain.facts import Question
 from dse.domain.fmu import FmuModel
+from dse.domain.run import TESTBENCH
 from dse.domain.system import Element
 from dse.metrics import MetricProgram
-from dse.testbench.multi_bench import Prepared, joint_address, singly
+from dse.testbench.multi_bench import Prepared, singly
 from dse.testbench.prepared_bench import PreparedBench
 from dse.testbench.variations import Variation
 
@@ -46,7 +47,23 @@ def address_of(prepared: Prepared) -> Address | None:
     addresses = [address for bench in singly(prepared) if (address := _address(bench))]
     if len(addresses) < len(singly(prepared)):
         return None
-    return addresses[0] if len(addresses) == 1 else joint_address(addresses)
+    return addresses[0] if len(addresses) == 1 else _joint(addresses)
+
+
+def _joint(addresses: Sequence[Address]) -> Address:
+    """What names the runs of a configuration on several benches, each of which has one of *addresses*."""
+    starts = np.cumsum([1, *(len(each.names) for each in addresses)]).tolist()
+    places: dict[str, tuple[int, ...]] = {TESTBENCH: (0,)}
+    for start, each in zip(starts, addresses, strict=False):
+        for name, at in each.places.items():
+            places[name] = (*places.get(name, ()), *(start + position for position in at))
+    return Address(
+        content_key([(f"bench {number}", each.key.encode()) for number, each in enumerate(addresses)]),
+        (TESTBENCH, *(f"{number} {name}" for number, each in enumerate(addresses) for name in each.names)),
+        np.zeros(1, dtype="<f8").tobytes() + b"".join(each.values for each in addresses),
+        places,
+        addresses[0].machine,
+    )
 
 
 def _address(prepared: PreparedBench) -> Address | None:

@@ -13,7 +13,8 @@ from dse.domain.bench import TestBench
 from dse.domain.component import Component
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.method import Coupling, Method
-from dse.domain.study import TESTBENCH, types_of
+from dse.domain.run import TESTBENCH
+from dse.domain.study import types_of
 from dse.errors import DseError, Problem, raise_if_any
 from dse.fmu import in_parallel
 from dse.loading import Workspace, kind_of

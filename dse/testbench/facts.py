@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from dse.cache import cache_folder, is_damaged, put_file, vouch
-from dse.cosim import PROBE_VERSION
 from dse.domain.component import Component
-from dse.domain.facts import Answer, FmuFacts, Question
+from dse.domain.facts import PROBE_VERSION, Answer, FmuFacts, Question
 from dse.domain.fmu import FmuModel
 from dse.domain.system import SystemStructure
 from dse.fmu import shares_nothing, this_platform

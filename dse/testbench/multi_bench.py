@@ -8,12 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dse.cache import content_key
-from dse.domain.address import Address
 from dse.domain.component import Kind, Type
 from dse.domain.design import Configuration
-from dse.domain.run import Run, RunRequest, Waveforms
-from dse.domain.study import TESTBENCH
+from dse.domain.run import TESTBENCH, Run, RunRequest, Waveforms
 from dse.testbench.prepared_bench import PreparedBench, Setting
 from dse.testbench.runner import Runner
 
@@ -99,22 +96,6 @@ def on_bench(prepared: Prepared, number: int) -> Prepared:
 def singly(prepared: Prepared) -> tuple[PreparedBench, ...]:
     """The benches one by one."""
     return prepared.benches if isinstance(prepared, PreparedBenches) else (prepared,)
-
-
-def joint_address(addresses: Sequence[Address]) -> Address:
-    """What names the runs of a configuration on several benches, each of which has one of *addresses*."""
-    starts = np.cumsum([1, *(len(each.names) for each in addresses)]).tolist()
-    places: dict[str, tuple[int, ...]] = {TESTBENCH: (0,)}
-    for start, each in zip(starts, addresses, strict=False):
-        for name, at in each.places.items():
-            places[name] = (*places.get(name, ()), *(start + position for position in at))
-    return Address(
-        content_key([(f"bench {number}", each.key.encode()) for number, each in enumerate(addresses)]),
-        (TESTBENCH, *(f"{number} {name}" for number, each in enumerate(addresses) for name in each.names)),
-        np.zeros(1, dtype="<f8").tobytes() + b"".join(each.values for each in addresses),
-        places,
-        addresses[0].machine,
-    )
 
 
 class SeveralRunner(AbstractContextManager["SeveralRunner"]):

@@ -8,17 +8,19 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dse.cache import cache_folder, content_key, keep_content, try_to_put
-from dse.cosim import PROBE_VERSION, ProbeLimits, probe_numerics
 from dse.domain.bench import Simulation
 from dse.domain.component import Component
-from dse.domain.facts import FmuNumerics, Lever
+from dse.domain.facts import PROBE_VERSION, FmuNumerics, Lever
 from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.system import Element, SystemStructure
 from dse.errors import DseError
 from dse.fmu import in_parallel, open_fmu, this_platform
+
+if TYPE_CHECKING:
+    from dse.cosim import ProbeLimits
 
 Say = Callable[[str], None]
 """Is told what is being waited for."""
@@ -79,6 +81,8 @@ def numerics_of_element(
     def make() -> bytes:
         say(f"finding out how exact {element.model.identifier} is")
         exchange = None if is_ours else exchange_of(element.model, cache=cache)
+        from dse.cosim import probe_numerics
+
         found = probe_numerics(element, times, exchange=exchange, is_ours=is_ours, limits=limits, sandboxed=sandboxed)
         return json.dumps(asdict(found), indent=1, sort_keys=True).encode()
 

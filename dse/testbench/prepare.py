@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from dse.cosim import require_kernel, simulation_problems
-from dse.domain.bench import Simulation, TestBench
+from dse.domain.bench import Simulation, TestBench, is_multiple
 from dse.domain.component import Component, Kind, Type
 from dse.domain.design import Configuration, split_path, walk
 from dse.domain.fmu import FmuModel
@@ -17,7 +17,6 @@ from dse.domain.method import BONDS, Algorithm
 from dse.domain.system import SystemStructure
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.fmu import build_all, in_parallel, open_component
-from dse.loading import is_multiple
 from dse.metrics import MetricProgram, RowProgram, compile_metrics, compile_value
 from dse.system import assemble, wiring_problems
 from dse.testbench.facts import KnownFmus

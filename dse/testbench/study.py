@@ -13,15 +13,15 @@ from dse.domain.component import Kind, Type, Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.design import Configuration
 from dse.domain.expression import Call, Name, Node
+from dse.domain.run import TESTBENCH
 from dse.domain.sampler import Architectures, Nominal, Objective, Outcomes
-from dse.domain.study import TESTBENCH, Keep, Selection, Study
+from dse.domain.study import Keep, Selection, Study
 from dse.errors import DseError, Location, Problem, Problems, fail, raise_if_any
 from dse.expression import parse_expression, rewritten
 from dse.loading import Raw, read_setting
 from dse.metrics import RowProgram, compile_number
 from dse.testbench.definition import configuration_of, define, fmus_of
 from dse.testbench.error_bars import with_error_bars
-from dse.testbench.fuse import fuse_benches
 from dse.testbench.multi_bench import Prepared, together
 from dse.testbench.numerics import Say
 from dse.testbench.prepare import prepare_bench
@@ -61,6 +61,8 @@ class Preparing:
         benches = {name: together([each[name] for each in made], names) for name in made[0]}
         if not self.fuse or not benches:
             return benches
+        from dse.testbench.fuse import fuse_benches
+
         say = self.say
         say("fusing configurations")
         return fuse_benches(

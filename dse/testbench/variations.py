@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
-from dse.domain.bench import Simulation
+from dse.domain.bench import Simulation, is_multiple
 from dse.domain.facts import FmuFacts, FmuNumerics, Lever, Question
 from dse.domain.fmu import FmuModel
 from dse.domain.method import BONDS, Method
 from dse.domain.system import Element, SystemStructure
-from dse.loading import is_multiple
 from dse.metrics import MetricProgram
 
 SAFETY = 1.25

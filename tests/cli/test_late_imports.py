@@ -20,7 +20,7 @@ HEAVY = {"fmpy", "matplotlib", "networkx", "numpy", "pandas", "pint", "pyarrow",
 }
 SPACE = {"numpy"}
 SEARCH = {"numpy", "scipy"}
-RUNS = {"networkx", "numpy", "pint", "pyarrow", "ruamel.yaml", "scipy"}
+RUNS = {"numpy", "pint", "pyarrow", "ruamel.yaml", "scipy"}
 DRAWN = {*RUNS, "matplotlib"}
 
 # What each command may import in a workspace that was read before; {s} is a study folder, {o} a new name.
@@ -56,9 +56,9 @@ MAY_IMPORT = {
     "space refine acc_vehicle --choose sensor=lidar_905nm": {"numpy", "ruamel.yaml"},
     "export uvl acc_vehicle -o {o}.uvl": SPACE,
     "export csv acc_vehicle -o {o}.csv": SPACE,
-    "world acc_following --layout": {"networkx", "numpy", "pint", "ruamel.yaml", "scipy"},
+    "world acc_following --layout": {"numpy", "pint", "ruamel.yaml", "scipy"},
     "results {s}": {"numpy"},
-    "findings {s}": {"networkx", "numpy", "pandas", "pint", "pyarrow", "ruamel.yaml", "scipy"},  # scikit-learn's pandas
+    "findings {s}": {"numpy", "pandas", "pint", "pyarrow", "ruamel.yaml", "scipy"},  # scikit-learn's pandas
     "best {s} --minimize consumption": RUNS,
     "pareto {s} --minimize consumption --minimize final_speed": RUNS,
     "refine {s} --around 0": RUNS,
@@ -70,7 +70,7 @@ MAY_IMPORT = {
     "report {s} -o {o}.html": RUNS,
     "figure {s} -o {o}": DRAWN,
     "replay {s} 1": RUNS,
-    "check": {"networkx", "numpy", "pint", "ruamel.yaml", "scipy"},  # the first to read the benches
+    "check": {"numpy", "pint", "ruamel.yaml", "scipy"},  # the first to read the benches
     "build pd_acc": set(),
     "probe {f}": {"numpy"},
     "cache show": set(),
@@ -78,7 +78,7 @@ MAY_IMPORT = {
     "cache prune": set(),
     "import fmu {f} -o {o}": RUNS,
     "import simulink components/controllers/pd_acc_coded/acc_ert_rtw --step 10ms -o {o}": RUNS,
-    "simulate acc_following": RUNS,
+    "simulate acc_following": RUNS - {"pyarrow"},
     "run acc_following -o {o}": RUNS,
     "explore small -o {o}": RUNS,
 }
@@ -199,3 +199,22 @@ def test_the_package_is_imported_at_once():
     code = "import sys; before = {*sys.modules}; import dse; print(*({*sys.modules} - before))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {name.partition(".")[0] for name in done.stdout.split()} & {*HEAVY, "pydantic", "rich", "typer"}
+
+
+@pytest.mark.thorough
+def test_a_worker_imports_what_simulating_needs():
+    """Each run that is simulated alone, and each process of a study, waits for it."""
+    names = "from dse.exploration.supervision import worker; from dse.testbench import make_runner"
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys; {names}; print(*sys.modules)"], capture_output=True, text=True, check=True
+    )
+    unneeded = (HEAVY - {"numpy"}) | {
+        "concurrent.futures",
+        "dse.domain.study",
+        "dse.loading",
+        "psutil",
+        "pydantic",
+        "rich",
+        "typer",
+    }
+    assert unneeded.isdisjoint(done.stdout.split())

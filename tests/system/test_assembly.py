@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import networkx as nx
 import pytest
+from hypothesis import given, strategies as st
 
 from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Type
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
-from dse.domain.system import Conversion
+from dse.domain.system import Conversion, Wire
 from dse.errors import DseError, Location
-from dse.system.assembly import WiredParts, assemble
+from dse.system.assembly import WiredParts, along_the_flow, assemble
 from dse.units import parse_unit
 
 METRE = Type(Kind.REAL, parse_unit("m"))
@@ -79,6 +81,20 @@ def test_elements_stand_along_the_flow_of_signals():
         "sensor",
         "controller",
     ]
+
+
+@given(st.data())
+def test_the_order_along_the_flow_is_that_of_networkx(data):
+    names = data.draw(st.permutations([f"part{number}" for number in range(data.draw(st.integers(0, 12)))]))
+    ends = st.sampled_from(names) if names else st.nothing()
+    wires = [Wire(source, "y", target, "u") for source, target in data.draw(st.lists(st.tuples(ends, ends)))]
+    graph = nx.DiGraph()
+    graph.add_nodes_from(names)
+    graph.add_edges_from((wire.source, wire.target) for wire in wires)
+    condensed = nx.condensation(graph)
+    loops = {node: sorted(members, key=names.index) for node, members in condensed.nodes(data="members")}
+    order = nx.lexicographical_topological_sort(condensed, key=lambda node: names.index(loops[node][0]))
+    assert along_the_flow(names, wires) == [name for node in order for name in loops[node]]
 
 
 def test_an_enumeration_is_started_by_its_items_number():

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dse.api.studies.exploration import Tell, alone, ready
 from dse.api.studies.provenance import note_sources
 from dse.api.studies.replay import (
     DRIVE,
@@ -26,6 +25,7 @@ from dse.api.studies.replay import (
     is_drives,
     kept_drives,
 )
+from dse.api.studies.single_run import Tell, alone, ready
 from dse.domain.definition import DefinedSampler, DefinedVariable, StudyDefinition
 from dse.domain.drive import Drive
 from dse.domain.run import Run, RunRequest, Waveforms

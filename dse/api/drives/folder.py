@@ -19,7 +19,7 @@ from dse.formats import shown
 from dse.storage import StudyFolder, changed_results, drive_id, write_drive
 
 if TYPE_CHECKING:
-    from dse.api.studies.exploration import Tell
+    from dse.api.studies.single_run import Tell
     from dse.loading import Workspace as Files
 
 

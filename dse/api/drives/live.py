@@ -189,7 +189,7 @@ def open_drive(bench: TestBench, configuration: str | None = None, *, driver: st
 
 def _hands(bench: TestBench, driver_in_loop: DriverInTheLoop, fmi: int) -> dict[str, float]:
     """What the bench's own driver does at first."""
-    from dse.api.studies.exploration import alone
+    from dse.api.studies.single_run import alone
     from dse.domain.study import Selection
     from dse.testbench import bench_study
 

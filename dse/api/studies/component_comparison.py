@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dse.api.studies.exploration import alone
+from dse.api.studies.single_run import alone
 from dse.domain.bench import Simulation, TestBench, TestComponent
 from dse.domain.component import Causality, Component, Interface, Kind, Port, Type, Value
 from dse.domain.design import Compound, Connection, DesignSpace

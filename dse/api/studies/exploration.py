@@ -1,4 +1,4 @@
-"""Making runs: of a study into a folder, and of a study with one run."""
+"""Making the runs of a study into a folder."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ from dse.api.studies.plan import (
     start_over,
 )
 from dse.api.studies.provenance import note_sources, note_space
-from dse.domain.study import TESTBENCH, CheckStep, ExecutorChoice, Shard
+from dse.api.studies.single_run import Tell, ready
+from dse.domain.study import CheckStep, ExecutorChoice, Shard
 from dse.errors import DseError, Location, fail
 from dse.exploration import (
     Checkable,
@@ -34,23 +35,17 @@ from dse.exploration import (
     explore,
     give,
     load_executor,
-    simulate_alone,
     unsettled,
 )
-from dse.storage import Merged, StudyFolder, StudyHeader, changed_inputs, merge_studies, shards_in
+from dse.storage import Merged, StudyFolder, merge_studies, shards_in
 from dse.testbench import (
     PreparedStudy,
     WorldPlace,
     checked_benches,
-    make_runner,
-    on_bench,
-    prepare_study,
     require_checkable,
 )
 
 if TYPE_CHECKING:
-    from dse.domain.definition import StudyDefinition
-    from dse.domain.run import Run
     from dse.domain.study import Study
 
 __all__ = [
@@ -60,18 +55,10 @@ __all__ = [
     "Merged",
     "Plan",
     "Progress",
-    "alone",
     "explore_into",
     "merge_into",
     "plan_into",
-    "ready",
 ]
-
-Tell = Callable[[str], None]
-"""Is told what is going on while things are built."""
-
-OnChanged = Callable[[tuple[str, ...]], object]
-"""Is called with what has changed since a study was made, before anything is simulated; it may raise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,21 +93,6 @@ class ExploreOptions:
     def ready(self, study: Study, tell: Tell | None) -> PreparedStudy:
         """*study* with all that has to be built for it. Raises DseError."""
         return ready(study, self.fmi, fuse=self.fuse, sandbox=self.sandbox, tell=tell, world=self.world)
-
-
-def ready(
-    study: Study,
-    fmi: int = 2,
-    *,
-    fuse: bool = False,
-    sandbox: bool = False,
-    tell: Tell | None = None,
-    world: WorldPlace | None = None,
-) -> PreparedStudy:
-    """*study* with all that has to be built for it. Raises DseError."""
-    say = tell or (lambda _: None)
-    say("building FMUs, assembling configurations")
-    return prepare_study(study, version=fmi, say=say, sandboxed=sandbox, world=world, fuse=fuse)
 
 
 def explore_into(
@@ -225,52 +197,6 @@ def executor_of(study: Study, options: ExploreOptions) -> Executor:
         what = f"the study's executor is '{choice.name}', and {' and '.join(given)} can be given to 'local' only"
         raise fail(what, study.where, "leave them out, or change 'executor' in the study")
     return load_executor(ExecutorChoice(choice.name, {**choice.options, **given}))
-
-
-def alone(
-    study: Study,
-    fmi: int,
-    *,
-    on: int = 0,
-    fuse: bool = False,
-    sandbox: bool = False,
-    tell: Tell | None = None,
-    world: WorldPlace | None = None,
-) -> tuple[Run, PreparedStudy]:
-    """The single run of *study*, made in a process of its own, with waveforms; and what it was made from.
-
-    It is made *on* the bench of this number, with the *world* where that is.
-    """
-    planned = ready(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell, world=world)
-    return _simulated(planned, on, sandbox=sandbox, tell=tell), planned
-
-
-def _simulated(planned: PreparedStudy, on: int, *, sandbox: bool = False, tell: Tell | None = None) -> Run:
-    ((name, prepared),) = planned.benches.items()
-    if tell:
-        tell("simulating")
-    measures = StudyHeader(planned.definition).measures
-    return simulate_alone(on_bench(prepared, on), make_runner, name, measures, sandboxed=sandbox)
-
-
-def again(
-    study: Study,
-    stored: StudyDefinition,
-    run: Run,
-    fmi: int,
-    *,
-    tell: Tell | None = None,
-    on_changed: OnChanged | None = None,
-) -> tuple[Run, PreparedStudy, tuple[str, ...]]:
-    """As `alone`, for a *run* of the study that is *stored*; and what has changed since the study was made.
-
-    If something has, *on_changed* is called with it before anything is simulated.
-    """
-    planned = ready(study, fmi, tell=tell)
-    changed = tuple(changed_inputs(stored, planned.definition, run))
-    if changed and on_changed:
-        on_changed(changed)
-    return _simulated(planned, int(run.request.point.get(TESTBENCH, 0)), tell=tell), planned, changed
 
 
 def merge_into(folders: Sequence[Path], target: Path | None = None) -> tuple[Path, Merged]:

@@ -14,7 +14,7 @@ from dse.errors import DseError, Location, Problem, fail
 from dse.formats import shown
 
 if TYPE_CHECKING:
-    from dse.api.studies.exploration import OnChanged, Tell
+    from dse.api.studies.single_run import OnChanged, Tell
     from dse.domain.bench import TestBench
     from dse.domain.definition import StudyDefinition
     from dse.domain.drive import Drive
@@ -63,8 +63,9 @@ def replay(
 
     *on_changed* is called before it is simulated if something has changed since the study was made, with what.
     """
-    from dse.api.studies.exploration import again
-    from dse.domain.study import TESTBENCH, Selection
+    from dse.api.studies.single_run import again
+    from dse.domain.run import TESTBENCH
+    from dse.domain.study import Selection
     from dse.storage import changed_results
     from dse.testbench import bench_study, with_values
 

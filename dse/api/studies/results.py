@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dse.analysis import Finding, Ranking
-    from dse.api.studies.exploration import Tell
     from dse.api.studies.replay import Replay
+    from dse.api.studies.single_run import Tell
     from dse.domain import study as nouns
     from dse.domain.definition import StudyDefinition
     from dse.errors import Problem

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from dse.api.studies.exploration import Tell
     from dse.api.studies.run import Run
+    from dse.api.studies.single_run import Tell
     from dse.domain.bench import Simulation, TestBench
     from dse.domain.component import Component
     from dse.report import Ground, Scene, SceneSignals
@@ -54,7 +54,7 @@ def _bench_of(stored: Run, source: str | Path | None, near: Path, workspace: Pat
     """The bench as it was simulated for *stored*; what was driven by somebody lies as a table in *scratch*."""
     from dse.api.studies.provenance import benches_near, in_workspace
     from dse.api.studies.replay import NOBODY, bench_driven, benches_of, drive_name, is_drives, recording
-    from dse.domain.study import TESTBENCH
+    from dse.domain.run import TESTBENCH
     from dse.testbench import with_values
 
     if is_drives(stored.definition):
@@ -68,7 +68,7 @@ def _bench_of(stored: Run, source: str | Path | None, near: Path, workspace: Pat
 
 
 def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Scene:
-    from dse.api.studies.exploration import alone
+    from dse.api.studies.single_run import alone
     from dse.domain.study import Selection
     from dse.report import SceneSignals
     from dse.testbench import bench_study, one_configuration, wire_bench

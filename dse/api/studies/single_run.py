@@ -2,23 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.studies.exploration import Tell, alone, ready
 from dse.api.studies.run import Run
+from dse.domain.run import TESTBENCH
 from dse.domain.study import Selection
-from dse.storage import si_unit
-from dse.testbench import bench_study, one_configuration, singly, with_settings
+from dse.exploration import simulate_alone
+from dse.storage import StudyHeader, changed_inputs, si_unit
+from dse.testbench import (
+    bench_study,
+    make_runner,
+    on_bench,
+    one_configuration,
+    prepare_study,
+    singly,
+    with_settings,
+)
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
+    from dse.domain.definition import StudyDefinition
     from dse.domain.design import Configuration
+    from dse.domain.run import Run as RunNoun
     from dse.domain.study import Study
     from dse.loading import Raw
     from dse.testbench import PreparedStudy, WorldPlace
+
+
+Tell = Callable[[str], None]
+"""Is told what is going on while things are built."""
+
+OnChanged = Callable[[tuple[str, ...]], object]
+"""Is called with what has changed since a study was made, before anything is simulated; it may raise."""
 
 
 def simulate_once(
@@ -106,6 +124,67 @@ def recorded_units(planned: PreparedStudy) -> dict[str, str]:
         units |= {f"{BONDS}.{bond.name}": "J" for bond in prepared.simulation.method.bonds}
         kept |= {name: units[name] for name in prepared.recording.kept}
     return kept
+
+
+def ready(
+    study: Study,
+    fmi: int = 2,
+    *,
+    fuse: bool = False,
+    sandbox: bool = False,
+    tell: Tell | None = None,
+    world: WorldPlace | None = None,
+) -> PreparedStudy:
+    """*study* with all that has to be built for it. Raises DseError."""
+    say = tell or (lambda _: None)
+    say("building FMUs, assembling configurations")
+    return prepare_study(study, version=fmi, say=say, sandboxed=sandbox, world=world, fuse=fuse)
+
+
+def alone(
+    study: Study,
+    fmi: int,
+    *,
+    on: int = 0,
+    fuse: bool = False,
+    sandbox: bool = False,
+    tell: Tell | None = None,
+    world: WorldPlace | None = None,
+) -> tuple[RunNoun, PreparedStudy]:
+    """The single run of *study*, made in a process of its own, with waveforms; and what it was made from.
+
+    It is made *on* the bench of this number, with the *world* where that is.
+    """
+    planned = ready(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell, world=world)
+    return _simulated(planned, on, sandbox=sandbox, tell=tell), planned
+
+
+def _simulated(planned: PreparedStudy, on: int, *, sandbox: bool = False, tell: Tell | None = None) -> RunNoun:
+    ((name, prepared),) = planned.benches.items()
+    if tell:
+        tell("simulating")
+    measures = StudyHeader(planned.definition).measures
+    return simulate_alone(on_bench(prepared, on), make_runner, name, measures, sandboxed=sandbox)
+
+
+def again(
+    study: Study,
+    stored: StudyDefinition,
+    run: RunNoun,
+    fmi: int,
+    *,
+    tell: Tell | None = None,
+    on_changed: OnChanged | None = None,
+) -> tuple[RunNoun, PreparedStudy, tuple[str, ...]]:
+    """As `alone`, for a *run* of the study that is *stored*; and what has changed since the study was made.
+
+    If something has, *on_changed* is called with it before anything is simulated.
+    """
+    planned = ready(study, fmi, tell=tell)
+    changed = tuple(changed_inputs(stored, planned.definition, run))
+    if changed and on_changed:
+        on_changed(changed)
+    return _simulated(planned, int(run.request.point.get(TESTBENCH, 0)), tell=tell), planned, changed
 
 
 def _single(bench: TestBench, configuration: str | None, settings: Mapping[str, Raw]) -> Study:

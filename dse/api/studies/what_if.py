@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.studies.exploration import OnChanged, again
 from dse.api.studies.provenance import benches_near
 from dse.api.studies.run import Run
-from dse.domain.run import Outcome, Run as RunNoun, RunRequest
-from dse.domain.study import TESTBENCH, Selection
+from dse.api.studies.single_run import OnChanged, again
+from dse.domain.run import TESTBENCH, Outcome, Run as RunNoun, RunRequest
+from dse.domain.study import Selection
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.testbench import bench_study, one_configuration, with_settings, with_values
 from dse.units import parse_unit

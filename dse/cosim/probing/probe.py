@@ -14,9 +14,6 @@ from dse.cosim.probing.subject import Trajectory
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import FmuModel
 
-PROBE_VERSION = 3
-"""Of the experiments: facts found by another version are not comparable."""
-
 _STRENGTHS = (1.0, 0.05, 0.0)
 _MEASURING = 0.3
 _THREADING = 1.0

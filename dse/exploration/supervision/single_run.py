@@ -10,7 +10,7 @@ from dse.domain.run import Run, RunRequest
 from dse.exploration.supervision.supervisor import Supervisor
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
 from dse.scratch import ScratchFolder
-from dse.storage import Attempt, Measures, RowBlock, read_waveforms, waveform_file
+from dse.storage import Attempt, Measures, RowBlock, read_log, waveform_file
 
 
 @dataclass(slots=True)
@@ -18,7 +18,6 @@ class _Kept:
     """Keeps what comes of the run."""
 
     block: RowBlock | None = None
-    waveforms: tuple[int, ...] = ()
 
     def rows(self, _batch: Batch, block: RowBlock) -> None:
         self.block = block
@@ -26,8 +25,8 @@ class _Kept:
     def tried(self, attempts: Sequence[Attempt]) -> None:
         pass
 
-    def ended(self, _batch: Batch, kept: tuple[int, ...]) -> None:
-        self.waveforms = kept
+    def ended(self, _batch: Batch, _kept: tuple[int, ...]) -> None:
+        pass
 
     def tick(self) -> None:
         pass
@@ -44,11 +43,12 @@ def simulate_alone(
     with ScratchFolder() as scratch:
         folder = Path(scratch)
         work = Work({configuration: prepared}, make_runner, folder, measures, folder / "spool")
-        batch = Batch(0, configuration, (request,), waveform_file(0, 0))
+        batch = Batch(0, configuration, (request,), waveform_file(0, 0), logged=True)
         with Supervisor(work, kept, workers=1, sandboxed=sandboxed) as supervisor:
             supervisor.work_off([batch])
         assert kept.block is not None  # noqa: S101  # a supervisor gives a row for every run
         # As a study folder has it, where a zero has no sign.
         block = replace(kept.block, metrics=kept.block.metrics + 0.0, margins=kept.block.margins + 0.0)
         (run,) = block.runs([request], measures)
-        return replace(run, waveforms=read_waveforms(folder / batch.file, 0)) if kept.waveforms else run
+        logged = read_log(work.log_folder, measures, name=batch.name)
+        return replace(run, waveforms=next((each.waveforms(0) for each in logged if 0 in each.kept), None))

@@ -105,7 +105,7 @@ class WorkQueue:
 
     def pass_on(self, batch: Batch) -> None:
         """Have *batch* made next, by any worker, or nothing more if that is all there is to it."""
-        if batch.todo or (batch.keep and not batch.part):
+        if batch.todo or batch.makes_file:
             self._pending.appendleft(replace(batch, fresh=False))
         else:
             self.end(batch, ())

@@ -6,6 +6,7 @@ It imports only what simulating needs, so that a new one is there in a fraction 
 from __future__ import annotations
 
 import errno
+import gc
 import os
 import signal
 import socket
@@ -48,6 +49,7 @@ def serve(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> N
         setup.sandbox.move_in()
     _let_go_of_the_tracker()
     forget_start()
+    gc.freeze()  # what was imported stays: it is not looked through again and again, nor at the end of the process
     spare = SpareFiles()
     hearts = [Heartbeat(heartbeat, thread) for thread in range(setup.threads)]
     runners = [GuardedRunner(setup, heart) for heart in hearts]
@@ -108,7 +110,7 @@ def _carry_out(
         fault = next((runner.fault for runner in runners if runner.fault), None)
         _retire(channel, Report(batch.identity, block, retired=True, fault=fault))
     kept: tuple[int, ...] = ()
-    if batch.keep and not batch.part:
+    if batch.makes_file:
         if not log.is_whole:  # and the supervisor may not have written the rest yet
             _retire(channel, Report(batch.identity, block, retired=True))
         heart.beat(Phase.WRITING, batch.identity)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from enum import StrEnum
 from typing import ClassVar, TypeVar
 
-from dse.domain.bench import Simulation
+from dse.domain.bench import Simulation, is_multiple
 from dse.domain.component import Type
 from dse.domain.method import PLAIN, Adaptive, Algorithm, Bond, Coupling, Extrapolation, Method
 from dse.errors import DseError, Location, Problems, closest, fail
@@ -112,12 +111,6 @@ def read_tolerance(entry: Entry, raw: Raw, problems: Problems) -> float | None:
         problems.add(f"'{entry.name}' must be below 1", entry.where, "as 1e-4")
         return None
     return tolerance
-
-
-def is_multiple(whole: float, part: float) -> bool:
-    """Whether *whole* is *part* once or several times, but for rounding."""
-    ratio = whole / part
-    return math.isfinite(ratio) and round(ratio) >= 1 and abs(ratio - round(ratio)) <= 1e-9 * ratio
 
 
 def _places(components: Candidates) -> set[str]:

@@ -13,8 +13,9 @@ from pydantic import Field
 from dse.domain.bench import Derived, Figure, Metric, TestBench
 from dse.domain.design import candidates
 from dse.domain.expression import Call, Name
+from dse.domain.run import TESTBENCH
 from dse.domain.sampler import DesignVariable, Objective, Role, Sampler
-from dse.domain.study import TESTBENCH, CheckStep, ExecutorChoice, Keep, Selection, Study
+from dse.domain.study import CheckStep, ExecutorChoice, Keep, Selection, Study
 from dse.errors import DseError, Location, Problems, closest, fail
 from dse.expression import descend, parse_expression
 from dse.formats import Entry

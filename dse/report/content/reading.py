@@ -18,9 +18,8 @@ from dse.domain.definition import (
     DefinedVariable,
     StudyDefinition,
 )
-from dse.domain.run import Outcome, Run, Waveforms
+from dse.domain.run import TESTBENCH, Outcome, Run, Waveforms
 from dse.domain.sampler import Grid
-from dse.domain.study import TESTBENCH
 from dse.errors import DseError, Location, Problem
 from dse.report.content.architecture import parts_and_links
 from dse.report.content.data import (

@@ -129,16 +129,19 @@ class Engine:
         """Whether all rules are logical, without sums and the like."""
         return not (self.flat.linears() or self.flat.wides())
 
-    def count(
-        self, seed: int = 0, *, most_work: float = EVERYDAY_WORK, relative: float | None = None, size: int | None = None
-    ) -> Tally:
-        """How many rows are valid: exact if that takes no more than *most_work*, else an estimate within *relative*.
+    def count(self, seed: int = 0, *, relative: float | None = None) -> Tally:
+        """How many rows are valid: exact if that takes no more than everyday work, else by `estimate`.
 
-        *relative*, unless it is given, and *size* are as in `estimate`. Raises DseError if neither can be had.
+        Raises DseError if neither can be had.
         """
-        exact = self.exact_count(most_work)
-        if exact is not None:
-            return Tally(exact)
+        exact = self.exact_count()
+        return self.estimate(seed, relative) if exact is None else Tally(exact)
+
+    def estimate(self, seed: int, relative: float | None = None, size: int | None = None) -> Tally:
+        """About how many rows are valid, where it takes too long to count them.
+
+        *relative*, unless it is given, and *size* are as in `sampling.estimate`. Raises DseError if it cannot be had.
+        """
         if self.diagram is None:
             return self.clausal.estimate(seed)
         from dse.space.methods import enumeration

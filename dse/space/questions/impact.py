@@ -75,10 +75,11 @@ def _impact(engine: Engine, number: int, seed: int) -> Impact:
 
 def counted(engine: Engine, seed: int) -> Tally:
     """How many there are, exact or, where that takes long, about."""
+    exact = engine.exact_count(_WORK)
     # An estimate cannot prove that there is nothing, and says nothing worth having of very few.
-    if engine.diagram is not None and engine.is_empty():
-        return Tally(0)
-    return engine.count(seed, most_work=_WORK, relative=_RELATIVE, size=_DRAWS)
+    if exact is None and engine.diagram is not None and engine.is_empty():
+        exact = 0
+    return engine.estimate(seed, _RELATIVE, _DRAWS) if exact is None else Tally(exact)
 
 
 def breaking(flat: FlatSpace, owner: int) -> tuple[FlatSpace, ...]:
