@@ -11,9 +11,17 @@ import typer
 
 from dse.cli.app import DONE, RUNS_FAILED
 from dse.cli.arguments import Output
-from dse.cli.findings import print_findings
 from dse.cli.ranking import show_ranking
-from dse.cli.terminal import console, plain, plain_table, print_json, print_line, print_table, status_line
+from dse.cli.terminal import (
+    console,
+    plain,
+    plain_table,
+    print_findings,
+    print_json,
+    print_line,
+    print_table,
+    status_line,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,6 +8,7 @@ import sys
 import unicodedata
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 import typer
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+    from dse.analysis import Finding
     from dse.errors import DseError
 
 _MOST_NOTES = 5
@@ -165,3 +167,14 @@ def read_size(text: str) -> float:
     if found is None:
         raise typer.BadParameter(f"'{text}' is not an amount of memory; write it as '500 MB'")
     return float(found[1]) * _SIZES[found[2]]
+
+
+def print_findings(found: Sequence[Finding]) -> None:
+    """What was found, line by line, under what it is about."""
+    for plane, those in groupby(found, lambda each: each.plane):
+        if plane:
+            print_line(f"varied: {', '.join(plane)}; all else held", style="bold")
+        for topic, some in groupby(those, lambda each: each.topic):
+            print_line(f"{topic}:", style="bold")
+            for each in some:
+                print_line(f"  {each.text}")

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dse.cli.app import app
 from dse.cli.arguments import Folder, Format, Output
-from dse.cli.findings import print_findings
-from dse.cli.terminal import print_json, status_line
+from dse.cli.terminal import print_findings, print_json, status_line
 
 
 @app.command()
