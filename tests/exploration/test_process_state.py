@@ -91,20 +91,22 @@ def test_all_that_a_process_has_started_is_found(monkeypatch: pytest.MonkeyPatch
             shell.stdin.write(b"\n")
             shell.stdin.flush()
             shell.stdout.readline()
+            known = psutil.Process(shell.pid).children(recursive=True)
             try:
-                found = [psutil.Process(pid) for pid in descendants(shell.pid)]
-                names = sorted(process.name() for process in found)
-                mine = descendants(psutil.Process().pid)
+                told.extend(({*descendants(shell.pid)}, {process.pid for process in known}))
+                told.append({*descendants(os.getpid())})
             finally:
-                for process in psutil.Process(shell.pid).children(recursive=True):
+                for process in known:
                     process.kill()
-        told.append((names, {shell.pid, *(process.pid for process in found)} <= {*mine}))
 
-    told: list[tuple[list[str], bool]] = []
+    told: list[set[int]] = []
     thread = threading.Thread(target=start)  # a child belongs to the thread that started it
     thread.start()
     thread.join()
-    assert told == [(["sh", "sleep", "sleep"], True)]
+    found, known, mine = told
+    assert found == known
+    assert len(found) == 3
+    assert found < mine
 
 
 def test_a_process_is_started_without_threads_for_linear_algebra_and_forgets_it(
