@@ -40,14 +40,14 @@ def shares(data: StudyData, metric: str) -> Iterator[Finding]:
     ways = {factor: f", {course}" for factor, course in courses(data, metric).items()}
     told = parts([(_called(data, each.factor), each.share, ways.get(each.factor, "")) for each in named])
     most = max(each.share.high for each in found)
-    text = f"{label}{where}: {told or f'nothing has more than {percent(most)} of the variance by itself'}"
+    text = f"{label}{where}: {told or f'no factor explains more than {percent(most)} of the variance'}"
     pairs = [pair for pair in going_together(defined) if {*pair} & {each.factor for each in named}]
     left = 1 - math.fsum(each.share.value for each in found)
     if pairs:
         named_pairs = listed([" and ".join(pair) for pair in pairs[:3]], "as well as")
-        text += f"; {named_pairs} are not independent in these runs: their shares overlap"
+        text += f"; {named_pairs} are not independent in these runs, so their shares overlap"
     elif left >= 0.1 and told:
-        text += f"; {percent(left)} is due to several together, or to chance"
+        text += f"; {percent(left)} is interactions or noise"
     facts = {"shares": [asdict(each) for each in found], "defined": len(defined), "together": pairs}
     yield Finding(Topic.SHARES, metric, text, facts)
 
@@ -77,7 +77,7 @@ def designed_findings(data: StudyData, metric: str) -> Iterator[Finding]:
     if indices:
         ranked = sorted(indices, key=lambda each: -round(each.total.value, 9))
         named = [each for each in ranked if each.total.high >= _HARDLY][:_MOST_NAMED]
-        told = parts([(each.factor, _capped(each.total), f", {_alone(each)} by itself") for each in named])
+        told = parts([(each.factor, _capped(each.total), f", first-order {_alone(each)}") for each in named])
         text = f"{label}: {told}; Sobol' indices of {found.blocks} blocks{lacking}"
     else:
         effects = [each for each in factors if isinstance(each, Effects)]

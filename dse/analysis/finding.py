@@ -18,8 +18,8 @@ class Topic(StrEnum):
     CONDITIONS = "worst cases"
     BOX = "where they are met"
     CENTRE = "how much may change"
-    SHARES = "what matters by itself"
-    TOGETHER = "what matters with all it does together with others"
+    SHARES = "main effects"
+    TOGETHER = "total effects"
     WITHHELD = "withheld"
 
 

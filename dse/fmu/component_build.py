@@ -24,7 +24,7 @@ from dse.loading import KINDS, kind_of
 def build(component: Component, *, version: int = 2, cache: Path | None = None) -> Path:
     """The FMU archive of *component*, for FMI *version* 2 or 3 if it has to be made; from the cache if it was.
 
-    A finished FMU is returned as it is, whatever its version. Raises DseError: the component has no source or
+    An existing FMU is returned as it is, whatever its version. Raises DseError: the component has no source or
     one of a kind that cannot be built, its C does not compile or lacks a port, or there is no compiler.
     """
     source, kind = component.source, kind_of(component)

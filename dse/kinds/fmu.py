@@ -1,4 +1,4 @@
-"""``source: {kind: fmu}``: a finished FMU, taken as it is."""
+"""``source: {kind: fmu}``: an existing FMU, taken as it is."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _INTERFACES = {interface.word: interface for interface in FmiInterface}
 
 @dataclass(frozen=True, slots=True)
 class FmuSource(Source):
-    """A finished FMU, untouched; *asked* is the interface it is to be simulated by, *asked_at* where that is said.
+    """An existing FMU, untouched; *asked* is the interface it is to be simulated by, *asked_at* where that is said.
 
     *ways* are what is `special`, *ways_at* where that is said. Its results have no error of their own if it is
     *sampled* every so many seconds, or *exact*: the user vouches.

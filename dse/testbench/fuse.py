@@ -52,5 +52,5 @@ def _of_parts(study: Study, benches: Mapping[str, Prepared]) -> Iterator[Problem
     standing += [part.component for bench in study.benches for part in bench.test_components]
     for component in {component.name: component for component in standing}.values():
         if component.source is not None and component.source.is_finished:
-            what = f"{component.name} is a finished FMU, which cannot be fused"
+            what = f"{component.name} is an existing FMU, which cannot be fused"
             yield Problem(what, component.where, "leave out --fuse, or choose configurations without it")

@@ -44,7 +44,7 @@ INTERFACES = """interfaces:
 
 @pytest.fixture
 def folder(tmp_path: Path, built_before: Callable[[Path], Path]) -> Path:
-    """What somebody was sent: finished FMUs, one of them packed carelessly."""
+    """What somebody was sent: existing FMUs, one of them packed carelessly."""
     makers = tmp_path / "makers" / "components"
     makers.mkdir(parents=True)
     (makers / "interfaces.yaml").write_text(INTERFACES, encoding="utf-8")

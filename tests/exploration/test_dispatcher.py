@@ -309,7 +309,7 @@ def test_a_machine_that_gives_other_bits_is_told_by_its_name(line: Line, tmp_pat
     line.machine = Machine("node9", "Other CPU", "glibc 2.99", "another")
     _, pool = work_off(line, tmp_path, batches(keep=False)[:2])
     (remark,) = pool.remarks
-    assert remark.startswith("node9 (Other CPU, glibc 2.99) gives other bits than ")
+    assert remark.startswith("node9 (Other CPU, glibc 2.99) gives different bits than ")
     assert remark.endswith(": exp, sin, pow and atan2")
 
 

@@ -37,7 +37,7 @@ _FOLDERS = (
 
 CODE = "AccControl_ert_rtw"
 STRANGER = "ray_sensor"
-"""Of the example, what is needed; generated code and a finished FMU lie beside it until they are imported."""
+"""Of the example, what is needed; generated code and an existing FMU lie beside it until they are imported."""
 
 _DESIGN = """\
 design: mixed
@@ -356,7 +356,7 @@ def test_fused_or_not_the_code_gives_the_same_bits(
 @pytest.mark.thorough
 def test_what_cannot_be_fused_is_named(dse: Dse, identity: Callable[[dict[str, str]], str]) -> None:
     said = dse("simulate", "following", "-c", identity(STUDIED), "--fuse", fails=True).stderr
-    assert "ray_sensor is a finished FMU, which cannot be fused" in said
+    assert "ray_sensor is an existing FMU, which cannot be fused" in said
 
 
 @pytest.mark.thorough

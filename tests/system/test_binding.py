@@ -1,4 +1,4 @@
-"""Ports on variables of finished FMUs: units, items, arrays and texts."""
+"""Ports on variables of existing FMUs: units, items, arrays and texts."""
 
 from __future__ import annotations
 

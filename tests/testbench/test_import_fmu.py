@@ -1,4 +1,4 @@
-"""``dse import fmu``: a finished FMU becomes a component that works at once."""
+"""``dse import fmu``: an existing FMU becomes a component that works at once."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ def test_what_cannot_be_fused_is_told_in_the_files(tmp_path):
     component, method = caught.value.problems
     assert method.what.startswith("'coupling' cannot be fused")
     assert str(method.where).endswith("oscillating.yaml:3:1")
-    assert component.what == "vdp is a finished FMU, which cannot be fused"
+    assert component.what == "vdp is an existing FMU, which cannot be fused"
     assert str(component.where).endswith("vdp/component.yaml:1:12")
 
 

@@ -1,4 +1,4 @@
-"""A component with a finished FMU says by which interface it is simulated."""
+"""A component with an existing FMU says by which interface it is simulated."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def import_uvl(
 
 @import_app.command("fmu")
 def import_fmu(
-    files: Annotated[list[Path], typer.Argument(metavar="FMU...", help="Finished FMUs.")],
+    files: Annotated[list[Path], typer.Argument(metavar="FMU...", help="Existing FMUs.")],
     folder: _Folder = None,
     name: Annotated[
         str | None, typer.Option("--name", metavar="NAME", help="The component's name; default: that of the file.")

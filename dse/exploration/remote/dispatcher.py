@@ -109,7 +109,7 @@ class Dispatcher:
                 if block.differs_from(expected.canary).any():
                     found[machine].append(f"run {expected.canary.numbers[0]} of the study")
         return tuple(
-            f"{machine} gives other bits than {here}: {', '.join(dict.fromkeys(reasons))}"
+            f"{machine} gives different bits than {here}: {', '.join(dict.fromkeys(reasons))}"
             for machine, reasons in sorted(found.items(), key=lambda entry: entry[0].host)
             if reasons
         )

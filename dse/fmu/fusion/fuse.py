@@ -45,7 +45,7 @@ def fuse_all(
 
     They compute the same numbers, bit for bit, as the FMUs do. From the cache if they were made before; a component
     that several systems share is compiled once. Raises one DseError naming all that cannot be fused: a component that
-    is a finished FMU or made by OpenModelica, a method that differs from the plain one in more than its algorithm,
+    is an existing FMU or made by OpenModelica, a method that differs from the plain one in more than its algorithm,
     arrays, strings, conversions.
     """
     sources = _sources(wanted.values())
@@ -137,7 +137,7 @@ def _stem(name: str) -> str:
 
 
 _AGAIN = "build it again"
-_FROM_SOURCE = "components that are finished FMUs can only be simulated through FMI: leave out --fuse"
+_FROM_SOURCE = "components that are existing FMUs can only be simulated through FMI: leave out --fuse"
 _PLAIN_ONLY = "simulate it without --fuse"
 
 

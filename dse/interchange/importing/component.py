@@ -1,4 +1,4 @@
-"""Finished FMUs become components of a workspace."""
+"""Existing FMUs become components of a workspace."""
 
 from __future__ import annotations
 

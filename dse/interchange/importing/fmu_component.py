@@ -1,4 +1,4 @@
-"""A finished FMU as a component: its ports and parameters in words a workspace can use, and what they stand for."""
+"""An existing FMU as a component: its ports and parameters in words a workspace can use, and what they stand for."""
 
 from __future__ import annotations
 

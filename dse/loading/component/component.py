@@ -89,7 +89,7 @@ def read_component(path: Path, interfaces: Mapping[str, Interface], inside: Path
         problems.add(what, entry["source"].key, closest("", interfaces))
     if source is not None and not source.takes_texts:
         for text in (parameter for parameter in parameters if parameter.type.kind is Kind.TEXT):
-            what = f"'{text.name}' is a text: only finished FMUs (kind fmu) have parameters that are texts"
+            what = f"'{text.name}' is a text: only existing FMUs (kind fmu) have parameters that are texts"
             problems.add(what, text.where, "make it a number, or an enum")
     raise_if_any(problems)
     return Component(file.component, interface, file.title, source, parameters, properties, file.map, where)

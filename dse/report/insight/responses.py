@@ -39,7 +39,7 @@ MOST_RUNS = 2000
 _STEPS = 33
 _LEAST = 12
 _DESIGN = "sobol_indices"
-_TOGETHER = "what matters with all it does together with others"
+_TOGETHER = "total effects"
 
 T = TypeVar("T")
 

@@ -1,4 +1,4 @@
-"""What a finished FMU offers to a workspace, and which interface it implements."""
+"""What an existing FMU offers to a workspace, and which interface it implements."""
 
 from __future__ import annotations
 

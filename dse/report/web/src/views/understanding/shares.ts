@@ -27,14 +27,14 @@ export function createShares(
         own && track(own, "alone"),
         total && track(total, "total"),
       ),
-      el("span", { class: "bar-value" }, own && told(own, "by itself"), total && told(total, "in all")),
+      el("span", { class: "bar-value" }, own && told(own, "first-order"), total && told(total, "total")),
     );
   };
   const elements = [
     el(
       "h3",
       { class: "minor" },
-      `Share of the variance that each explains by itself${totals.size ? ", and in all with what it does together with others" : ""}, with 95 % intervals`,
+      `Share of the variance that each factor explains alone (first-order)${totals.size ? ", and with its interactions (total)" : ""}, with 95 % intervals`,
     ),
     el("div", { class: "bars", id: "bars" }, ...order.map(row)),
     el(
@@ -42,7 +42,7 @@ export function createShares(
       { class: "hint", id: "together" },
       together
         ? aboutTogether(part, together)
-        : "What the shares leave to 100 % is due to several together, or to chance.",
+        : "The rest to 100 % is interactions or noise.",
     ),
   ];
   return { order, elements };
@@ -56,7 +56,7 @@ function aboutTogether({ factors }: Part, { source, pairs }: NonNullable<Respons
         `${interval(share)} depends on both ${factors[one]!.label} and ${factors[other]!.label}`,
     );
   const depends = named.length ? `Of the variance ${named.join("; ")}. ` : "";
-  return `${depends}In all: by ${source}; what that misses is part of the intervals. Factors that go together, as parts of one choice do, have one share in all.`;
+  return `${depends}Totals: by ${source}; its error is part of the intervals. Factors that vary together, such as parts of one choice, have one total.`;
 }
 
 function track([value, low, high]: Estimate, kind: string): HTMLElement {
