@@ -28,7 +28,7 @@ export function createBoxes(store: Store): HTMLElement {
     } = store.designs();
     clear.hidden = !mask;
     if (!mask) {
-      status.textContent = !shows ? "" : "\u2018Show\u2019 sets back all runs outside of a box, in every view.";
+      status.textContent = !shows ? "" : "\u2018Show\u2019 dims all runs outside the box, in every view.";
       return;
     }
     let [inside, passing] = [0, 0];

@@ -18,7 +18,7 @@ export function createAround(store: Store): HTMLElement | false {
     el(
       "p",
       { class: "hint" },
-      "Colour is the least that the probability of meeting all can be. The ellipse is the largest one around the centre without a place where that is less than 95 %, all else as in that run; requirements that no run fails count as met.",
+      "Colour: a lower bound of the probability that all requirements are met. The ellipse is the largest one around the centre in which this bound is at least 95 %; all other variables are as in the centre\u2019s run. Requirements that no run fails count as met.",
     ),
     el("div", { class: "minis maps" }, ...around.map((each, index) => figure(store, each, index))),
   );
@@ -52,7 +52,7 @@ function figure(store: Store, each: Around, index: number): HTMLElement {
 }
 
 function textOf({ study }: Store, { map, outline }: Around): string {
-  if (!outline.length) return "Beside the centre it is less than 95 % already: no ellipse.";
+  if (!outline.length) return "Next to the centre the bound is below 95 %, so there is no ellipse.";
   const factors = study.insight!.parts.flatMap(({ factors }) => factors);
   const reach = map.plane.map((variable, axis) => {
     const places = outline.map((corner) => corner[axis]!);
@@ -64,5 +64,5 @@ function textOf({ study }: Store, { map, outline }: Around): string {
     );
     return `${title} from ${from} to ${to}`;
   });
-  return `The ellipse reaches along ${reach.join(", along ")}.`;
+  return `The ellipse covers ${reach.join(" and ")}.`;
 }

@@ -26,7 +26,7 @@ export function createChances(store: Store): HTMLElement {
     el(
       "p",
       { class: "hint" },
-      "Colour is the probability that the requirement is met, by a Gaussian process through the runs at the study\u2019s own thresholds. The boundary itself is drawn in the constraint plot alone, which interpolates between the runs. Dashed: the band in which the verdict is another than the likeliest with more than 5 %. The frame is what may change at once around the robust centre.",
+      "Colour: the probability that the requirement is met, from a Gaussian process fitted to the runs, at the study\u2019s own thresholds. Dashed: the band in which the likelier verdict is wrong with a probability above 5 %. Frame: the ranges that may change at once around the robust centre. The constraint plot shows the boundary itself, interpolated between the runs.",
     ),
     el(
       "div",
@@ -269,5 +269,5 @@ function read(map: ChanceMap, across: number, up: number): string {
   if (!(across >= 0 && across <= 1 && up >= 0 && up <= 1)) return "\u00a0";
   const last = map.size - 1;
   const index = Math.round(up * last) * map.size + Math.round(across * last);
-  return `Met with ${map.passing[index]}\u202f%, another verdict than the likeliest with ${map.misjudged[index]}\u202f%.`;
+  return `Met with ${map.passing[index]}\u202f%, the likelier verdict is wrong with ${map.misjudged[index]}\u202f%.`;
 }

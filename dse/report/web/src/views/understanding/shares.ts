@@ -40,9 +40,7 @@ export function createShares(
     el(
       "p",
       { class: "hint", id: "together" },
-      together
-        ? aboutTogether(part, together)
-        : "The rest to 100 % is interactions or noise.",
+      together ? aboutTogether(part, together) : "The rest to 100 % is interactions or noise.",
     ),
   ];
   return { order, elements };
