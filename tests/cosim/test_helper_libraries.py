@@ -1,7 +1,8 @@
-"""FMUs that bring helper libraries: a process takes only one of each name."""
+"""Libraries in a process: one of each file, and of helper libraries one of each name."""
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from dse.cosim.binding.library import load
 from dse.cosim.simulator import Simulator
 from dse.errors import DseError, FreshProcessNeeded
 from dse.fmu.toolchain.compiler import find_compiler
@@ -62,3 +64,16 @@ def test_helpers_that_are_the_same_or_have_names_of_their_own_are_no_trouble(she
         for name, helper, number in (("a", "own", 1.0), ("b", "shared", 2.0), ("c", "shared", 2.0))
     ]
     assert last(shelf, *models) == [1, 2, 2]
+
+
+def test_a_library_is_loaded_once_unless_its_file_is_another(shelf, tmp_path):
+    models = [replace(shelf.fmu(name), library=tmp_path / "fmu.so") for name in ("gain", "counter")]
+    shutil.copy(shelf.fmu("gain").library, tmp_path / "fmu.so")
+    first = load(models[0])
+    assert load(models[0]) is first
+    shutil.copy(shelf.fmu("counter").library, tmp_path / "new.so")
+    (tmp_path / "new.so").replace(tmp_path / "fmu.so")
+    assert load(models[1]) is not first
+    (tmp_path / "fmu.so").unlink()
+    with pytest.raises(DseError, match="gone since"):
+        load(models[1])

@@ -28,6 +28,8 @@ _NOT_OF_EXCHANGE = frozenset({Call.INSTANTIATE, Call.DO_STEP, Call.ENTER_EVENT_M
 _occupied: set[Path] = set()
 _brought: dict[str, Path] = {}
 """Helper libraries of FMUs by their names."""
+_loaded: dict[tuple[Path, int, int], ctypes.CDLL] = {}
+"""Libraries by path, number and time of their file; with each, ctypes has the functions that were looked up."""
 
 
 @contextmanager
@@ -50,6 +52,14 @@ def load(model: FmuModel) -> ctypes.CDLL:
     if model.is_live and is_inside() and "DSE_LIVE_SOCKET" not in os.environ:
         what = f"{model.identifier}: it exchanges datagrams with another process, and a sandbox has no network"
         raise fail(what, hint="leave --sandbox out only if you trust all FMUs of the run")
+    state = model.library.stat()
+    key = model.library, state.st_ino, state.st_mtime_ns
+    if key not in _loaded or model.host.command:
+        _loaded[key] = _newly_loaded(model)
+    return _loaded[key]
+
+
+def _newly_loaded(model: FmuModel) -> ctypes.CDLL:
     path = str(model.library.resolve())
     _bring(model)
     try:

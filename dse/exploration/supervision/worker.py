@@ -50,6 +50,7 @@ def serve(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> N
     _let_go_of_the_tracker()
     forget_start()
     gc.freeze()  # what was imported stays: it is not looked through again and again, nor at the end of the process
+    gc.set_threshold(50_000, 20, 20)  # configurations are trees of thousands of nouns without circles
     spare = SpareFiles()
     hearts = [Heartbeat(heartbeat, thread) for thread in range(setup.threads)]
     runners = [GuardedRunner(setup, heart) for heart in hearts]
