@@ -167,8 +167,8 @@ def counts_otherwise(a: str, b: str) -> bool:
 
 def is_rounded(usual: float, written: float) -> bool:
     """Whether *written* is *usual* with fewer digits: 0.27778 is 1/3.6, 0.3048006096 is not 0.3048."""
-    if abs(written - usual) > _ROUNDED * abs(usual):
-        return False
+    if written == usual or abs(written - usual) > _ROUNDED * abs(usual):
+        return written == usual
     _, digits, exponent = Decimal(repr(written)).as_tuple()
     last = Decimal((0, (1,), int(exponent))) if len(digits) < _DIGITS else Decimal(0)
     return abs(Decimal(written) - Decimal(usual)) <= max(last, Decimal(_SAME) * abs(Decimal(usual)))
