@@ -1,4 +1,4 @@
-/* Passes the driver's wish on, whatever limits and bends there are. */
+/* Passes the driver's wish on, whatever the speed limits and curves are. */
 #ifndef DRIVER_WISH_H
 #define DRIVER_WISH_H
 

@@ -17,7 +17,7 @@ static double limit(const traction_machine *self) {
     return torque * speed > power ? power / speed : torque;
 }
 
-/* Torque at the wheels of one at the machine: the gear takes its share of what passes, whichever way. */
+/* Torque at the wheels for one at the machine: the gear loses its share of the power in either direction. */
 static double at_wheels(const traction_machine *self, double torque) {
     double efficiency = self->in.gear.efficiency > 0 ? self->in.gear.efficiency : 1;
     return self->in.gear.ratio * (torque > 0 ? torque * efficiency : torque / efficiency);

@@ -4,7 +4,7 @@
 
 #include "../lateral/car_model.h"
 
-/* Predictions at one speed: z = transition z + steering d from glance to glance. */
+/* Predictions at one speed: z = transition z + steering d from one preview time to the next. */
 static void learn(preview_driver *self, int row) {
     const preview_driver_par *par = &self->par;
     car_model car = {
@@ -58,7 +58,7 @@ static double reacted(const preview_driver *self) {
 
 void preview_driver_init(preview_driver *self) {
     for (int row = 0; row < DRIVER_SPEEDS; ++row) learn(self, row);
-    /* The drive goes on from one that was like this. */
+    /* Starts as if the steering had been the same before. */
     self->out.steering = wanted(self);
     for (int i = 0; i < DRIVER_MEMORY; ++i) self->wanted[i] = self->out.steering;
     self->latest = 0;
