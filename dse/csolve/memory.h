@@ -1,9 +1,9 @@
-/* What the solvers remember from step to step: numbers only, but where an includer keeps its rooms elsewhere.
+/* Data that the solvers keep between steps: only numbers, unless an includer stores its arrays elsewhere.
  *
- * Who includes this has defined before:
+ * The includer defines before:
  *   DSE_OF_STATES(name)   declarator of one number for each state: an array, or a pointer to room for them
  *   DSE_OF_MATRIX(name)   of a square matrix of the states, row by row
- *   DSE_OF_LOOK(name)     of one look at the crossing functions
+ *   DSE_OF_LOOK(name)     of one set of values of the crossing functions
  *   dse_reason            type: why the model could not be evaluated */
 #ifndef DSE_CSOLVE_MEMORY_H
 #define DSE_CSOLVE_MEMORY_H
@@ -14,15 +14,15 @@
 #define DSE_SAMPLES (DSE_STAGES + 2)
 #define DSE_DENSE 4
 
-/* What does not end with a step. */
+/* Data that outlives a step. */
 struct dse_past {
-    double next_width;       /* proposed by the error control; 0 if there is no experience */
+    double next_width;       /* proposed by the error control; 0 without experience */
     double error_before;     /* of the last accepted step, for the controller */
-    double last_event;       /* time of the last event that chattering is judged by */
-    int64_t events_close;    /* events in a row with next to no time between them */
+    double last_event;       /* time of the last event, to detect chattering */
+    int64_t events_close;    /* consecutive events with almost no time between them */
     int64_t will_be_stiff;   /* which solver makes the next step */
-    int64_t signs_of_other;  /* steps in a row after which the other solver would be better */
-    int64_t signs_of_this;   /* steps in a row that spoke for the present one */
+    int64_t signs_of_other;  /* consecutive steps after which the other solver would be better */
+    int64_t signs_of_this;   /* consecutive steps in favour of the present one */
     int64_t steps, rejected, evaluations, jacobians, events; /* counted for tests and reports */
 };
 
@@ -34,7 +34,7 @@ struct dse_solver {
     double span; /* of a communication step */
     struct dse_past past;
     double DSE_OF_STATES(to);    /* at *end* */
-    double DSE_OF_STATES(slope); /* derivatives at *to*, unless there is an event */
+    double DSE_OF_STATES(slope); /* values of the crossing functions at *to*, unless there is an event */
     double DSE_OF_LOOK(at_end);  /* a look at *to*, unless there is an event */
     double DSE_OF_STATES(from);
     double DSE_OF_STATES(trial); /* a stage's states */

@@ -4,7 +4,7 @@
 
 #include "clocks.h"
 
-#define NOTICED 1e-6 /* of an output's size: above residuals of FMUs that iterate, below effects of a wrong dependency */
+#define NOTICED 1e-6 /* of an output's size: above residuals of iterating FMUs, below effects of a wrong dependency */
 
 /* ---- the initialization ---- */
 
