@@ -34,8 +34,8 @@ struct dse_solver {
     double span; /* of a communication step */
     struct dse_past past;
     double DSE_OF_STATES(to);    /* at *end* */
-    double DSE_OF_STATES(slope); /* values of the crossing functions at *to*, unless there is an event */
-    double DSE_OF_LOOK(at_end);  /* a look at *to*, unless there is an event */
+    double DSE_OF_STATES(slope); /* derivatives at *to*, unless there is an event */
+    double DSE_OF_LOOK(at_end);  /* crossing functions at *to*, unless there is an event */
     double DSE_OF_STATES(from);
     double DSE_OF_STATES(trial); /* a stage's states */
     double DSE_OF_STATES(found); /* and their derivatives */
@@ -46,7 +46,7 @@ struct dse_solver {
     double DSE_OF_MATRIX(factors);
     uint32_t DSE_OF_STATES(pivot);
     double DSE_OF_LOOK(sample[DSE_SAMPLES]);
-    double sample_at[DSE_SAMPLES]; /* parts of the step at which the stages looked, in order */
+    double sample_at[DSE_SAMPLES]; /* parts of the step at which they were sampled, in order */
     int64_t sample_row[DSE_SAMPLES];
     double DSE_OF_LOOK(low);
     double DSE_OF_LOOK(high);
@@ -57,7 +57,7 @@ struct dse_solver {
     int64_t has_event; /* at *end* */
     int64_t has_suspicion;
     int64_t has_jacobian; /* at *from* */
-    int64_t is_at_end;    /* the model stands at *end* */
+    int64_t is_at_end;    /* *end* is the model's present point */
     int64_t is_at_border; /* at *end* the equations before the event cannot be evaluated any more */
     dse_reason trouble;   /* of the last evaluation, if that was not possible */
 };

@@ -92,7 +92,7 @@ static inline void dse_choose(dse_problem *p) {
     }
 }
 
-/* No step is small enough, as there are no values beyond a border: looks for an event just ahead after which there are
+/* No step is small enough, as there are no values beyond a border: searches an event just ahead after which there are
  * values, as in `if h > 0 then -sqrt(h) else 0` where h reaches 0. The step then ends there, straight along the slope;
  * else the trouble stays the same. */
 static inline dse_answer dse_meet_border(dse_problem *p, double least) {

@@ -11,7 +11,7 @@ static double allowed(const speed_assistant_par *par, double curvature, double d
 /* The minimum of it on a piece of the path whose curvature is linear. */
 static double allowed_on(const speed_assistant_par *par, double k0, double k1, double from, double to) {
     double least = fmin(allowed(par, k0, from), allowed(par, k1, to));
-    if (from < 0 && to > 0) { /* up to 0 the largest curvature counts, wherever it is */
+    if (from < 0 && to > 0) { /* up to 0 the largest curvature counts, at any place */
         k0 += (k1 - k0) * -from / (to - from);
         from = 0;
         least = fmin(least, allowed(par, k0, 0));

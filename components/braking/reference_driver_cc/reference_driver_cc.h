@@ -37,7 +37,7 @@ typedef struct {
 typedef struct {
     int32_t id;
     double speed, acceleration;
-    bool was_beside, was_hidden, has_braked; /* in the next lane; behind another in the lane; since evaluation began */
+    bool was_beside, was_hidden, has_braked; /* in the next lane; behind another, or braked, until it is not slower */
     int32_t risk;                            /* samples of it */
 } driver_memory;
 

@@ -6,7 +6,7 @@ static double clamp(double value, double low, double high) {
     return value < low ? low : value > high ? high : value;
 }
 
-/* Greatest torque at the speed now, at the machine. Above its greatest speed it gives none. */
+/* Maximum torque at the present speed, at the machine. Above its maximum speed it is zero. */
 static double limit(const traction_machine *self) {
     double speed = fabs(self->in.gear.ratio * self->in.wheel_speed), voltage = fmax(self->in.voltage, 0);
     double current = self->in.inverter.max_current;

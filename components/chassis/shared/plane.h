@@ -6,7 +6,7 @@
 
 #define CHASSIS_GRAVITY 9.81
 
-/* Slopes below the four wheels: their mean, and the difference between front and rear per metre. */
+/* Slopes below the four wheels: their mean, and front minus rear per metre. */
 typedef struct {
     double x, y, more_x, more_y;
 } plane_slopes;

@@ -1,7 +1,7 @@
 #include "pd_acc.h"
 
 void pd_acc_init(pd_acc *self) {
-    /* The derivative starts at zero, whatever the first error is. */
+    /* The derivative starts at zero, for any first error. */
     self->previous_error = self->in.set_speed - self->in.speed;
     pd_acc_step(self);
 }

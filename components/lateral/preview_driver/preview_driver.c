@@ -47,7 +47,7 @@ static double wanted(const preview_driver *self) {
     return below > 0 ? lateral_clamp(above / below, -self->par.max_steering, self->par.max_steering) : 0;
 }
 
-/* What was wanted a reaction time ago, linear between samples. */
+/* The wanted steering a reaction time ago, linear between samples. */
 static double reacted(const preview_driver *self) {
     double age = lateral_clamp(self->par.reaction_time / LATERAL_STEP, 0, DRIVER_MEMORY - 2);
     int whole = (int)age;

@@ -74,7 +74,7 @@ static double curvature_at(const lane_sight_seen *seen, double distance) {
 
 /* The lane as seen from *along* further along it, with the same offset and heading error as before. */
 static void move_along(lane_sight_seen *seen, double along) {
-    const int32_t parts = 32; /* distance along the middle, whose heading turns by curvature */
+    const int32_t parts = 32; /* distance along the middle, where the heading turns by curvature */
     double ds = along / parts, x = 0, y = 0, angle = 0;
     for (int32_t i = 0; i < parts; ++i) {
         double curvature = curvature_at(seen, (i + 0.5) * ds), half = 0.5 * curvature * ds;

@@ -1,8 +1,8 @@
 /* Reads the next traffic light ahead of the host, if its lamp is large enough and has enough contrast:
  *   exp(-a R) / (1 + veil) >= contrast,
  * a of fog (all of its extinction), rain and snow (sensing.h), the veil that of the sun. At night a lamp is seen as by
- * day. It scans every *period*, first at time 0, and reports *latency* later what it saw then, less the distance driven
- * since. It does not report the remaining time of the colour. A scan that misses the light reports none. */
+ * day. It scans every *period*, first at time 0, and reports *latency* later the values of the scan, less the distance
+ * driven since. It does not report the remaining time of the colour. A scan that misses the light reports none. */
 #ifndef LIGHT_CAMERA_H
 #define LIGHT_CAMERA_H
 

@@ -1,4 +1,4 @@
-/* What can be seen of boxes that hide each other. */
+/* The visible parts of boxes that hide each other. */
 #ifndef OBJECTS_VIEW_H
 #define OBJECTS_VIEW_H
 
@@ -15,7 +15,7 @@ typedef struct {
     double share;       /* share of the angle it would fill alone, in the field of view */
     double x, y;        /* the middle of the part of its face that no other box hides, from the sensor */
     double right, left; /* rad, of the outermost seen points of the face */
-    double across;      /* share of the face's extent that lies across the sensor's axis */
+    double across;      /* share of the face's extent across the sensor's axis */
 } view_part;
 
 /* Parts of all boxes; the field of view is within +-half rad; *through*: no box hides another. */

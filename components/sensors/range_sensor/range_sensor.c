@@ -31,7 +31,7 @@ static double reach(const range_sensor *self) {
 static range_sensor_target measured(range_sensor *self, range_sensor_target last) {
     double azimuth = self->in.scene.azimuth;
     range_sensor_target now = last;
-    /* Two numbers are drawn per sample, seen or not: noise does not depend on what was seen before. */
+    /* Two numbers are drawn per sample, seen or not: noise does not depend on earlier detections. */
     double radius = 0, angle = 0;
     if (self->par.gap_noise > 0 || self->par.closing_speed_noise > 0) {
         radius = sqrt(-2 * log(sensing_uniform(&self->random)));

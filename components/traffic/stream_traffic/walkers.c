@@ -44,7 +44,7 @@ void walkers_add(stream_traffic *self, const flow *all, int32_t class, bool cros
     }
 }
 
-/* Whether a vehicle whose front is *way* before it, or past it, lets it cross in *time*. */
+/* Whether it can cross in *time* before a vehicle whose front is *way* before it, or past it. */
 static bool lets_cross(double way, double length, double speed, double time) {
     if (way < 0) return -way > length + BEFORE;
     return speed < STANDS ? way > BEFORE : way / speed > time;

@@ -34,7 +34,7 @@ static dse_answer refuse(System *system, Exchange *x, int64_t kind, int64_t stat
     return DSE_REFUSED;
 }
 
-/* The failure to report for the last refusal if there is no other point to try. */
+/* Reports the last refusal as failure, if there is no other point to try. */
 static bool fail_refused(System *system, const Element *element, Exchange *x)
 {
     enter_call(system, number_of(system, element), x->solver.trouble.call);

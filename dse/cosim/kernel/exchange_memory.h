@@ -63,7 +63,7 @@ static inline Exchange *exchange_of(const Element *element)
 #define DSE_CROSSING_COUNT(p) exchange_of(p)->n_indicators
 #define DSE_LOOK_SIZE(p) exchange_of(p)->n_indicators
 #define DSE_NOMINAL(p, k) exchange_of(p)->nominals[k]
-#define DSE_ABSOLUTE 0.01 /* as FMI 2.0.4 proposes for nominals */
+#define DSE_ABSOLUTE 0.01 /* as FMI 2.0.4 proposes in its text on nominals */
 #define DSE_HAS_STIFF true
 #define DSE_MAY_CHOOSE(p) exchange_of(p)->can_be_stiff
 /* The explicit solver's region of stability ends at 3.3, but the error control already limits it to 2.7; where accuracy

@@ -10,7 +10,7 @@
 
 enum { READ, WRITE, SOLVE };
 
-/* What an input does during a step. */
+/* Behaviour of an input during a step. */
 enum { HELD, MIDDLE, SLOPED };
 
 typedef struct Loop Loop;

@@ -105,7 +105,7 @@ static bool sweep_round(System *system, const Loop *loop, const double *x, doubl
     return true;
 }
 
-/* Largest change in a sweep, relative to the values' size; infinite if it is not finite. */
+/* Largest change in a sweep, relative to the values' size; infinite if it is not a finite number. */
 static double residual(const Loop *loop, const double *x, const double *found)
 {
     double largest = 0.0;

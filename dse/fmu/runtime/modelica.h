@@ -32,16 +32,16 @@
  *     int model_parameters(m)    dependent parameters and m->data from the set ones; checks the tables' axes
  *     int model_guess(m)         unknowns, states and discretes before the initialization
  *     int model_initial(m)       one pass of the initial blocks, discretes and conditions (is_true) included
- *     int model_derivatives(m)   from time, states, inputs, parameters, discretes, held: what states and relations need
+ *     int model_derivatives(m)   from time, states, inputs, parameters, discretes, held: data for states and relations
  *     int model_outputs(m)       the rest, after model_derivatives
  *     void model_aliases(m)      negated aliases into their places, after model_outputs
  *     int model_event(m)         one pass of the event blocks, given pre, held, was_true, ticks: all values, continuous
  *                                and discrete; is_true and is_active
- *     int model_reinitialize(m)  after each pass: reinit of active triggers; 1 if a state was written, else 0; what
- *                                fails is negative. All values are computed before the first is written
+ *     int model_reinitialize(m)  after each pass: reinit of active triggers; 1 if a state was written, else 0; negative
+ *                                after an error. All values are computed before the first is written
  *     int model_relations(m, double crossing[], uint8_t truth[])     left - right, and the comparisons themselves
  *     int model_check(m, tell)        asserts, at accepted points, after model_outputs; 0 ok, 1 error, 2 terminate
- *     int model_event_check(m, tell)  the same of those under a trigger, after each pass
+ *     int model_event_check(m, tell)  the same for those under a trigger, after each pass
  *
  * A second file, start.c, does not use any of this. Its data may change without compiling the model again:
  *     const char dse_token[80] = "{...}";  const double dse_starts[] = {...};  const double dse_nominals[] = {...};
@@ -97,7 +97,7 @@ struct dse_clock {
 /* C has no empty arrays. */
 #define DSE_ROOM(size) ((size) > 0 ? (size) : 1)
 
-/* Why a simulation cannot go on. Positive codes are those of the model's own functions. */
+/* Why a simulation cannot continue. Positive codes are those of the model's own functions. */
 enum {
     DSE_NO_TROUBLE = 0,
     DSE_NOT_FINITE = -1,     /* derivative of state number *subject* */

@@ -24,7 +24,7 @@ static inline int dse_axis(const double *xs, size_t count) {
     return !is_axis;
 }
 
-/* The interval that holds x; the last one holds its right end. */
+/* The interval that contains x; the last one includes its right end. */
 static inline size_t dse_interval(double x, const double *xs, size_t count) {
     size_t low = 0, high = count - 1;
     while (high - low > 1) {
