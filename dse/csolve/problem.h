@@ -38,7 +38,7 @@ static inline dse_answer dse_look(dse_problem *p, double look[]);
 static inline dse_answer dse_look_within(dse_problem *p, double time, const double states[], double look[]);
 static inline dse_answer dse_look_beyond(dse_problem *p, double time, const double states[], double look[]);
 
-/* Whether the sign of crossing function *k* differs from that at the beginning of the step. */
+/* Whether crossing function *k* is on the other side of zero, compared with the beginning of the step. */
 static inline bool dse_is_crossed(dse_problem *p, const double look[], int64_t k);
 
 /* The derivatives of *slope* by the states at *from*, if the model provides them; *is_told*. */

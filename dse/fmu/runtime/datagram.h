@@ -75,7 +75,7 @@ struct dse_udp {
     int32_t over[8]; /* sessions that ended last */
     uint32_t n_over;
     struct dse_udp_address peer;
-    /* The run in real time: wall-clock time of simulated time 0, of the last reception, in s. */
+    /* Wall-clock times in s: of simulated time 0 (extrapolated if the run starts later), of the last reception. */
     double zero, heard_at, lateness;
     bool has_zero;
     struct dse_udp_counts counts;
