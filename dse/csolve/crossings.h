@@ -1,5 +1,5 @@
-/* Watching the crossing functions during a step. A stage of the solver is a look at them that costs next to nothing;
- * what looks like a crossing is then sought on the dense output. */
+/* Monitoring of the crossing functions during a step. Sampling them in a stage of the solver costs almost nothing. A
+ * suspected crossing is then located on the dense output. */
 #ifndef DSE_CSOLVE_CROSSINGS_H
 #define DSE_CSOLVE_CROSSINGS_H
 
@@ -15,7 +15,7 @@ static inline int64_t dse_first_crossed(dse_problem *p, const double look[]) {
     return -1;
 }
 
-/* The first sample is that of where the step begins. */
+/* The first sample is at the beginning of the step. */
 static inline void dse_begin_samples(dse_problem *p) {
     struct dse_solver *s = dse_solver_of(p);
     s->samples = s->has_suspicion = 0;
@@ -27,7 +27,7 @@ static inline void dse_begin_samples(dse_problem *p) {
     }
 }
 
-/* Look at the part *at* of the step, where the model stands. Samples are kept in order. */
+/* Sample the crossing functions at the part *at* of the step, the model's present point. Samples are kept in order. */
 static inline dse_answer dse_sample(dse_problem *p, double at) {
     struct dse_solver *s = dse_solver_of(p);
     if (DSE_CROSSING_COUNT(p) == 0 || s->samples == DSE_SAMPLES) {
@@ -72,7 +72,7 @@ static inline bool dse_dips(const double at[3], const double value[3]) {
     return (value[1] - slope * slope / (2.0 * bend)) * value[1] <= 0.0;
 }
 
-/* Whether there may have been a crossing, and back, between the samples. */
+/* Whether a function may have crossed and returned between the samples. */
 static inline bool dse_is_suspicious(dse_problem *p) {
     const struct dse_solver *s = dse_solver_of(p);
     if (s->has_suspicion) {

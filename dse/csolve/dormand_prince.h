@@ -6,8 +6,8 @@
 #include "crossings.h"
 #include "dormand_prince_tableau.h"
 
-/* From *from*, whose derivatives are *slope*, over *width* to *to*, where the model then stands. *error* in parts of
- * what is allowed. */
+/* From *from*, whose derivatives are *slope*, over *width* to *to*, which is then the model's point. *error* is
+ * relative to the allowed error. */
 static inline dse_answer dse_dp_try(dse_problem *p, double *error) {
     struct dse_solver *s = dse_solver_of(p);
     const int64_t n = DSE_STATE_COUNT(p);

@@ -6,11 +6,11 @@
 #include <math.h>
 #include <stdint.h>
 
-/* Part of a column's largest entry below which a pivot is what rounding has left of zero. */
+/* Part of a column's largest entry below which a pivot counts as zero with rounding. */
 #define DSE_SINGULAR_BELOW (4.0 * DBL_EPSILON)
 
-/* Replace the *size* x *size* matrix, row by row, by its factors. Rows are compared after scaling by *scale*; a pivot
- * must be greater than the *least* of its column. Without either, as they are, and than zero. Nonzero if one is not. */
+/* Replace the *size* x *size* matrix, row by row, by its factors. Rows are compared after scaling by *scale*, or
+ * unscaled. A pivot must be greater than the *least* of its column, or than zero. Returns nonzero if a pivot is not. */
 static inline int dse_eliminate(uint32_t size, double *matrix, uint32_t pivot[], double *scale, const double *least) {
     for (uint32_t step = 0; step < size; step++) {
         uint32_t best = step;
@@ -51,9 +51,9 @@ static inline int dse_eliminate(uint32_t size, double *matrix, uint32_t pivot[],
     return 0;
 }
 
-/* Replace the *size* x *size* matrix, row by row, by its factors. Rows are compared after scaling by their largest
- * entry, a pivot with what its column held at first, so neither the units of the equations nor those of the unknowns
- * matter. Nonzero if the matrix is singular but for rounding, or not finite. */
+/* Replace the *size* x *size* matrix, row by row, by its factors. Rows are scaled by their largest entry; a pivot is
+ * compared with the original entries of its column. So the units of the equations and of the unknowns have no effect.
+ * Returns nonzero if the matrix is singular up to rounding, or not finite. */
 static inline int dse_factorize(uint32_t size, double *matrix, uint32_t pivot[]) {
     double scale[size > 0 ? size : 1], least[size > 0 ? size : 1];
     for (uint32_t row = 0; row < size; row++) {
@@ -100,7 +100,7 @@ static inline void dse_substitute(uint32_t size, const double *factors, const ui
     }
 }
 
-/* *right* becomes the solution; *matrix* is used up. Nonzero if the matrix is singular: *right* is as before. */
+/* *right* becomes the solution; *matrix* is overwritten. Nonzero if the matrix is singular: *right* is unchanged. */
 static inline int dse_solve(uint32_t size, double *matrix, double right[]) {
     uint32_t pivot[size > 0 ? size : 1];
     if (dse_factorize(size, matrix, pivot)) {

@@ -1,4 +1,4 @@
-/* Where in the last step there is a crossing first: on the dense output, by the secant, safely. */
+/* Locates the first crossing in the last step: on the dense output, by a safeguarded secant method. */
 #ifndef DSE_CSOLVE_LOCATE_H
 #define DSE_CSOLVE_LOCATE_H
 
@@ -16,20 +16,20 @@ static inline void dse_dense_states(dse_problem *p, double part, double states[]
     }
 }
 
-/* Look at the part *at* of the last step. */
+/* Evaluate the crossing functions at the part *at* of the last step. */
 static inline dse_answer dse_look_at(dse_problem *p, double at, double look[]) {
     struct dse_solver *s = dse_solver_of(p);
     dse_dense_states(p, at, s->trial);
     return dse_look_within(p, s->start + at * s->width, s->trial, look);
 }
 
-/* A part of the last step before which there is no crossing, one at which there is, and the looks there. */
+/* A part of the last step without a crossing before it, one with a crossing, and the function values at both. */
 struct dse_bracket {
     double low, high;
     double *at_low, *at_high, *other;
 };
 
-/* Take the look at the part *at*, which stands in *other*; whether there is a crossing. */
+/* Use the values in *other*, which are those at the part *at*, as new end; returns whether there is a crossing. */
 static inline bool dse_close_in(dse_problem *p, struct dse_bracket *b, double at) {
     const bool is_high = dse_first_crossed(p, b->other) >= 0;
     double **const end = is_high ? &b->at_high : &b->at_low, *const kept = *end;
@@ -39,7 +39,7 @@ static inline bool dse_close_in(dse_problem *p, struct dse_bracket *b, double at
     return is_high;
 }
 
-/* The first crossing by the secants of what has crossed at *high*; an end counts by its share. */
+/* The first crossing by the secants of the functions that have crossed at *high*; ends are weighted by their shares. */
 static inline double dse_secant(dse_problem *p, const struct dse_bracket *b, double low_share, double high_share) {
     double at = b->high;
     for (int64_t k = 0; k < DSE_CROSSING_COUNT(p); k++) {
@@ -51,17 +51,17 @@ static inline double dse_secant(dse_problem *p, const struct dse_bracket *b, dou
     return at;
 }
 
-/* *high* becomes the first point past the crossing, but for next to nothing. */
+/* *high* becomes the first point after the crossing, within the tolerance. */
 static inline dse_answer dse_narrow(dse_problem *p, struct dse_bracket *b) {
     struct dse_solver *s = dse_solver_of(p);
     const double ulps = 4.0 * DBL_EPSILON * fmax(fabs(s->start), fabs(s->end)) / s->width;
     const double nearest = fmin(0.25, fmax(1e-13, ulps));
-    double low_share = 1.0, high_share = 1.0; /* Illinois: the end that stays counts half */
+    double low_share = 1.0, high_share = 1.0; /* Illinois: the end that is kept counts half */
     double before = b->high - b->low;
     for (int64_t pass = 1; b->high - b->low > nearest && pass < 200; pass++) {
         double at = dse_secant(p, b, low_share, high_share);
         if (pass % 4 == 0) {
-            /* Where the secant does not get on, halve. */
+            /* Bisect if the secant makes no progress. */
             if (b->high - b->low > 0.25 * before) {
                 at = 0.5 * (b->low + b->high);
             }
@@ -83,8 +83,8 @@ static inline dse_answer dse_narrow(dse_problem *p, struct dse_bracket *b) {
     return DSE_DONE;
 }
 
-/* End the last step at the first crossing in it, if there is one; *high* is then the look there. The last sample is
- * that of its end. */
+/* End the last step at the first crossing in it, if there is one; *high* then has the values there. The last sample is
+ * at the end of the step. */
 static inline dse_answer dse_locate(dse_problem *p) {
     struct dse_solver *s = dse_solver_of(p);
     const int64_t size = DSE_LOOK_SIZE(p);

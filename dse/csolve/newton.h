@@ -1,11 +1,11 @@
-/* Nonlinear systems: damped Newton iteration with the natural monotonicity test, which no scaling of the equations
- * changes (P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, algorithm NLEQ-ERR, section 3.3).
+/* Nonlinear systems: damped Newton iteration with the natural monotonicity test, which is invariant to the scaling of
+ * the equations (P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, algorithm NLEQ-ERR, section 3.3).
  *
- * Who includes this has defined:
- *   dse_problem            type: what the equations belong to
- *   DSE_VALUES_OF(p)       the doubles among which the unknowns stand
+ * The includer has defined:
+ *   dse_problem            type: the owner of the equations
+ *   DSE_VALUES_OF(p)       the doubles that include the unknowns
  *   DSE_LARGEST_SYSTEM     unknowns of the largest system
- *   DSE_MAY_JUMP(p)        whether another root will do where the one that is followed has come to its end
+ *   DSE_MAY_JUMP(p)        whether another root is allowed where the branch of the present root ends
  */
 #ifndef DSE_CSOLVE_NEWTON_H
 #define DSE_CSOLVE_NEWTON_H
@@ -18,8 +18,8 @@
 
 #include "linear.h"
 
-/* From the unknowns among the values: the equations' residuals, and with *jacobian* also its rows; writes what the
- * equations compute on the way to the values. Nonzero: what cannot be computed there. */
+/* From the unknowns among the values: the equations' residuals, and with *jacobian* also its rows. Writes intermediate
+ * results of the equations to the values. Nonzero: the error of the evaluation. */
 typedef int dse_system(dse_problem *p, double *residual, double *jacobian);
 
 #define DSE_NEWTON_STEPS 100
@@ -40,7 +40,7 @@ static inline double dse_newton_length(uint32_t n, const double *weight, const d
     return length;
 }
 
-/* Whether the residuals are only what rounding leaves of the Jacobian's terms. */
+/* Whether the residuals are within the rounding errors of the Jacobian's terms. */
 static inline int dse_newton_is_rounding(
     const dse_problem *p, uint32_t n, const uint32_t *place, const double *residual, const double *jacobian) {
     for (uint32_t i = 0; i < n; i++) {
@@ -77,7 +77,7 @@ struct dse_newton_work {
 };
 
 /* One damped step: moves the unknowns and leaves the next, simplified correction in work->next and its residual in
- * work->residual. Returns its length, negative if no damping brings the solution nearer. */
+ * work->residual. Returns its length, negative if no damping reduces the error. */
 static inline double dse_newton_advance(dse_problem *p, uint32_t n, const uint32_t *place, dse_system *system,
     struct dse_newton_work *work, double *damping) {
     const double length = dse_newton_length(n, work->weight, work->step);
@@ -90,7 +90,7 @@ static inline double dse_newton_advance(dse_problem *p, uint32_t n, const uint32
         for (uint32_t k = 0; k < n; k++) {
             DSE_VALUES_OF(p)[place[k]] = work->from[k] + *damping * work->step[k];
         }
-        /* What cannot be computed at a trial point is a reason for a shorter step, no more. */
+        /* An error at a trial point only shortens the step. */
         if (system(p, work->residual, NULL) == 0 && dse_newton_is_finite(n, work->residual)) {
             for (uint32_t k = 0; k < n; k++) {
                 work->next[k] = -work->residual[k];
@@ -99,7 +99,7 @@ static inline double dse_newton_advance(dse_problem *p, uint32_t n, const uint32
             next = dse_newton_length(n, work->weight, work->next);
         }
         if (next <= (1.0 - 0.25 * *damping) * length || next <= DSE_NEWTON_TOLERANCE) {
-            /* The step the model of the curvature would have allowed serves as the next guess. */
+            /* The next guess is the damping that the estimated curvature would have allowed. */
             double curvature = 0.0;
             for (uint32_t k = 0; k < n; k++) {
                 const double bend = work->next[k] - (1.0 - *damping) * work->step[k];
@@ -151,8 +151,8 @@ static inline int dse_newton_iterate(dse_problem *p, uint32_t n, const uint32_t 
         if (dse_newton_is_rounding(p, n, place, work->residual, work->jacobian)) {
             return 0;
         }
-        /* At the limit of rounding a step no longer gets shorter. The step is made even if it is short: an unknown may
-         * be far smaller than its scale. */
+        /* At the limit of rounding a step no longer gets shorter. Even a short step is made: an unknown may be far
+         * smaller than its scale. */
         if (length <= DSE_NEWTON_TOLERANCE || (length <= DSE_NEWTON_NEAR && length >= 0.5 * before)) {
             dse_newton_move(p, n, place, work->step);
             return 0;
@@ -173,8 +173,8 @@ static inline int dse_newton_iterate(dse_problem *p, uint32_t n, const uint32_t 
 #define DSE_JUMP_LEAST 1e-3
 #define DSE_JUMP_DOUBLINGS 20
 
-/* Where a branch of roots ends, as at a fold, the next ones lie along the direction in which the equations do not hold it
- * any more, that of the last Newton step: seek there on both sides of *before*, ever further. */
+/* Where a branch of roots ends, as at a fold, the equations no longer determine one direction, that of the last Newton
+ * step. The next roots are in this direction: search there on both sides of *before*, at growing distances. */
 static inline int dse_newton_jump(dse_problem *p, uint32_t n, const uint32_t *place, const double *scale,
     dse_system *system, struct dse_newton_work *work, const double *before, int failure) {
     double way[DSE_LARGEST_SYSTEM];
@@ -197,10 +197,10 @@ static inline int dse_newton_jump(dse_problem *p, uint32_t n, const uint32_t *pl
     return failure;
 }
 
-/* Solve the *n* equations of *system* for the unknowns at *place* among the values, from the values that stand there. *scale*
- * is the size below which an unknown's changes do not matter relatively. 0 if it is solved to 1e-12 or to the limit of
- * rounding, and everything *system* writes belongs to the solution; else *failure* or what *system* told, and the
- * unknowns are as before. */
+/* Solve the *n* equations of *system* for the unknowns at *place* among the values, from their present values. *scale*
+ * is the size below which an unknown is not compared relatively. Returns 0 if it is solved to 1e-12 or to the limit of
+ * rounding; all values that *system* writes then belong to the solution. Else returns *failure* or the error of
+ * *system*, and the unknowns are unchanged. */
 static inline int dse_newton(dse_problem *p, uint32_t n, const uint32_t *place, const double *scale,
     dse_system *system, int failure) {
     struct dse_newton_work work;
@@ -229,8 +229,8 @@ static inline int dse_newton(dse_problem *p, uint32_t n, const uint32_t *place, 
 #define DSE_CONTINUE_LONGEST 0.125
 #define DSE_CONTINUE_SHORTEST 1e-6
 
-/* The same for equations with homotopy: from where its simplified expressions stand, *share 0, to the actual ones, 1, in
- * steps that are halved where Newton's method fails. */
+/* The same for equations with homotopy: from their simplified expressions, *share 0, to the actual ones, 1, in steps
+ * that are halved if Newton's method fails. */
 static inline int dse_continue(dse_problem *p, uint32_t n, const uint32_t *place, const double *scale,
     dse_system *system, double *share, int failure) {
     double reached = 0.0;

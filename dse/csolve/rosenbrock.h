@@ -1,7 +1,7 @@
 /* One stiff step: Rodas5P, a Rosenbrock method of order 5(4), L-stable and stiffly accurate, with dense output of order
  * 4 (Steinebach: Construction of Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia
- * Differential Equations package, BIT Numer. Math. 63:27, 2023). The Jacobian is made of differences where the model
- * does not tell it. */
+ * Differential Equations package, BIT Numer. Math. 63:27, 2023). The Jacobian is computed by differences if the model
+ * does not provide it. */
 #ifndef DSE_CSOLVE_ROSENBROCK_H
 #define DSE_CSOLVE_ROSENBROCK_H
 
@@ -9,7 +9,7 @@
 #include "linear.h"
 #include "rosenbrock_tableau.h"
 
-/* The difference leads the way the state goes, or the other where the model has no values there. */
+/* The difference is in the direction of the state's slope, or opposite if the model has no values there. */
 static inline dse_answer dse_ro_column(dse_problem *p, int64_t column) {
     struct dse_solver *s = dse_solver_of(p);
     const int64_t n = DSE_STATE_COUNT(p);
@@ -54,7 +54,7 @@ static inline dse_answer dse_ro_differentiate(dse_problem *p) {
     return DSE_DONE;
 }
 
-/* As dse_dp_try; in the end the model stands close to *to*, not there. */
+/* As dse_dp_try; at the end the model's point is close to *to*, but not equal. */
 static inline dse_answer dse_ro_try(dse_problem *p, double *error) {
     struct dse_solver *s = dse_solver_of(p);
     const int64_t n = DSE_STATE_COUNT(p);
@@ -130,7 +130,7 @@ static inline void dse_ro_states(dse_problem *p, double part, double states[]) {
     }
 }
 
-/* h times a bound of the fastest mode's rate: the lesser of the greatest sums of a row and of a column. */
+/* h times a bound of the fastest mode's rate: the smaller one of the largest row sum and the largest column sum. */
 static inline double dse_ro_stiffness(dse_problem *p) {
     const struct dse_solver *s = dse_solver_of(p);
     const int64_t n = DSE_STATE_COUNT(p);

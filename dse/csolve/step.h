@@ -1,4 +1,4 @@
-/* One accepted step: its width, the solver that makes it, and the event it ends at. */
+/* One accepted step: its width, its solver, and the event at its end. */
 #ifndef DSE_CSOLVE_STEP_H
 #define DSE_CSOLVE_STEP_H
 
@@ -30,7 +30,7 @@ static inline bool dse_first_width(dse_problem *p, double room, double *width) {
     }
     const dse_answer answer = dse_slope_at(p, s->start + guess, s->trial, s->stage[1]);
     if (answer != DSE_DONE) {
-        return answer == DSE_REFUSED; /* the error control will find out how far it can go */
+        return answer == DSE_REFUSED; /* the error control determines the possible width */
     }
     for (int64_t k = 0; k < n; k++) {
         const double allowed = dse_allowed(p, k, s->from[k], s->from[k]);
@@ -42,7 +42,7 @@ static inline bool dse_first_width(dse_problem *p, double room, double *width) {
     return true;
 }
 
-/* Try a step of *width*, which ends at *end*; if it is accurate, the model stands there, and *slope* is that of there. */
+/* Try a step of *width* to *end*; if it is accurate, *end* is the model's present point, and *slope* is its slope. */
 static inline dse_answer dse_try(dse_problem *p, double *error) {
     struct dse_solver *s = dse_solver_of(p);
     const int64_t n = DSE_STATE_COUNT(p);
@@ -68,15 +68,15 @@ static inline dse_answer dse_try(dse_problem *p, double *error) {
     return answer;
 }
 
-/* Whether the other solver would have been better, by what the last step showed. */
+/* Whether the other solver would have been better, judged by the last step. */
 static inline void dse_choose(dse_problem *p) {
     struct dse_solver *s = dse_solver_of(p);
     struct dse_past *past = &s->past;
     if (!DSE_MAY_CHOOSE(p) || DSE_STATE_COUNT(p) == 0) {
         return;
     }
-    /* What a stiff step costs, in explicit ones: a column of the Jacobian each a state, and the stages. A stiff step
-     * each communication step is the least there can be; half of the cost is the hysteresis. */
+    /* Cost of a stiff step in explicit steps: one column of the Jacobian per state, and the stages. One stiff step per
+     * communication step is the minimum; half of the cost is the hysteresis. */
     const double cost = ((double)DSE_STATE_COUNT(p) + 10.0) / 6.0;
     const bool is_cheap = s->width * cost >= s->span;
     const bool speaks_for_other = s->is_stiff ? dse_ro_stiffness(p) < 0.5 * DSE_STIFF_FROM * cost
@@ -92,9 +92,9 @@ static inline void dse_choose(dse_problem *p) {
     }
 }
 
-/* No step is small enough, for want of values beyond: whether there is an event just ahead after which there are some,
- * as in `if h > 0 then -sqrt(h) else 0` where h reaches 0. The step then ends there, straight on along the slope; else
- * the trouble is what it was. */
+/* No step is small enough, as there are no values beyond a border: searches an event just ahead after which there are
+ * values, as in `if h > 0 then -sqrt(h) else 0` where h reaches 0. The step then ends there, straight along the slope;
+ * else the trouble stays the same. */
 static inline dse_answer dse_meet_border(dse_problem *p, double least) {
     struct dse_solver *s = dse_solver_of(p);
     const dse_reason trouble = s->trouble;
@@ -123,12 +123,12 @@ static inline dse_answer dse_meet_border(dse_problem *p, double least) {
     return DSE_REFUSED;
 }
 
-/* The width to go on with after a step with this *error*, where *wanted* was proposed. */
+/* The next width after a step with this *error*, where *wanted* was proposed. */
 static inline void dse_learn(struct dse_solver *s, double wanted, double error, double damped, bool was_rejected) {
     const double factor = damped / pow(s->past.error_before, 0.04) / 0.9;
     double next = s->width / fmin(5.0, fmax(was_rejected ? 1.0 : 0.1, factor));
     if (s->width < wanted && !was_rejected) {
-        next = fmax(next, wanted); /* what ended the step early is no reason for a small one */
+        next = fmax(next, wanted); /* an early end of the step is not a reason for a small next one */
     }
     s->past.next_width = next;
     s->past.error_before = fmax(error, 1e-4);
@@ -140,7 +140,7 @@ static inline bool dse_take_step(dse_problem *p, double limit) {
     struct dse_solver *s = dse_solver_of(p);
     const double room = limit - s->end;
     bool was_rejected = false;
-    s->is_stiff = s->past.will_be_stiff; /* not earlier: the dense output was the other solver's */
+    s->is_stiff = s->past.will_be_stiff; /* not earlier: the dense output was of the other solver */
     s->start = s->end;
     dse_copy(s->from, s->to, DSE_STATE_COUNT(p));
     s->has_jacobian = s->has_step = s->has_event = s->is_at_border = 0;
@@ -153,7 +153,7 @@ static inline bool dse_take_step(dse_problem *p, double limit) {
     double wanted = s->past.next_width;
     for (;;) {
         double error = INFINITY;
-        /* A rest is not left for a tiny last step. */
+        /* Avoids a tiny last step. */
         s->width = wanted >= 0.999 * room ? room : fmin(wanted, 0.5 * room);
         s->end = s->width == room ? limit : s->start + s->width;
         dse_answer answer = dse_try(p, &error);
@@ -188,7 +188,7 @@ static inline bool dse_take_step(dse_problem *p, double limit) {
     return answer == DSE_DONE || dse_give_up(p, answer);
 }
 
-/* Whether an event at *time* is one of *most* in a row with next to no time between them. */
+/* Whether an event at *time* is one of *most* consecutive events with almost no time between them. */
 static inline bool dse_chatters(struct dse_solver *s, double time, int64_t most) {
     struct dse_past *past = &s->past;
     const bool is_close = past->events_close > 0 && time - past->last_event <= fmin(1e-8, 1e-6 * s->span);

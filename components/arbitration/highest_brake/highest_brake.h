@@ -1,5 +1,5 @@
-/* Of all who brake the one who asks for most is heard; who drives is heard while no assistant brakes, and then comes back
- * with a limited rate, so that the car does not jerk forward. */
+/* The highest brake demand of all assistants applies. The driver's drive torque applies while no assistant brakes.
+ * After braking it returns with a limited rate, so that the car does not jerk forward. */
 #ifndef HIGHEST_BRAKE_H
 #define HIGHEST_BRAKE_H
 
@@ -20,7 +20,7 @@ typedef struct {
     struct {
         double drive_cut, drive_rate; /* N.m, N.m/s */
     } par;
-    bool cut; /* the drive is, or comes back */
+    bool cut; /* the drive torque is cut, or is returning */
 } highest_brake;
 
 void highest_brake_init(highest_brake *self);

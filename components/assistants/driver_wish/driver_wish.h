@@ -1,4 +1,4 @@
-/* Passes the driver's wish on, whatever limits and bends there are. */
+/* Passes the driver's wish on, independent of speed limits and curves. */
 #ifndef DRIVER_WISH_H
 #define DRIVER_WISH_H
 

@@ -2,7 +2,7 @@
 
 #include <stdbool.h>
 
-#define NEXT_LIGHT 1.0 /* m: a light that is this much further than before is another one */
+#define NEXT_LIGHT 1.0 /* m: a light that is farther away by more than this is another light */
 
 int32_t light_choice(int32_t last, int32_t colour, const light_case *is) {
     bool is_another = is->distance > is->last_distance + NEXT_LIGHT;

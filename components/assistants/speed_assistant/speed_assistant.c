@@ -2,16 +2,16 @@
 
 #include <math.h>
 
-/* Square of the speed that a curvature that far ahead allows here. */
+/* Square of the speed here that the curvature at that distance ahead allows. */
 static double allowed(const speed_assistant_par *par, double curvature, double distance) {
     double there = curvature != 0 ? par->lateral_acceleration / fabs(curvature) : HUGE_VAL;
     return there + 2 * par->deceleration * fmax(distance, 0);
 }
 
-/* The least of it on a piece of the path whose curvature is linear. */
+/* The minimum of it on a piece of the path whose curvature is linear. */
 static double allowed_on(const speed_assistant_par *par, double k0, double k1, double from, double to) {
     double least = fmin(allowed(par, k0, from), allowed(par, k1, to));
-    if (from < 0 && to > 0) { /* up to 0 the largest curvature counts, wherever it is */
+    if (from < 0 && to > 0) { /* up to 0 the largest curvature counts, at any place */
         k0 += (k1 - k0) * -from / (to - from);
         from = 0;
         least = fmin(least, allowed(par, k0, 0));
@@ -35,7 +35,7 @@ static double curve_speed(const speed_assistant *self, double lead) {
     return sqrt(least);
 }
 
-/* What is done about the light. *room* is what is left to come to a stop. */
+/* The action for the light. *room* is the distance available for stopping. */
 static int32_t light_at(const speed_assistant *self, double room) {
     light_case is = {
         self->in.light.distance, self->light_distance, room, self->in.motion.speed, self->par.yellow_deceleration,
@@ -73,7 +73,7 @@ void speed_assistant_init(speed_assistant *self) {
 
 void speed_assistant_step(speed_assistant *self) {
     double limit = self->in.lane.speed_limit > 0 ? self->in.lane.speed_limit : HUGE_VAL;
-    /* Down to a new limit from the speed that was set or is driven, whichever is the higher. */
+    /* Ramp down to a new limit from the set speed or the present speed, whichever is higher. */
     double from = fmin(self->limited, fmax(self->out.set_speed, self->in.motion.speed));
     self->limited = fmax(limit, from - self->par.deceleration * ASSISTANT_STEP);
     choose(self);

@@ -1,17 +1,17 @@
-/* The speed to drive: the driver's wish, the speed limit, what bends ahead allow, and a stop at a red light.
+/* The speed to drive: the driver's wish, the speed limit, the speed that curves ahead allow, and a stop at a red light.
  *
- * A speed u that must not be exceeded a distance D ahead allows sqrt(u^2 + 2 deceleration D) here: a car that keeps to it
- * slows down evenly and is at u just there. Bends: u^2 = lateral_acceleration/|k|, with the curvature k linear between
- * where the car is and the points of the preview. Where |k| grows by m per metre, u^2 + 2 d D is least where
- * k^2 = lateral_acceleration m/(2 d), or at an end: so no spiral is entered too fast between two points.
+ * A speed u that must not be exceeded a distance D ahead allows sqrt(u^2 + 2 deceleration D) here: a car that keeps it
+ * slows down evenly and reaches u exactly there. Curves: u^2 = lateral_acceleration/|k|, with the curvature k linear
+ * between the car and the points of the preview. Where |k| grows by m per metre, u^2 + 2 d D has its minimum where
+ * k^2 = lateral_acceleration m/(2 d), or at an end: the car enters no spiral too fast between two points.
  * Red: u = 0 with the front bumper stop_gap before the light. Yellow: as red, if the deceleration
- * (v^2/2)/(D - v lead_time) is not above yellow_deceleration when it becomes yellow; else the car drives on, and past
- * a red that follows (Gazis, Herman, Maradudin: The problem of the amber signal light, Operations Research 8, 112, 1960).
- * Controllers follow a falling set speed late: all distances are shorter by v lead_time. A P law is deceleration/kp too
- * fast; with a lead_time of 1/kp a third of that is left where the bend begins, with 2/kp an eighth.
- * A limit is not told before it begins: from there the set speed falls by *deceleration* to it.
+ * (v^2/2)/(D - v lead_time) is not above yellow_deceleration when it becomes yellow; else the car passes, also at red
+ * (Gazis, Herman, Maradudin: The problem of the amber signal light, Operations Research 8, 112, 1960).
+ * Controllers follow a falling set speed late: all distances are reduced by v lead_time. A P law is deceleration/kp too
+ * fast; with a lead_time of 1/kp a third of that remains where the curve begins, with 2/kp an eighth. A limit is not
+ * previewed: where it begins, the set speed starts to fall to it with *deceleration*.
  *
- * Lateral comfort of 2 m/s2: ISO 15622 for curves. The bank of the road ahead is not told: bends count as level. */
+ * Lateral comfort of 2 m/s2: ISO 15622 for curves. The bank of the road ahead is not given: curves count as level. */
 #ifndef SPEED_ASSISTANT_H
 #define SPEED_ASSISTANT_H
 
@@ -58,9 +58,9 @@ typedef struct {
     speed_assistant_in in;
     speed_assistant_out out;
     speed_assistant_par par;
-    double limited;        /* m/s: the limit, or on the way down to it; HUGE_VAL: none */
-    double light_distance; /* m: a sample ago */
-    int32_t light;         /* what is done about it */
+    double limited;        /* m/s: the limit, or the ramp down to it; HUGE_VAL: none */
+    double light_distance; /* m: one sample before */
+    int32_t light;         /* the action for it */
 } speed_assistant;
 
 void speed_assistant_init(speed_assistant *self);

@@ -4,9 +4,9 @@
 
 #define STANDSTILL 0.1   /* m/s */
 #define ALONG 0.8660254  /* cosine of 30 degrees */
-#define NEAREST 0.01     /* m: what is left of a way is not taken for less */
+#define NEAREST 0.01     /* m: lower bound of a remaining distance */
 
-/* What is done about the light. *room* is what is left to come to a stop. */
+/* The action for the light. *room* is the distance available for stopping. */
 static int32_t light_at(const yield_assistant *self, double room) {
     light_case is = {
         self->in.light.distance, self->light_distance, room, self->in.motion.speed, self->par.yellow_deceleration,
@@ -19,7 +19,7 @@ typedef struct {
     double x, y;
 } point;
 
-/* What lies that far ahead on the lane, seen from the car. */
+/* The lane point at that distance ahead, in the car's axes. */
 static point point_ahead(const yield_assistant_in *in, double distance) {
     double c = cos(in->lane.heading), s = sin(in->lane.heading);
     point last = {in->lane.offset * s * -1, -in->lane.offset * c}, ahead = {c, -s};
@@ -40,7 +40,7 @@ static point point_ahead(const yield_assistant_in *in, double distance) {
     return there;
 }
 
-/* When it is in a conflict; *since* beyond *until*: never. */
+/* The interval in which it occupies a conflict; *since* greater than *until*: never. */
 typedef struct {
     double since, until;
 } span;
@@ -50,14 +50,14 @@ static span never(void) {
     return none;
 }
 
-/* The time for a way, evenly faster. */
+/* The time to cover a distance with constant acceleration. */
 static double time_for(double way, double speed, double rate) {
     if (way <= 0) return 0;
     if (rate > 0) return (sqrt(speed * speed + 2 * rate * way) - speed) / rate;
     return speed > 0 ? way / speed : HUGE_VAL;
 }
 
-/* An object whose way through the conflict's *middle* is *length* long. */
+/* An object whose path through the *middle* of the conflict is *length* long. */
 static span span_of(const yield_assistant *self, int index, point middle, double length) {
     const yield_assistant_in *in = &self->in;
     double vx = in->tracks[index].vx, vy = in->tracks[index].vy, speed = hypot(vx, vy);
@@ -73,7 +73,7 @@ static span span_of(const yield_assistant *self, int index, point middle, double
     return found;
 }
 
-/* Whether the car has to wait for somebody before it enters. */
+/* Whether the car has to wait for another road user before it enters. */
 static bool has_to_wait(const yield_assistant *self, int index, double way) {
     const yield_assistant_in *in = &self->in;
     double length = in->conflicts[index].exit - in->conflicts[index].entry;
@@ -89,7 +89,7 @@ static bool has_to_wait(const yield_assistant *self, int index, double way) {
     return false;
 }
 
-/* The station where the car's front stops before a conflict, so that it stands in no other one. */
+/* The station where the car's front stops before a conflict, so that the car blocks no other conflict. */
 static double stopping_place(const yield_assistant *self, int index) {
     const yield_assistant_in *in = &self->in;
     double length = self->par.front_length + self->par.rear_length;
@@ -106,7 +106,7 @@ static double stopping_place(const yield_assistant *self, int index) {
     return place;
 }
 
-/* The deceleration for a stop after *room* m: 0 if there is time yet; one that *brakes* goes on. */
+/* The deceleration for a stop after *room* m: 0 while there is still time; a car that *brakes* continues to brake. */
 static double stop_in(const yield_assistant *self, double room, bool brakes) {
     double speed = fmax(self->in.motion.speed, 0), even = 0.5 * speed * speed / fmax(room, NEAREST);
     if (speed < STANDSTILL && room < self->par.stop_gap) return self->par.comfort_deceleration; /* held */

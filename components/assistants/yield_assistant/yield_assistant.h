@@ -1,25 +1,25 @@
-/* Stops before red lights, and before conflicts for those who have the right of way and would be there at the same time.
+/* Stops before red lights, and before conflicts if a road user with the right of way would be there at the same time.
  *
  * Lights: red stops, yellow stops if v^2/(2 D) is not above yellow_deceleration when it becomes yellow, with D from the
- * front bumper to stop_gap before the line; else the car drives on, past a red that follows, too (Gazis, Herman,
+ * front bumper to stop_gap before the line; else the car passes the light, even if it turns red (Gazis, Herman,
  * Maradudin: The problem of the amber signal light, Operations Research 8, 112, 1960).
  *
- * Conflicts of the host's path in which it gives way: the car would be in the conflict from when its front enters to when
- * its rear leaves, at its present speed, or speeding up with start_acceleration once it has braked; each object that
- * comes there would be in it from when it enters to when it has left, at its present velocity. If the two times come
- * nearer to each other than time_margin, the car waits (post-encroachment time: Allen, Shin, Cooper: Analysis of traffic
- * conflicts and collisions, Transportation Research Record 667, 67, 1978), and drives on when they are release_margin
- * further apart. With 1.5 s this accepts gaps that are shorter than the critical ones of human drivers at stop signs
+ * Conflicts of the host's path in which it gives way: the car would occupy the conflict from when its front enters to
+ * when its rear leaves, at its present speed, or accelerating with start_acceleration once it has braked. Each
+ * approaching object would occupy it from when it enters to when it has left, at its present velocity. If the time
+ * between the two is less than time_margin, the car waits (post-encroachment time: Allen, Shin, Cooper: Analysis of
+ * traffic conflicts and collisions, Transportation Research Record 667, 67, 1978). It starts again when that time is
+ * greater by release_margin. With 1.5 s this accepts shorter gaps than the critical gaps of human drivers at stop signs
  * (6 to 7 s: Highway Capacity Manual, two-way stop-controlled intersections).
  *
- * Braking begins when v^2/(2 D) reaches comfort_deceleration and goes on with what v^2/(2 D) is then: an even stop at D = 0,
- * where the car is held; that is stop_gap before the conflict, and before all others in which the car would stand. Where no cause is left, the demand falls to nothing. A car whose front is in the conflict goes
- * on, as does one that could only stop with more than max_deceleration: what is left is a matter for emergency braking.
+ * Braking begins when v^2/(2 D) reaches comfort_deceleration; the demand is the present v^2/(2 D), 0 without a cause.
+ * The car stops evenly at D = 0, stop_gap before the conflict and all others that it would block, and is held. A car in
+ * the conflict continues, as does one that cannot stop with max_deceleration: emergency braking covers this case.
  *
- * An object is one that comes to the conflict if the straight line of its velocity passes the conflict's middle within
- * aside_tolerance; for those from the side bend_tolerance times their way is added, as they may come round a bend. Those
- * who drive as the host does, within 30 degrees, are no concern of it. Tracks tell no lengths; all are as long as
- * other_length. Where the conflict lies is told by the preview; beyond it, and without it, the lane goes on straight. */
+ * An object approaches the conflict if the straight line of its velocity passes the middle of the conflict within
+ * aside_tolerance. For objects from the side bend_tolerance times their distance is added, as their path may be curved.
+ * Objects with the host's direction, within 30 degrees, are ignored. Tracks have no lengths; all are as long as
+ * other_length. The preview gives the place of the conflict; beyond it, and without it, the lane continues straight. */
 #ifndef YIELD_ASSISTANT_H
 #define YIELD_ASSISTANT_H
 
@@ -76,8 +76,8 @@ typedef struct {
         double other_length, aside_tolerance, bend_tolerance, min_speed;
         double front_length, rear_length, nominal_mass, wheel_radius;
     } par;
-    int32_t light;         /* what is done about it */
-    double light_distance; /* m: a sample ago */
+    int32_t light;         /* the action for it */
+    double light_distance; /* m: one sample before */
     bool waits[YIELD_CONFLICTS];
 } yield_assistant;
 

@@ -5,7 +5,7 @@
 #include <stdint.h>
 
 #define FRICTION_BRAKE_STEP 0.01 /* s; the step in every component.yaml that uses this */
-#define FRICTION_BRAKE_DELAY 64  /* steps of demand remembered, more than the longest dead time */
+#define FRICTION_BRAKE_DELAY 64  /* stored steps of demand, more than the longest dead time */
 
 typedef struct {
     double front, rear;

@@ -1,10 +1,10 @@
-/* What reference drivers share: the foot that leaves the accelerator, needs its time, and brakes.
+/* Shared by reference drivers: the driver releases the accelerator, reacts after a delay, and brakes.
  *
- * An alarm starts a clock. Until *reaction_time* is over the car only coasts with release_deceleration; then it brakes
- * with what is wanted, built up with *jerk* from there, let go at once. When there has been no cause for release_time
- * (holding_time at standstill after braking), all is over. UN R157, annex 4, appendix 3: 0.75 s between perception and
- * braking, 0.774 g after 0.6 s, i.e. 12.65 m/s3; coasting with 0.4 m/s2 as in the reference models of the Joint Research
- * Centre (ec-jrc, JRC-FSM, 2021).
+ * An alarm starts a clock. Until *reaction_time* is over the car only coasts with release_deceleration. Then it brakes
+ * with the wanted deceleration, built up with *jerk*, released at once. The alarm ends without a cause for release_time
+ * (holding_time at standstill after braking). UN R157, annex 4, appendix 3: 0.75 s between perception and braking,
+ * 0.774 g after 0.6 s, i.e. 12.65 m/s3; coasting with 0.4 m/s2 as in the reference models of the Joint Research Centre
+ * (ec-jrc, JRC-FSM, 2021).
  */
 #ifndef DRIVERS_H
 #define DRIVERS_H
@@ -24,7 +24,7 @@ typedef struct {
 /* After the reaction time. */
 bool driver_brakes(const driver_foot *foot, const driver_habits *habits);
 
-/* One sample: *has_cause* begins or keeps the alarm; *wanted* and its *stage* hold when the driver brakes. */
+/* One sample: *has_cause* starts or keeps the alarm; *wanted* and its *stage* apply when the driver brakes. */
 void driver_act(driver_foot *foot, const driver_habits *habits, bool has_cause, double wanted, int32_t stage,
                 const emergency_in *in, emergency_out *out);
 

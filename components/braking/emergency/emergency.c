@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#define SLOW 1.0        /* m/s: below it the yaw rate tells no curvature */
+#define SLOW 1.0        /* m/s: below it the yaw rate gives no curvature */
 #define STRAIGHT 1e-9   /* 1/m */
-#define NEAR_CENTRE 0.1 /* of the radius: what is nearer to the circle's centre is not on the car's way */
+#define NEAR_CENTRE 0.1 /* of the radius: an object nearer to the circle's centre is not on the car's path */
 
 static double width_of(int32_t class) {
     switch (class) {

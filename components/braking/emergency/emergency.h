@@ -1,4 +1,4 @@
-/* What emergency brakes share: ports, and how the car meets the objects in its way. */
+/* Shared by emergency brakes: ports, and how the car meets the objects in its path. */
 #ifndef EMERGENCY_H
 #define EMERGENCY_H
 
@@ -26,32 +26,32 @@ typedef struct {
     double deceleration, brake_torque;
 } emergency_out;
 
-/* Where an object is against the car's way: the circle of its yaw rate and speed. */
+/* An object relative to the car's path: the circle of its yaw rate and speed. */
 typedef struct {
-    bool is_ahead;        /* there is one, and it is not behind; else all is 0 */
-    double gap;           /* m: from the front bumper along the way, >= 0 */
-    double speed;         /* m/s: along the way, of the point of the way beside it */
+    bool is_ahead;        /* the object exists, and is not behind; else all is 0 */
+    double gap;           /* m: from the front bumper along the path, >= 0 */
+    double speed;         /* m/s: along the path, of the point of the path beside it */
     double closing;       /* m/s: -d gap/dt */
-    double aside, across; /* m: of its middle to the left of the way; m/s: d aside/dt */
-    double touching;      /* m: |aside| where their sides touch */
+    double aside, across; /* m: of its middle to the left of the path; m/s: d aside/dt */
+    double touching;      /* m: |aside| at which their sides touch */
 } emergency_place;
 
-/* *front* is from the centre of gravity to the bumper, *width* that of the car. An object whose width is not known is
- * as wide as its class: 0.5 m a pedestrian (Euro NCAP's target), 0.6 m a bicycle, 1.8 m a car. */
+/* *front* is from the centre of gravity to the bumper, *width* that of the car. An object of unknown width gets
+ * that of its class: 0.5 m for a pedestrian (Euro NCAP's target), 0.6 m for a bicycle, 1.8 m for a car. */
 emergency_place emergency_place_of(const emergency_in *in, int index, double front, double width);
 
-/* How the car meets an object if both go on as they do. */
+/* How the car meets an object if both continue their present motion. */
 typedef struct {
-    bool is_ahead;    /* there is one, and the car comes nearer to it */
-    double gap;       /* m: from the front bumper along the car's way, >= 0 */
+    bool is_ahead;    /* the object exists, and the car approaches it */
+    double gap;       /* m: from the front bumper along the car's path, >= 0 */
     double closing;   /* m/s: -d gap/dt, > 0 */
     double clearance; /* m: between their sides when the car arrives; < 0: they overlap */
 } emergency_meeting;
 
-/* The car keeps its way and speed, the object its velocities along and across that way. */
+/* The car keeps its path and speed, the object its velocities along and across that path. */
 emergency_meeting emergency_meet(const emergency_in *in, int index, double front, double width);
 
-/* From one that was *last*, by no more than the jerks allow in one step. */
+/* From *last*, changed by no more than the jerk limits allow in one step. */
 double emergency_build_up(double wanted, double last, double build_up_jerk, double release_jerk);
 
 #endif

@@ -2,11 +2,11 @@
 
 #include <math.h>
 
-#define HIDDEN 3.0 /* m: between the rear ends of one who hides another and his; a tracker may have two of one */
+#define HIDDEN 3.0 /* m: between the rear ends of an object and a hidden one; an object may have two tracks */
 
 static const driver_memory NOTHING = {0, 0, 0, false, false, false, 0};
 
-/* Objects may change their places among the tracks; who is new has no past. */
+/* Objects may change their places among the tracks; a new object has no history. */
 static void recall(reference_driver_cc *self, const emergency_place *places) {
     const reference_driver_cc_par *par = &self->par;
     double part = EMERGENCY_STEP / fmax(par->acceleration_lag, EMERGENCY_STEP);
@@ -22,7 +22,7 @@ static void recall(reference_driver_cc *self, const emergency_place *places) {
         now[i].acceleration += part * ((places[i].speed - now[i].speed) / EMERGENCY_STEP - now[i].acceleration);
         now[i].speed = places[i].speed;
         if (fabs(places[i].aside) >= 0.5 * par->lane_width) now[i].was_beside = true;
-        if (fabs(places[i].aside) < par->wandering) now[i].was_beside = false; /* he has arrived */
+        if (fabs(places[i].aside) < par->wandering) now[i].was_beside = false; /* it has arrived */
     }
     for (int i = 0; i < EMERGENCY_TRACKS; ++i) self->memory[i] = now[i];
 }

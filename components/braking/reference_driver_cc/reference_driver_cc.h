@@ -1,21 +1,21 @@
-/* The careful and competent human driver of UN R157 (annex 4, appendix 3), to measure emergency brakes and pilots by.
+/* The careful and competent human driver of UN R157 (annex 4, appendix 3): a reference for emergency brakes and pilots.
  *
- * He sees a risk, evaluates it, and if it is critical his foot moves (drivers.h). His lane is lane_width wide about the
- * car's way. Risks are
- *   cut-in        who has been in the next lane comes nearer than lane_width - wandering to the middle of his own (its
+ * The driver sees a risk, evaluates it, and reacts if it is critical (drivers.h). The driver's lane is lane_width wide
+ * about the car's path. Risks are
+ *   cut-in        a vehicle from the next lane comes nearer than lane_width - wandering to the middle of the lane (its
  *                 centre is more than *wandering*, 0.375 m, off its lane's middle); evaluated after another
  *                 evaluation_distance (0.72 m: 0.4 s at 1.8 m/s) or after evaluation_time; critical at a time to
  *                 collision below critical_ttc (2 s)
- *   cut-out       who drove ahead moves away by more than *wandering*, and behind him somebody is slower; evaluated
+ *   cut-out       the vehicle ahead moves away by more than *wandering*, and a slower one is ahead of it; evaluated
  *                 after evaluation_time (0.4 s); critical at a time headway below critical_headway (2 s)
- *   deceleration  who drives ahead brakes with more than lead_deceleration (5 m/s2); as above
+ *   deceleration  the vehicle ahead brakes with more than lead_deceleration (5 m/s2); as above
  *   approach      the next one in the lane is slower; evaluated as above, critical below critical_ttc. The regulation
  *                 does not name it: its driver follows at a headway of 2 s
  * Slower is by more than least_closing. Pedestrians and cyclists keep to no lane: they are a risk as soon as they will
- * be in the way when the car arrives, evaluated after evaluation_time, critical below critical_ttc. He brakes with
- * max_deceleration until nothing that he brakes for comes nearer.
+ * be in the path when the car arrives, evaluated after evaluation_time, critical below critical_ttc. The driver brakes
+ * with max_deceleration until no object that caused the braking approaches.
  *
- * A track tells no acceleration: that of who drives ahead is the derivative of its speed behind a first-order lag of
+ * A track has no acceleration: that of the vehicle ahead is the derivative of its speed behind a first-order lag of
  * acceleration_lag. Left out: the regulation's second brake, an AEB of 0.85 g once both are fully in line, as in the
  * reference models of the Joint Research Centre. An engineering model, not a claim of conformity. */
 #ifndef REFERENCE_DRIVER_CC_H
@@ -33,11 +33,11 @@ typedef struct {
     double front_length, width, nominal_mass, wheel_radius;
 } reference_driver_cc_par;
 
-/* What he remembers of an object. */
+/* State of an object. */
 typedef struct {
     int32_t id;
     double speed, acceleration;
-    bool was_beside, was_hidden, has_braked; /* in the next lane; behind another in the lane; since he looks at it */
+    bool was_beside, was_hidden, has_braked; /* in the next lane; behind another, or braked, until it is not slower */
     int32_t risk;                            /* samples of it */
 } driver_memory;
 

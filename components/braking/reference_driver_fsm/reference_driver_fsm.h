@@ -1,4 +1,4 @@
-/* The fuzzy safety model of UN R157 (amendment of 2022): how hard a driver should brake before it has to be hard
+/* The fuzzy safety model of UN R157 (amendment of 2022): how hard a driver should brake early to avoid hard braking
  * (Mattas et al.: Fuzzy surrogate safety metrics for real-time assessment of rear-end collision risk, Accident Analysis
  * and Prevention 148, 105794, 2020; reference models of the Joint Research Centre, ec-jrc, JRC-FSM, 2021).
  *
@@ -7,9 +7,9 @@
  *   proactive, PFS   d - margin;  safe u r + u^2/(2 b) - w^2/(2 l) + safe_margin,  unsafe u r + u^2/(2 h) - w^2/(2 l)
  *   critical, CFS    with a' = max(a, -b), u' = u + r a' and s = (u + a' r/2 - w) r: safe s + (u' - w)^2/(2 b), unsafe
  *                    s + (u' - w)^2/(2 h); if u' < w, 1 below (u - w)^2/(2 |a|), else 0; 0 if u <= w
- * r = reaction_time, b = comfortable, h = hard, l = lead_deceleration. The driver brakes with CFS (h - b) + b if that is
- * critical, else with PFS b. Who is beside counts if his side reaches the car's in less than the time in which the car
- * would be past him, passing_time more; past him is his gap and passing_length. Of all objects the worst counts.
+ * r = reaction_time, b = comfortable, h = hard, l = lead_deceleration. The driver brakes with CFS (h - b) + b if that
+ * is critical, else with PFS b. An object beside the car counts if its side reaches the car's in less than (gap +
+ * passing_length)/closing speed + passing_time. Of all objects the worst counts.
  *
  * Not a claim of conformity. */
 #ifndef REFERENCE_DRIVER_FSM_H

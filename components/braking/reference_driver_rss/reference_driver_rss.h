@@ -6,8 +6,8 @@
  *   u r + p r^2/2 + (u + p r)^2/(2 b) - w^2/(2 l)                         own speed u, that of the one ahead w
  * and, beside, the room between both below
  *   margin + (2 c + q r) r/2 + (c + q r)^2/(2 q)                           lateral speed c of the other
- * r = reaction_time, p = max_acceleration, b = least_deceleration, l = lead_deceleration, q = lateral_acceleration. It
- * is answered with max_deceleration. Whoever moves away counts as if he came: the safe room knows no sign.
+ * r = reaction_time, p = max_acceleration, b = least_deceleration, l = lead_deceleration, q = lateral_acceleration. The
+ * response is max_deceleration. An object that moves away counts as if it approached: the safe room ignores the sign.
  *
  * Not a claim of conformity. */
 #ifndef REFERENCE_DRIVER_RSS_H

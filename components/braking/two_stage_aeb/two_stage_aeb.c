@@ -9,7 +9,7 @@ static double beginning(const two_stage_aeb_par *par, double closing, double ttc
     return fmax(ttc * closing, closing * par->lost_time + closing * closing / (2 * required) + par->standing_gap);
 }
 
-/* The stage that an object in the way asks for; the warning's beginning stretched by *stretch*. */
+/* The stage required for an object in the path; the start of the warning is stretched by *stretch*. */
 static int32_t stage_for(const two_stage_aeb_par *par, const emergency_meeting *meeting, double stretch) {
     double partial = beginning(par, meeting->closing, par->partial_ttc, par->partial_required);
     double full = beginning(par, meeting->closing, par->full_ttc, par->full_required);
@@ -20,7 +20,7 @@ static int32_t stage_for(const two_stage_aeb_par *par, const emergency_meeting *
 }
 
 typedef struct {
-    int32_t begins, stays; /* the highest stage that now begins; that may go on if it has begun */
+    int32_t begins, stays; /* the highest stage that begins now; the highest that may continue if it has begun */
 } demand;
 
 static demand demand_of(const two_stage_aeb *self) {

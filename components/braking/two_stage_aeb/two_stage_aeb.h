@@ -1,24 +1,24 @@
-/* Warns, brakes partly, brakes fully: autonomous emergency braking in two stages, for all that is in the car's way.
+/* Warns, brakes partly, brakes fully: autonomous emergency braking in two stages, for all objects in the car's path.
  *
- * What the car meets if both go on as they do (emergency.h) counts if it overlaps the car's width when the car arrives,
- * with a margin by its class; so a pedestrian who crosses counts if he will be there, wherever he is now. With the
- * gap d and the closing speed c, a stage of braking begins at
+ * An object that the car meets if both keep their motion (emergency.h) counts if it overlaps the car's width when the
+ * car arrives, with a margin by its class. So a crossing pedestrian counts by the place at that time, not by the
+ * present one. With the gap d and the closing speed c, a stage of braking begins at
  *   d <= max(ttc c, c lost_time + c^2/(2 required) + standing_gap)
  * i.e. by the time to collision d/c, or as soon as a constant deceleration *required* would just leave standing_gap.
- * The warning begins warning_lead c before the first of both. Of the stages of all objects the highest counts.
- * Braking goes on, whatever has become of d and c, until nothing in the way has been approached for release_time; from
- * standstill the car is held for holding_time. The warning ends where d is warning_hysteresis beyond its beginning, and
- * release_time later. While there is a stage, the margins are wider by margin_hysteresis. Nothing begins below
- * min_speed or above max_speed; braking once begun goes on to standstill. Drag and rolling resistance are left aside:
- * they help.
+ * The warning begins warning_lead c before the first of both. Of the stages of all objects the highest counts. Braking
+ * continues, whatever d and c become, until the car has approached nothing in its path for release_time; from
+ * standstill the car is held for holding_time. The warning ends where d is warning_hysteresis beyond its start, and
+ * release_time later. While a stage is active, the margins are wider by margin_hysteresis. No stage begins below
+ * min_speed or above max_speed; braking that has begun continues to standstill. Drag and rolling resistance are
+ * neglected, which is conservative.
  *
  * UN R152: works from 10 to 60 km/h at least, demands 5 m/s2 at least (full_deceleration), warns of a vehicle 0.8 s
  * before at the latest, of a pedestrian when it brakes. Euro NCAP, AEB: car to car at 10 to 80 km/h, adults 0.5 m wide
  * who cross with 5 and 8 km/h. Stages by time to collision and required deceleration: Winner et al., Handbook of Driver
  * Assistance Systems, 2016. These are engineering checks, not a claim of conformity.
  *
- * What it cannot know: the way is the circle the car is on now, so before a bend what stands behind it is ahead; a
- * track tells no acceleration, so a leading car that brakes counts with the speed it has. */
+ * Limits: the path is the circle the car is on now, so before a curve an object behind the curve counts as ahead. A
+ * track has no acceleration, so a leading car that brakes counts with its present speed. */
 #ifndef TWO_STAGE_AEB_H
 #define TWO_STAGE_AEB_H
 
@@ -32,7 +32,7 @@ typedef struct {
     double build_up_jerk, release_jerk, release_time, holding_time;
     double min_speed, max_speed, min_age;
     double vehicle_margin, vulnerable_margin, margin_hysteresis;
-    int32_t unknown_class; /* the highest stage for what has no class */
+    int32_t unknown_class; /* the highest stage for objects without a class */
     double front_length, width, nominal_mass, wheel_radius;
 } two_stage_aeb_par;
 
@@ -40,7 +40,7 @@ typedef struct {
     emergency_in in;
     emergency_out out;
     two_stage_aeb_par par;
-    int32_t calm; /* samples since nothing has been approached */
+    int32_t calm; /* samples since an object was last approached */
 } two_stage_aeb;
 
 void two_stage_aeb_init(two_stage_aeb *self);

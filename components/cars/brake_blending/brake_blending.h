@@ -1,4 +1,4 @@
-/* Shares the braking between machines and discs: the machines first, as far as they can and the car rolls fast enough. */
+/* Shares the braking between machines and discs: the machines first, up to their limits and above a low speed. */
 #ifndef BRAKE_BLENDING_H
 #define BRAKE_BLENDING_H
 
@@ -10,8 +10,8 @@ typedef struct {
         double regeneration_demand, friction_demand;
     } out;
     struct {
-        double share;                /* of the braking that the machines may take over */
-        double end_speed, full_speed; /* m/s: below the one the machines do not brake, from the other on they do fully */
+        double share;                /* share of the braking that the machines may take over */
+        double end_speed, full_speed; /* m/s: machine braking is zero below the first, full from the second */
     } par;
 } brake_blending;
 

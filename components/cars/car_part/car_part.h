@@ -1,5 +1,5 @@
-/* A part of a car that only is there: mass, inertia, drag and other constants, passed on to the parts that reckon with them.
- * Which of them a part has is said by its interface. */
+/* A passive part of a car: mass, inertia, drag and other constants, passed on to the parts that use them.
+ * Its interface defines which of them a part has. */
 #ifndef CAR_PART_H
 #define CAR_PART_H
 
@@ -28,7 +28,7 @@ typedef struct {
         car_part_inverter inverter;
     } out;
     struct {
-        double mass, front_share; /* kg; of the mass on the front axle, beyond 0 … 1 for what hangs over */
+        double mass, front_share; /* kg; share of the mass on the front axle, beyond 0 … 1 for an overhang */
         double wheel_inertia;     /* kg.m2: of one of four alike */
         double drag, draw; /* m2, W */
         double radius, grip, stiffness, rolling_resistance;

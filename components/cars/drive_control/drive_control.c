@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* The part of a torque that a power is enough for at a speed. */
+/* The part of a torque that a power can supply at a speed. */
 static double within(double torque, double power, double speed) {
     return torque * speed > power ? power / speed : torque;
 }
@@ -16,7 +16,7 @@ void drive_control_init(drive_control *self) {
     self->out.demands.front = share * drive - braking * brake;
     self->out.demands.rear = (1 - share) * drive - (1 - braking) * brake;
 
-    /* The axle that can brake less for its share decides what both give. */
+    /* The axle that can brake less relative to its share limits both. */
     double most = self->par.max_regeneration;
     if (braking > 0) most = fmin(most, front->regeneration / braking);
     if (braking < 1) most = fmin(most, rear->regeneration / (1 - braking));

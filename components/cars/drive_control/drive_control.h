@@ -1,9 +1,9 @@
-/* Control of an electric drive with a unit on one axle or on both: hands out demands, keeps to what the battery gives and
- * takes, and adds up what the units are to the car. A unit that is not there is all zero. */
+/* Control of an electric drive with a unit on one axle or on both: distributes demands, observes the limits of the
+ * battery, and adds up the units for the car. All values of an absent unit are zero. */
 #ifndef DRIVE_CONTROL_H
 #define DRIVE_CONTROL_H
 
-#define DRIVE_CONTROL_EFFICIENCY 0.85 /* between battery and wheels, as the control reckons with it */
+#define DRIVE_CONTROL_EFFICIENCY 0.85 /* between battery and wheels, as the control assumes it */
 
 typedef struct {
     double front, rear;

@@ -6,7 +6,7 @@ static double clamp(double value, double low, double high) {
     return value < low ? low : value > high ? high : value;
 }
 
-/* Greatest torque at the speed now, at the machine. Above its greatest speed it gives none. */
+/* Maximum torque at the present speed, at the machine. Above its maximum speed it is zero. */
 static double limit(const traction_machine *self) {
     double speed = fabs(self->in.gear.ratio * self->in.wheel_speed), voltage = fmax(self->in.voltage, 0);
     double current = self->in.inverter.max_current;
@@ -17,7 +17,7 @@ static double limit(const traction_machine *self) {
     return torque * speed > power ? power / speed : torque;
 }
 
-/* Torque at the wheels of one at the machine: the gear takes its share of what passes, whichever way. */
+/* Torque at the wheels for one at the machine: the gear loses its share of the power in either direction. */
 static double at_wheels(const traction_machine *self, double torque) {
     double efficiency = self->in.gear.efficiency > 0 ? self->in.gear.efficiency : 1;
     return self->in.gear.ratio * (torque > 0 ? torque * efficiency : torque / efficiency);

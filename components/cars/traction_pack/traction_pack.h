@@ -1,7 +1,7 @@
 /* Traction battery as an open-circuit voltage behind a resistance (Guzzella, Sciarretta: Vehicle Propulsion Systems, 4.5).
  *
  * P = U I with U = U0 - R I gives I = (U0 - sqrt(U0^2 - 4 R P)) / (2 R); soc' = -I / Q. The open-circuit voltage is
- * straight in the state of charge. Beyond U0^2 / (4 R) there is no such current: the greatest power is given.
+ * linear in the state of charge. Beyond U0^2 / (4 R) no current satisfies this: the greatest power is given.
  */
 #ifndef TRACTION_PACK_H
 #define TRACTION_PACK_H

@@ -82,7 +82,7 @@ void longitudinal_step(longitudinal *self, double h) {
     double from = self->host.position, curvature = tan(in.steering) / self->par.wheelbase;
     host_advance(&self->host, &host, h, self->par.substeps);
     double way = self->host.position - from, rear = self->par.front_load_share * self->par.wheelbase;
-    /* The chord of an arc is as long as the arc times sin(a) / a, a half its turn, and points halfway between both headings. */
+    /* Chord of an arc: arc length times sin(a) / a, with a half the turn, in the mean direction of both headings. */
     double half = 0.5 * curvature * way, chord = fabs(half) > 1e-4 ? way * sin(half) / half : way * (1 - half * half / 6);
     half = half * before.turn + 0.5 * way * before.drift;
     plane between = plane_below(self->heading + half, &slopes);

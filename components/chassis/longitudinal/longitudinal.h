@@ -1,8 +1,8 @@
-/* A car that keeps its tyres' sideways grip whatever happens: host.h along a path that steering draws.
+/* A car whose tyres never lose their lateral grip: host.h along a path that the steering defines.
  *
- * No wheel slips sideways, so the middle of the rear axle moves along the car with a curvature of tan(steering) / wheelbase
- * (the kinematic single track). Steering is held over a step, so the path is an arc, and exact. Whatever controls the steering of other chassis
- * controls this one; without steering it runs straight. Bends take nothing from its speed, banks and side wind do not move it.
+ * No wheel slips sideways, so the middle of the rear axle moves along the car with a curvature of tan(steering) /
+ * wheelbase (the kinematic single track). Steering is held over a step, so the path is an arc, and exact. Steering
+ * controllers of other chassis fit; without steering it runs straight. Curves, banks and side wind have no effect.
  */
 #ifndef LONGITUDINAL_H
 #define LONGITUDINAL_H

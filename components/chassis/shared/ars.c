@@ -5,7 +5,7 @@
 #define GAMMA 0.29289321881345247560   /* 1 - 1/sqrt(2) */
 #define DELTA (-0.70710678118654752440) /* 1 - 1/(2 gamma) */
 #define NO_LENGTH 1e-12
-#define LONGEST 0.01 /* s: the body is explicit, and has swings of 50 rad/s */
+#define LONGEST 0.01 /* s: the body is explicit, and oscillates with 50 rad/s */
 
 void ars_rates(void *car, ars_stage *stage, ars_state *state) {
     ars_state at = *state;

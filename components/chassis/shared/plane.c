@@ -16,7 +16,7 @@ plane_slopes plane_slopes_of(const chassis_ground ground[4], double wheelbase) {
 
 plane plane_below(double heading, const plane_slopes *slopes) {
     double c = cos(heading), s = sin(heading);
-    double rise = slopes->x * c + slopes->y * s, bank = -slopes->x * s + slopes->y * c; /* to the front, to the left */
+    double rise = slopes->x * c + slopes->y * s, bank = -slopes->x * s + slopes->y * c; /* forwards, to the left */
     double flat = 1 + rise * rise, up = 1 / sqrt(flat + bank * bank), ahead = 1 / sqrt(flat), left = up * ahead;
     double bend = (slopes->more_x * c + slopes->more_y * s) * left;
     plane p = {

@@ -40,11 +40,11 @@ typedef struct {
     double roll, pitch, speed, position, acceleration;
 } chassis_outputs;
 
-/* Finite numbers that are no car's, cut to the widest that could be: 100 kN.m at an axle, slopes of 2, wind of 100 m/s,
- * friction of 0.001 to 2; air that does not tell its density has 1.2 kg/m3. */
+/* Limits finite but implausible inputs: 100 kN.m at an axle, slopes of 2, wind of 100 m/s, friction of 0.001 to 2. Air
+ * without a given density has 1.2 kg/m3. */
 chassis_inputs chassis_within_reason(const chassis_inputs *in, double steering_limit);
 
-/* Of a body whose first states are x, y, heading, speed, lateral speed, yaw rate and the way that it has gone. */
+/* Of a body whose first states are x, y, heading, speed, lateral speed, yaw rate and the travelled distance. */
 void chassis_tell_motion(chassis_outputs *out, const double *body, double acceleration, double lateral_acceleration);
 
 double chassis_limited(double value, double low, double high);

@@ -9,7 +9,7 @@ static double positive(double value) {
 tyre_state tyre_under(const tyre *t, double load, double ground_friction) {
     tyre_state s = {t->slip_stiffness, t->side_stiffness, t->friction * ground_friction, t->friction * ground_friction};
     if (t->law != TYRE_MAGIC) return s;
-    double share = load / t->nominal_load, more = share > 3 ? 2 : share - 1; /* what was measured ends far below 3 */
+    double share = load / t->nominal_load, more = share > 3 ? 2 : share - 1; /* measurements end far below 3 */
     double peak = share / t->side_stiffness_peak;
     s.slip_stiffness = positive(t->slip_stiffness + t->slip_stiffness_load * more) * exp(t->slip_stiffness_exponent * more);
     s.side_stiffness = 2 * t->side_stiffness / (t->side_stiffness_peak * (1 + peak * peak));

@@ -6,7 +6,7 @@
  * LINEAR   x = c_x slip, y = c_y side
  * LIMITED  the same over sqrt(1 + rho^2), rho^2 = (c_x slip / mu)^2 + (c_y side / mu)^2
  * MAGIC    H. B. Pacejka, Tire and Vehicle Dynamics, 3rd ed. (2012), 4.3.2, as of PAC2002 without camber, shifts and
- *          ply steer: what is not symmetric differs between left and right tyres of one make. With dfz = Fz / Fz0 - 1
+ * ply steer: asymmetric terms differ between left and right tyres of one make. With dfz = Fz / Fz0 - 1
  *   Fx0 = D sin(C atan(B k - E (B k - atan(B k)))), D = lambda (PDX1 + PDX2 dfz) Fz,
  *         B C D = Fz (PKX1 + PKX2 dfz) exp(PKX3 dfz), C = PCX1, E = PEX1
  *   Fy0 likewise of alpha, B C D = PKY1 Fz0 sin(2 atan(Fz / (PKY2 Fz0)))
@@ -28,7 +28,7 @@ typedef struct {
     double radius, inertia, rolling_resistance;
     double slip_stiffness, side_stiffness, friction; /* of LINEAR and LIMITED, per load */
     double slip_relaxation, side_relaxation;         /* lengths, m */
-    double nominal_load;                             /* the rest is MAGIC's */
+    double nominal_load;                             /* MAGIC uses the rest */
     tyre_magic along, across;
     double slip_stiffness_load, slip_stiffness_exponent, side_stiffness_peak; /* PKX2, PKX3, PKY2; stiffness: PKX1, PKY1 */
 } tyre;
@@ -38,7 +38,7 @@ typedef struct {
     double slip_stiffness, side_stiffness, friction, side_friction;
 } tyre_state;
 
-/* Forces per load, and what they change by slip. */
+/* Forces per load, and their derivatives by slip. */
 typedef struct {
     double x, y, x_by_slip, y_by_slip;
 } tyre_grip;

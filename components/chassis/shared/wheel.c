@@ -3,10 +3,10 @@
 #include <math.h>
 
 #define LOW_SPEED 2.5   /* m/s: below it slips are damped */
-#define DAMPING 1.4     /* twice the share of the critical one */
+#define DAMPING 1.4     /* twice the damping ratio */
 #define GRAVITY 9.81
-#define MOST_SLIP 3.0   /* of both together, far beyond sliding, where only their direction matters */
-#define NO_LENGTH 1e-30 /* so that a tyre without relaxation may stand */
+#define MOST_SLIP 3.0   /* of both together, far beyond sliding: only their direction matters there */
+#define NO_LENGTH 1e-30 /* so that a tyre without relaxation is possible at standstill */
 
 static void keep_within(wheel *w) {
     double square = w->slip * w->slip + w->side * w->side;
@@ -16,7 +16,7 @@ static void keep_within(wheel *w) {
     w->side *= factor;
 }
 
-/* Slip per speed: c g slip / S is a spring to the square of its frequency. */
+/* Slip per speed: c g slip / S acts as a spring; c g / S is the square of its frequency. */
 static double damping(double speed, double stiffness, double relaxation) {
     double part = speed / LOW_SPEED, fades = (1 - part * part) * (1 - part * part);
     return DAMPING * fades / sqrt(stiffness * GRAVITY * relaxation + 1);
@@ -38,7 +38,7 @@ void wheel_touch(wheel_stage *s, const tyre *t, double along, double across) {
     s->side = held_side;
     s->slip = s->held;
     s->slip_by_spin = s->held_by_spin;
-    s->guess.side = s->side; /* what the stage ends with, without damping */
+    s->guess.side = s->side; /* the end of the stage, without damping */
     if (speed < LOW_SPEED) {
         double slip_damping = damping(speed, s->tyre.slip_stiffness, t->slip_relaxation);
         s->slip -= slip_damping * along;
@@ -47,7 +47,7 @@ void wheel_touch(wheel_stage *s, const tyre *t, double along, double across) {
     }
 }
 
-/* The spin under a force *flat* + *steep* spin, where 0 sticks as long as friction can hold it. */
+/* The spin under a force *flat* + *steep* spin; at 0 the wheel sticks as long as friction can hold it. */
 static double turned(const wheel_stage *s, const tyre *t, double flat, double steep, double *yields) {
     double inertia = t->inertia / s->gh, stiff = inertia + t->radius * steep;
     double hold = s->brake + t->rolling_resistance * t->radius * s->load;
@@ -55,7 +55,7 @@ static double turned(const wheel_stage *s, const tyre *t, double flat, double st
     double way = s->before != 0 ? s->before : torque, friction = way < 0 ? -hold : hold;
     *yields = 1 / stiff;
     if (s->before != 0 ? (free - friction) * way > 0 : fabs(torque) > hold) return (free - friction) / stiff;
-    /* It stands, or came to a stand, unless what drives it is stronger than friction. */
+    /* The wheel is at rest, or stops, unless the driving torque exceeds friction. */
     if (fabs(torque) > hold && (free + friction) * way < 0) return (free + friction) / stiff;
     *yields = 0;
     return 0;
@@ -67,7 +67,7 @@ wheel_result wheel_turn(const wheel_stage *s, const tyre *t) {
     for (int iteration = 0;; ++iteration) {
         tyre_grip grip = tyre_grip_at(t, &s->tyre, slip, s->side);
         double steep = s->load * grip.x_by_slip;
-        /* Beyond its peak a tyre drives its wheel away; where inertia is no match for that, the tangent is no help. */
+        /* Beyond its peak a tyre accelerates its wheel; where that exceeds the inertia, the tangent is not used. */
         if (2 * t->radius * steep * s->slip_by_spin < -t->inertia / s->gh) steep = 0;
         result.x_by_spin = steep * s->slip_by_spin;
         double flat = s->load * grip.x + steep * (s->slip - slip);
@@ -76,7 +76,7 @@ wheel_result wheel_turn(const wheel_stage *s, const tyre *t) {
         result.x = s->load * grip.x + steep * moved;
         result.y = s->load * (grip.y + grip.y_by_slip * moved);
         slip += moved;
-        /* The tangent is off by the square of this. Values that are no numbers end here too. */
+        /* The error of the tangent is the square of this. NaN also ends here. */
         if (!(fabs(moved) * s->tyre.slip_stiffness > 1e-3 * s->tyre.friction) || iteration == 7) break;
     }
     result.end.slip = s->held + s->held_by_spin * result.end.spin;

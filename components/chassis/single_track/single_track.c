@@ -6,9 +6,9 @@
 
 enum { X, Y, HEADING, SPEED, LATERAL, YAW, WAY, STATES };
 
-#define MOST_LOAD 5.0 /* weights of the car on its wheels: what no tyres bear */
+#define MOST_LOAD 5.0 /* limit of the load on the wheels, in weights of the car */
 
-/* Inputs and parameters in the shape the equations want them. */
+/* Inputs and parameters in the form of the equations. */
 typedef struct {
     single_track *self;
     chassis_inputs in;

@@ -4,10 +4,10 @@
  *   m (v' + u r) = Y + S + m g_left        D, S: of the air, by its speed against the car
  *   J r'         = a Y_front - b Y_rear + l S
  *   N_front = W b/L - X h/L, N_rear = W a/L + X h/L, W = m (g_up + u^2 bend)
- * with the weight along the axes of the plane that the road makes below the car, and the curvature of the road below it
- * (slopes of the rear axle against those of the front one): a crest unloads, a bend with bank presses.
- * wheel.h has wheels and tyres, ars.h the integration. Both wheels of an axle have one friction, their mean: what split
- * friction turns is left to two_track.
+ * with the weight along the axes of the plane of the road below the car, and the curvature of the road below it (slopes
+ * of the rear axle relative to the front axle): a crest unloads, a banked curve loads. wheel.h has wheels and tyres,
+ * ars.h the integration. Both wheels of an axle have one friction, their mean: two_track models the yaw moment of split
+ * friction.
  */
 #ifndef SINGLE_TRACK_H
 #define SINGLE_TRACK_H

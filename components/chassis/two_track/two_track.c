@@ -6,9 +6,9 @@
 
 enum { X, Y, HEADING, SPEED, LATERAL, YAW, WAY, HEIGHT, ROLL, PITCH, HEAVE, ROLL_RATE, PITCH_RATE, STATES };
 
-#define MOST_LOAD 3.0 /* weights of the car on one wheel: what no tyre bears */
+#define MOST_LOAD 3.0 /* limit of a wheel load, in weights of the car */
 
-/* Inputs and parameters in the shape the equations want them. */
+/* Inputs and parameters in the form of the equations. */
 typedef struct {
     two_track *self;
     chassis_inputs in;
@@ -16,7 +16,7 @@ typedef struct {
     plane_slopes slopes;
     double ahead[4], left[4], cosine[4], sine[4], drive[4], brake[4];
     double rest[2], spring[2], damper[2], anti_roll[2], lock[2];
-    chassis_contact from[4]; /* where the ground was told */
+    chassis_contact from[4]; /* where the ground was given */
 } car;
 
 static tyre tyre_of(const two_track *self, double inertia) {
@@ -76,7 +76,7 @@ static car prepare(two_track *self) {
     return c;
 }
 
-/* What the springs of each wheel bear. */
+/* The loads that the springs of each wheel support. */
 static void loads(const car *c, const plane *p, const double *y, double load[4]) {
     double most = MOST_LOAD * c->self->par.mass * CHASSIS_GRAVITY, gap[4], opening[4];
     for (int i = 0; i < 4; ++i) {

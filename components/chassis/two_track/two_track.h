@@ -1,6 +1,6 @@
 /* A car on four wheels: speeds along and across, yaw, heave, roll and pitch on springs, spin and tyre of every wheel.
  *
- * In the plane that the road makes below the car, as single_track, with all four wheels:
+ * In the plane of the road below the car, as single_track, with all four wheels:
  *   m (u' - v r) = sum X_i + D + m g_ahead,  m (v' + u r) = sum Y_i + S + m g_left
  *   J_z r'       = sum (a_i Y_i - b_i X_i) + l S
  * Upright, heights against sea level, slopes of the body for its angles (sines), R and P those against the road's:
@@ -8,11 +8,11 @@
  *   J_x roll''   =  sum b_i N_i + h sum Y_i + h R sum N_i
  *   J_y pitch''  = -sum a_i N_i - h sum X_i + h P sum N_i
  *   N_i          = share of the weight + springs, dampers and anti-roll bar of its axle against the ground below it, at least 0
- * Wheels have no weight of their own: springs are those of suspension and tyre in series. Roll axis on the ground; roll and pitch
- * are small: a car that tips over goes on as if it did not lie down. The ground
- * goes on with its slopes between two answers of the road. The front wheels turn about one point (Ackermann); a differential
- * gives both sides half of an axle's torque, and its lock moves up to *preload + lock |torque|* to the slower wheel.
- * wheel.h has wheels and tyres, ars.h the integration.
+ * Wheels have no weight of their own: springs are those of suspension and tyre in series. The roll axis is on the
+ * ground; roll and pitch are small, so overturning is not modelled. Between two outputs of the road, the ground
+ * continues with its slopes. The front wheels turn about one point (Ackermann). A differential gives both sides half of
+ * an axle's torque, and its lock moves up to *preload + lock |torque|* to the slower wheel. wheel.h has wheels and
+ * tyres, ars.h the integration.
  */
 #ifndef TWO_TRACK_H
 #define TWO_TRACK_H

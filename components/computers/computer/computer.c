@@ -3,7 +3,7 @@
 #include <math.h>
 
 void computer_init(computer *self) {
-    /* Before the start nobody was there. */
+    /* Before the start there was no target. */
     const computer_target nobody = {0, 0, false};
     for (int32_t i = 0; i < COMPUTER_DELAY; ++i) self->heard[i] = nobody;
     self->newest = 0;

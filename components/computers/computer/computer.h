@@ -1,4 +1,4 @@
-/* A computer that takes its time: what is chosen as the target comes out of it *delay* later, in whole steps. */
+/* A computer with a processing delay: the chosen target leaves it *delay* later, in whole steps. */
 #ifndef COMPUTER_H
 #define COMPUTER_H
 
@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 #define COMPUTER_STEP 0.01 /* s; the step in every component.yaml that uses this */
-#define COMPUTER_DELAY 64  /* steps that are remembered, more than the longest delay */
+#define COMPUTER_DELAY 64  /* stored steps, more than the longest delay */
 
 typedef struct {
     double gap, closing_speed;

@@ -1,4 +1,4 @@
-/* What the cruise controllers share: ports, the wanted gap, and the way from an acceleration to torques. */
+/* Shared by cruise controllers: ports, the wanted gap, and the conversion from an acceleration to torques. */
 #ifndef ACC_H
 #define ACC_H
 
@@ -28,7 +28,7 @@ typedef struct {
     } reference;
 } acc_out;
 
-/* The car as the controller believes it to be. */
+/* The car as the controller assumes it. */
 typedef struct {
     double mass, wheel_radius, drag_area, rolling_resistance;
 } acc_car;
@@ -39,7 +39,7 @@ double acc_time_gap(int32_t setting);
 /* Gap the driver wants: set_gap, or standstill gap + time gap * speed for long, middle and short. */
 double acc_wanted_gap(int32_t setting, double standstill_gap, const acc_in *in);
 
-/* Totals at the wheels that give the acceleration on a level road: road load fed forward, never drive and brake at once. */
+/* Totals at the wheels that give the acceleration on a level road: road load fed forward, never drive and brake. */
 void acc_demand(const acc_car *car, double acceleration, const acc_in *in, acc_out *out);
 
 /* Target values of the active mode: the set speed, or the speed of the vehicle in front. */

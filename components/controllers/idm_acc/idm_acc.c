@@ -23,7 +23,7 @@ void idm_acc_step(idm_acc *self) {
         interaction = share * share;
     }
     double acceleration = par->max_acceleration * (1 - free_road - interaction);
-    /* The model has no modes; the one that takes more of the acceleration is reported. */
+    /* The model has no modes; the term that reduces the acceleration more is reported. */
     int32_t mode = interaction > free_road ? ACC_MODE_DISTANCE : ACC_MODE_SPEED;
     acceleration = acc_limit(acceleration, -par->max_deceleration, par->max_acceleration);
     acc_demand(&car, acceleration, in, &self->out);

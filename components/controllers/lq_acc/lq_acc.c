@@ -4,11 +4,11 @@
 
 #include "../riccati/riccati.h"
 
-#define STANDSTILL 0.1       /* m/s: below it the speed tells nothing of the forces */
-#define NEW_LEAD 1.5         /* m/s: nobody's speed changes so much from one sample to the next */
+#define STANDSTILL 0.1       /* m/s: below it the speed does not show the forces */
+#define NEW_LEAD 1.5         /* m/s: the speed of one vehicle changes less from one sample to the next */
 #define MOST_DISTURBANCE 3.0 /* m/s2: a grade of 30 % */
 
-/* What an acceleration and a demand do to it, to the speed and to the way within one sample. */
+/* The effect of an acceleration and a demand on it, on the speed and on the distance within one sample. */
 typedef struct {
     double stays, faster, further;       /* by the acceleration */
     double comes, faster_by, further_by; /* by the demand */
@@ -56,7 +56,7 @@ static void observe_lead(lq_acc *self) {
     self->lead_speed = lead;
     double part = -expm1(-ACC_STEP / self->par.lead_lag);
     self->slow_speed += part * (lead - self->slow_speed);
-    /* As it is told of one that gets steadily faster. */
+    /* As the sensor reports a vehicle that accelerates steadily. */
     self->lead_acceleration = (lead - self->slow_speed) * part / ((1 - part) * ACC_STEP);
 }
 

@@ -2,18 +2,18 @@
  * stability, Vehicle System Dynamics 32, 313, 1999; lag and spacing policy as in Rajamani: Vehicle Dynamics and Control,
  * 2012, chapters 5 and 6).
  *
- * The car's acceleration a follows what is demanded, u, with a first-order lag; d is what grade, wind and wrong numbers
- * add. With the gap less the wanted one e, the lead's speed less the own w, a time gap h and the lead's acceleration b
+ * The car's acceleration a follows the demand u with a first-order lag; d is what grade, wind and wrong parameters add.
+ * With the gap less the wanted one e, the lead's speed less the own w, a time gap h and the lead's acceleration b
  *   e' = w - h a,   w' = b - a,   lag a' = u - a
  * is at rest where e = 0, w = h b, a = u = b. So
  *   u = b - K (e, w - h b, a - b)
  * makes the sum of e^2/gap_error^2 + (w - h b)^2/speed_error^2 + (u - b)^2/effort^2 least, for b that lasts. Towards
  * the set speed likewise with the speed's error alone. K is found when the controller starts (riccati.h), over
- * samples. The lower of both wins, within its limits and within max_jerk of the one before: no bump.
+ * samples. The lower of both wins, within its limits and within max_jerk of the previous demand: no bump.
  *
- * b is the lead speed's derivative behind a lag of lead_lag, times feed_forward; it begins anew where the speed jumps:
- * somebody else. a is reckoned from the demands, d comes from an observer of the speed with two poles at observer_lag
- * and is taken off the demand: no gap is left on a hill. */
+ * b is the lead speed's derivative behind a lag of lead_lag, times feed_forward; it restarts where the speed jumps:
+ * another vehicle. a is computed from the demands; d is estimated by an observer of the speed with two poles at
+ * observer_lag and subtracted from the demand: no gap error remains on a hill. */
 #ifndef LQ_ACC_H
 #define LQ_ACC_H
 

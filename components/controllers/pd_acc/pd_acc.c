@@ -1,7 +1,7 @@
 #include "pd_acc.h"
 
 void pd_acc_init(pd_acc *self) {
-    /* The derivative starts at zero, whatever the first error is. */
+    /* The derivative starts at zero, for any first error. */
     self->previous_error = self->in.set_speed - self->in.speed;
     pd_acc_step(self);
 }
@@ -22,7 +22,7 @@ void pd_acc_step(pd_acc *self) {
     if (in->target.detected) {
         double following = par->kp_gap * (in->target.gap - wanted_gap) - par->kd_gap * in->target.closing_speed;
         following = acc_limit(following, low, high);
-        /* Limited demands are compared: two that both ask for full acceleration do not make it a chase. */
+        /* Limited demands are compared: two that both demand full acceleration do not select following mode. */
         if (following < acceleration) {
             acceleration = following;
             mode = ACC_MODE_DISTANCE;

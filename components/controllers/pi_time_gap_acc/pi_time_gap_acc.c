@@ -21,7 +21,7 @@ static void control(pi_time_gap_acc *self, double step) {
     double integral = self->integral + par->ki_speed * error * step;
     double wanted = par->kp_speed * error + integral + slope;
     double acceleration = acc_limit(wanted, -par->max_deceleration, par->max_acceleration);
-    /* At a limit the integral moves only if that leads back from the limit. */
+    /* At a limit the integral changes only if that leads back from the limit. */
     if (wanted == acceleration || (wanted > acceleration) != (error > 0)) self->integral = integral;
     acc_demand(&car, acceleration, in, &self->out);
     acc_report(mode, wanted_gap, in, &self->out);

@@ -52,7 +52,7 @@ static void solve(const matrix a, const matrix b, matrix x) {
     }
 }
 
-/* One doubling of a, g, h; returns how much of h is new. */
+/* One doubling of a, g, h; returns the relative change of h. */
 static double doubled(matrix a, matrix g, matrix h) {
     matrix joined, across, steps, spread, turned, work, more;
     product((const double(*)[N])g, (const double(*)[N])h, joined);

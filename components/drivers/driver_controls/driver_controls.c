@@ -14,7 +14,7 @@ static double towards(double from, double to, double most) {
     return fabs(to - from) <= most ? to : from + copysign(most, to - from);
 }
 
-/* Of the wheels' angle at walking speed to that at *speed*: full lock gives no more than the lateral acceleration. */
+/* Ratio of the wheels' angle at walking speed to that at *speed*: full lock gives at most the lateral acceleration. */
 static double gearing(const driver_controls *self) {
     double squared = self->in.speed * self->in.speed;
     double most = self->par.max_lateral_acceleration * self->par.wheelbase;
@@ -70,7 +70,7 @@ static void across(driver_controls *self) {
     self->out.steering = self->is_returning ? towards(last, self->in.lane_steering, self->par.return_rate * CONTROLS_STEP)
                                             : self->in.lane_steering;
     self->is_returning = self->is_returning && self->out.steering != self->in.lane_steering;
-    /* The wheel turns along, so that hands that take it find it where it is. */
+    /* The steering wheel follows, so that its angle is right when the hands take over. */
     self->hand = limited(self->out.steering / gear, -self->par.max_steering, self->par.max_steering);
     self->out.steered_by = CONTROLS_BY_LANE_KEEPING;
 }

@@ -1,8 +1,8 @@
-/* Who has the car. Along the road the states are those of ISO 15622: the cruise control is off (manual), on standby, or
- * active (cruise); the accelerator overrides it and leaves it active, the brake puts it on standby until it is switched on
- * anew. It takes over from its brake no faster than it lets go of it. Across, the hands on the wheel override lane
- * keeping (UN R79, 5.6.2: the driver can override at any time). The emergency brake is above all, behind the arbiter;
- * here it ends cruising. */
+/* Arbitrates between driver and assistants. Along the road the states are those of ISO 15622: the cruise control is off
+ * (manual), on standby, or active (cruise). The accelerator overrides it and leaves it active; the brake puts it on
+ * standby until it is switched on again. When it is switched off while braking, its brake is released with a limited
+ * rate. Across, hands on the wheel override lane keeping (UN R79, 5.6.2: the driver can override at any time). The
+ * emergency brake has priority, behind the arbiter; here it ends cruising. */
 #ifndef DRIVER_CONTROLS_H
 #define DRIVER_CONTROLS_H
 
@@ -42,7 +42,7 @@ typedef struct {
         double nominal_mass, wheel_radius, wheelbase;
     } par;
     bool was_cruise, is_active;
-    double released; /* N.m: what is left of the cruise control's brake after it was switched off */
+    double released; /* N.m: what remains of the cruise control's brake after it was switched off */
     double hand;     /* rad: the wheel in the driver's hands, as angle of the front wheels at walking speed */
     bool is_returning;
 } driver_controls;

@@ -1,4 +1,4 @@
-/* A driver who does the same all the time. */
+/* A driver with constant inputs. */
 #ifndef HANDS_OFF_H
 #define HANDS_OFF_H
 

@@ -84,7 +84,7 @@ car_motion car_motion_over(const car_model *car, double speed, double time) {
 car_balance car_balance_on(const car_model *car, double speed, double curvature, double bank) {
     double cf = front_stiffness(car), cr = rear_stiffness(car), length = car->wheelbase;
     double b = car_rear(car), a = length - b;
-    double sideways = car->mass * (speed * speed * curvature + GRAVITY * bank); /* what the tyres have to give */
+    double sideways = car->mass * (speed * speed * curvature + GRAVITY * bank); /* required tyre force */
     car_balance balance = {
         -b * curvature + sideways * a / (length * cr),
         length * curvature + sideways * (b / cf - a / cr) / length,

@@ -1,4 +1,4 @@
-/* The single-track car that lateral controllers reckon with, along a straight line at constant speed.
+/* The single-track car that lateral controllers use, along a straight line at constant speed.
  *
  * State z = (offset e, its rate, heading error t, its rate), steering d (Snider 2009, section 3; Rajamani 2012, 2.5):
  *   m e''  = -(Cf + Cr) e'/v + (Cf + Cr) t - (a Cf - b Cr) t'/v + Cf d

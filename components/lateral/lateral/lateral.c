@@ -11,7 +11,7 @@ double lateral_steering(double wanted, double last, double max_angle, double max
     return lateral_clamp(lateral_clamp(wanted, -max_angle, max_angle), last - turn, last + turn);
 }
 
-/* A point of the path, seen from the car. The first is where the car is beside it, then come those of the preview. */
+/* A point of the path, in the car's axes. The first is beside the car, the others are those of the preview. */
 typedef struct {
     double distance, x, y, heading, curvature;
 } knot;
@@ -29,14 +29,14 @@ static knot knot_at(const lateral_in *in, int index) {
     return beside;
 }
 
-/* How many points of the preview there are: each is further ahead than the one before. */
+/* Number of points of the preview: each is farther ahead than the one before. */
 static int count(const lateral_in *in) {
     int n = 0;
     for (double last = 0; n < LATERAL_POINTS && in->preview[n].distance > last; ++n) last = in->preview[n].distance;
     return n;
 }
 
-/* Moves on to the knot behind which *distance* lies, of as many as there are. */
+/* Advances *from* to the last knot before *distance*. */
 static int knot_before(const lateral_in *in, double distance, int *from) {
     int last = count(in);
     while (*from < last && in->preview[*from].distance <= distance) ++*from;
@@ -100,7 +100,7 @@ lateral_point lateral_path_on_circle(const lateral_in *in, double behind, double
     lateral_point point = {next.x, next.y};
     if (!is_inside(point, behind, radius)) return point;
     while (is_inside(point, behind, radius)) {
-        if (index == last) { /* straight on from the last one: |point + u direction| = radius */
+        if (index == last) { /* straight continuation of the last one: |point + u direction| = radius */
             double cosine = cos(next.heading), sine = sin(next.heading), x = point.x + behind;
             double along = x * cosine + point.y * sine, across = x * sine - point.y * cosine;
             double on = sqrt(fmax(radius * radius - across * across, 0)) - along;
@@ -125,7 +125,7 @@ lateral_point lateral_path_on_circle(const lateral_in *in, double behind, double
     return point_at(&s, low);
 }
 
-/* How far a point of the path is beyond that of the car, along *direction* there. */
+/* How far a point of the path is ahead of the car's point, along *direction* there. */
 static double beyond(lateral_point point, lateral_point direction, double ahead) {
     return (point.x - ahead) * direction.x + point.y * direction.y;
 }

@@ -1,4 +1,4 @@
-/* What the lateral controllers share: ports, the path that they see ahead, and the limits of the steering gear. */
+/* Shared by the lateral controllers: ports, the path ahead, and the limits of the steering gear. */
 #ifndef LATERAL_H
 #define LATERAL_H
 
@@ -35,14 +35,14 @@ typedef struct {
     double x, y;
 } lateral_point;
 
-/* Steering within its limit, and from *last* by no more than the rate allows in one step. */
+/* Limits steering, and its change from *last* in one step. */
 double lateral_steering(double wanted, double last, double max_angle, double max_rate);
 
-/* Curvature of the path that far ahead along it, linear between where the car is and the points of the preview; beyond
- * the last one, its own. *from* is how many points lie before, 0 to begin with; it moves on with growing distances. */
+/* Curvature of the path at that distance ahead along it, linear between the car and the points of the preview; beyond
+ * the last point, its own. *from* counts the points before; it starts at 0 and increases with growing distances. */
 double lateral_curvature(const lateral_in *in, double distance, int *from);
 
-/* The path that far ahead along it, on cubics that have its directions, straight on beyond the last point. *from* as
+/* The path at that distance ahead along it, on cubics with its directions, straight beyond the last point. *from* as
  * above. */
 lateral_point lateral_path(const lateral_in *in, double distance, int *from);
 
@@ -50,9 +50,9 @@ lateral_point lateral_path(const lateral_in *in, double distance, int *from);
  * the car if that is outside. */
 lateral_point lateral_path_on_circle(const lateral_in *in, double behind, double radius);
 
-/* Where a point of the car stands against the path. */
+/* A point of the car relative to the path. */
 typedef struct {
-    double offset, heading; /* of it to the left of the path; of the car against the path */
+    double offset, heading; /* m to the left of the path; heading of the car relative to the path */
     double curvature;
 } lateral_place;
 

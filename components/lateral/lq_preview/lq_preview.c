@@ -48,7 +48,7 @@ static double wanted(const lq_preview *self) {
     double speed = in->motion.speed, aside = in->motion.lateral_speed, sine = sin(in->lane.heading);
     double cosine = cos(in->lane.heading), k = in->lane.curvature;
     double along = (speed * cosine - aside * sine) / fmax(1 - k * in->lane.offset, 0.1); /* of the lane's middle */
-    /* At walking pace the gains of the first speed hold. */
+    /* At walking pace the gains of the first speed apply. */
     double place = lateral_clamp(speed / LQ_SPEED_STEP - 1, 0, LQ_SPEEDS - 1);
     int row = (int)fmin(place, LQ_SPEEDS - 2);
     double part = place - row;

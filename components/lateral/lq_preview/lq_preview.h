@@ -2,11 +2,11 @@
  * control, Vehicle System Dynamics 35 suppl., 101, 2001; preview of a curvature as in Peng, Tomizuka: J. Dyn. Syst. 115,
  * 679, 1993; the model of Snider, CMU-RI-TR-09-08, 2009).
  *
- * The car's state z and steering d are seen against those that balance it on the path at hand, z* k and d* k with the
- * understeer in them: z~ = z - z* k, d~ = d - d* k. One sample on, z~ = A z~ + B d~ + z* (k - k'): only changes of the
- * curvature disturb. What makes the sum of e^2/offset_error^2 + t~^2/heading_error^2 + d~^2/steering_effort^2 least is
+ * State z and steering d of the car are relative to those in balance on the present path, z* k and d* k, which include
+ * understeer: z~ = z - z* k, d~ = d - d* k. One sample later, z~ = A z~ + B d~ + z* (k - k'): only changes of the
+ * curvature disturb. The sum of e^2/offset_error^2 + t~^2/heading_error^2 + d~^2/steering_effort^2 is least with
  *   d = d* k - K z~ + sum over j of g_j (k_{j+1} - k_j),  g_j = (r + B'PB)^-1 B' (Ac')^j P z*,  Ac = A - B K
- * with k_j the curvature where the car will be in j samples, as far as preview_time. P, K and g are found when the
+ * with k_j the curvature at the car's place in j samples, as far as preview_time. P, K and g are computed when the
  * controller starts, at each of LQ_SPEEDS speeds, and interpolated.
  */
 #ifndef LQ_PREVIEW_H

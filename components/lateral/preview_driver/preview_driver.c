@@ -4,7 +4,7 @@
 
 #include "../lateral/car_model.h"
 
-/* Predictions at one speed: z = transition z + steering d from glance to glance. */
+/* Predictions at one speed: z = transition z + steering d from one preview time to the next. */
 static void learn(preview_driver *self, int row) {
     const preview_driver_par *par = &self->par;
     car_model car = {
@@ -47,7 +47,7 @@ static double wanted(const preview_driver *self) {
     return below > 0 ? lateral_clamp(above / below, -self->par.max_steering, self->par.max_steering) : 0;
 }
 
-/* What was wanted a reaction time ago, linear between samples. */
+/* The wanted steering a reaction time ago, linear between samples. */
 static double reacted(const preview_driver *self) {
     double age = lateral_clamp(self->par.reaction_time / LATERAL_STEP, 0, DRIVER_MEMORY - 2);
     int whole = (int)age;
@@ -58,7 +58,7 @@ static double reacted(const preview_driver *self) {
 
 void preview_driver_init(preview_driver *self) {
     for (int row = 0; row < DRIVER_SPEEDS; ++row) learn(self, row);
-    /* The drive goes on from one that was like this. */
+    /* Starts as if the steering had been the same before. */
     self->out.steering = wanted(self);
     for (int i = 0; i < DRIVER_MEMORY; ++i) self->wanted[i] = self->out.steering;
     self->latest = 0;

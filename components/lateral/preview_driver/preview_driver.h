@@ -1,10 +1,10 @@
-/* A driver who steers as optimal preview control does (MacAdam: Application of an optimal preview control for simulation
- * of closed-loop automobile driving, IEEE Trans. SMC 11, 393, 1981), late and with arms that follow with a lag.
+/* A driver who steers by optimal preview control (MacAdam: Application of an optimal preview control for simulation of
+ * closed-loop automobile driving, IEEE Trans. SMC 11, 393, 1981), with a reaction time and a lag of the arms.
  *
- * He knows his car (car_model.h) and predicts where it will be at times h up to preview_time: y0(h) with the front wheels
- * straight, A(h) more for each rad of steering. What he wants is the steering that, held, makes the sum of the squares of
- * path - y0 - A d least:  d = sum (path(h) - y0(h)) A(h) / sum A(h)^2. His hands get it reaction_time later, and answer
- * to it as a first-order lag of muscle_time does.
+ * The driver predicts by a car model (car_model.h) the place at times h up to preview_time: y0(h) with the front wheels
+ * straight, A(h) more for each rad of steering. The wanted steering, if held, minimizes the sum of the squares of
+ * path - y0 - A d:  d = sum (path(h) - y0(h)) A(h) / sum A(h)^2. It acts reaction_time later, through a first-order lag
+ * of muscle_time.
  */
 #ifndef PREVIEW_DRIVER_H
 #define PREVIEW_DRIVER_H
@@ -16,7 +16,7 @@
 #define DRIVER_SPEEDS 24
 #define DRIVER_SPEED_STEP 2.5 /* m/s: the first speed, and between speeds */
 #define DRIVER_GLANCES 10     /* evenly over the preview time */
-#define DRIVER_MEMORY 64      /* samples that a reaction may take, and one */
+#define DRIVER_MEMORY 64      /* samples of a reaction time, and one */
 
 typedef struct {
     double preview_time, reaction_time, muscle_time;

@@ -1,7 +1,7 @@
 /* Steers along the circle through the rear axle that meets the path at the look-ahead distance (Coulter: Implementation
  * of the pure pursuit path tracking algorithm, CMU-RI-TR-92-01, 1992; on the rear axle as in Snider, CMU-RI-TR-09-08,
- * 2009, section 2.2). The look-ahead grows with the speed. A car that understeers is left outside of a curve by
- * ((v^2 k) K l / 2 L + m a v^2 k / (L Cr)) l, with l the look-ahead: the price of a law that knows no tyre. */
+ * 2009, section 2.2). The look-ahead grows with the speed. A car that understeers runs outside of a curve by
+ * ((v^2 k) K l / 2 L + m a v^2 k / (L Cr)) l, with l the look-ahead, as the law does not model the tyres. */
 #ifndef PURE_PURSUIT_H
 #define PURE_PURSUIT_H
 

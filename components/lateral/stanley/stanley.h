@@ -3,10 +3,10 @@
  * 2296): the law of Stanley in the DARPA Grand Challenge 2005. With e, t the offset and heading error of the front axle
  * against the path's nearest point, k the curvature there, p the bank and r the yaw rate,
  *   d = -t + (v^2 k + g p)/(g c) - atan(gain e/(softening + v)) - yaw_damping (r - v k)
- * The second term is the paper's heading in a steady curve, m v r/(Cy (1 + a/b)): the slip angle of the front tyres, here
- * with their stiffness Cy = c m g b/L and the bank beside it. So a car of that stiffness holds its front axle on the
- * curve, and small offsets die out with e^(-gain t) at any speed far above *softening*. The paper's last term, against the lag of the
- * steering servo, has no place here: the servo is none of the controller's parts, and it measures no steering angle. */
+ * The second term is the paper's heading in a steady curve, m v r/(Cy (1 + a/b)): the slip angle of the front tyres,
+ * here with their stiffness Cy = c m g b/L and the bank added. So a car of that stiffness keeps its front axle on the
+ * curve, and small offsets decay with e^(-gain t) at any speed far above *softening*. The paper's last term, for the
+ * lag of the steering servo, is omitted: the servo is not part of the controller, which measures no steering angle. */
 #ifndef STANLEY_H
 #define STANLEY_H
 

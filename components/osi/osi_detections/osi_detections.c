@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-#define LEAST_DEVIATION 1e-6 /* a deviation of 0 would mean that there is no measurement */
-#define LEAST_ACROSS 1e-3 /* a width of 0 says that it is not known */
+#define LEAST_DEVIATION 1e-6 /* a deviation of 0 means: no measurement */
+#define LEAST_ACROSS 1e-3 /* a width of 0 means: unknown */
 #define INVALID 2            /* of osi3.DetectionClassification */
 #define STATIONARY_OBJECT 11 /* fields of SensorData */
 #define MOVING_OBJECT 13
@@ -15,7 +15,7 @@
 enum { NONE, CAR, TRUCK, MOTORCYCLE, BICYCLE, PEDESTRIAN, OBSTACLE }; /* of actor_class */
 enum { X, Y, Z };
 
-/* Of osi3.MovingObject.VehicleClassification.Type; other, watercraft and the like are none. */
+/* Of osi3.MovingObject.VehicleClassification.Type; other, watercraft and similar types become NONE. */
 static const uint8_t VEHICLES[] = {NONE,  NONE,  CAR,   CAR,        CAR,     CAR,   CAR,     TRUCK,      TRUCK, TRUCK,
                                    MOTORCYCLE, BICYCLE, TRUCK, TRUCK, TRUCK, PEDESTRIAN, TRUCK, BICYCLE, PEDESTRIAN, TRUCK};
 
@@ -34,11 +34,11 @@ typedef struct {
 
 typedef struct {
     double existence, place[3], rmse[3]; /* distance, azimuth, elevation */
-    double rate, rate_rmse, snr;         /* NaN: not told */
+    double rate, rate_rmse, snr;         /* NaN: not given */
     bool is_invalid;
 } reflex;
 
-/* What a message has, before it is known to be one. */
+/* The content of a message that is not validated yet. */
 typedef struct {
     objects_detection returns[OBJECTS_RETURNS];
     int32_t count, left_out;
@@ -54,7 +54,7 @@ static uint64_t identifier_or_type(proto_in in) {
     return value;
 }
 
-/* In ns; -1 of a time that is none. */
+/* In ns; -1 for an invalid time. */
 static int64_t time_of(proto_in in) {
     proto_field field;
     uint64_t seconds = 0, nanos = 0;
@@ -115,7 +115,7 @@ static object read_object(proto_in in, bool moves) {
         if (moves && proto_is(&field, 8, PROTO_BYTES)) read_candidate(field.bytes, &found);
     }
     if (!moves) found.class = OBSTACLE;
-    found.has_velocity = found.has_velocity && moves; /* what does not move has other fields there */
+    found.has_velocity = found.has_velocity && moves; /* stationary objects have other fields there */
     return found;
 }
 
@@ -134,7 +134,7 @@ static reflex read_reflex(proto_in in, osi_takes takes) {
     return found;
 }
 
-/* Turns a place seen from the sensor into one seen from pose.ahead, along the car; false if it is nowhere. */
+/* Converts a place from the sensor's axes to those of pose.ahead, along the car; false if it is invalid. */
 static bool place(const osi_pose *mount, double x, double y, objects_detection *told) {
     double c = cos(mount->turn), s = sin(mount->turn), ahead = c * x - s * y, left = s * x + c * y + mount->left;
     told->range = sqrt(ahead * ahead + left * left);
@@ -142,7 +142,7 @@ static bool place(const osi_pose *mount, double x, double y, objects_detection *
     return isfinite(told->range) && told->range > 0;
 }
 
-/* The side that is told: its middle, the angle that it fills, and what share of it lies across the car's axis. */
+/* The side that is reported: its middle, the angle that it fills, and the share of it across the car's axis. */
 typedef struct {
     double x, y, angle, across;
 } side;
@@ -156,7 +156,7 @@ static side side_of(const base *box, double turn) {
         double mx = box->position[X] + out * nx, my = box->position[Y] + out * ny;
         double ax = mx - half * ny, ay = my + half * nx, bx = mx + half * ny, by = my - half * nx;
         double fills = fabs(atan2(ax * by - ay * bx, ax * bx + ay * by));
-        if (!(nx * mx + ny * my < 0 && fills > told.angle)) continue; /* it looks away, or another one fills more */
+        if (!(nx * mx + ny * my < 0 && fills > told.angle)) continue; /* it faces away, or another side fills more */
         side found = {mx, my, fills, fmax(fabs(nx * cos(turn) - ny * sin(turn)), LEAST_ACROSS)};
         told = found;
     }
@@ -210,7 +210,7 @@ static void keep(reading *into, objects_detection told) {
     into->returns[at].valid = true;
 }
 
-/* *exists*, which may be no number, decides whether it is seen at all. */
+/* *exists*, which may be NaN, decides whether it is reported. */
 static void take(const osi_detections *self, reading *into, double exists, bool is_told, const objects_detection *told) {
     if (exists < self->par.least_existence) return;
     if (is_told && !isnan(exists)) keep(into, *told);

@@ -1,19 +1,18 @@
-/* What a sensor model of others has seen: SensorData of ASAM Open Simulation Interface (OSI) 3.8.0 as a scan of ours.
+/* Converts the output of external sensor models, SensorData of ASAM Open Simulation Interface (OSI) 3.8.0, to a scan.
  *
- * Objects are boxes, told by their middle, in the frame of the sensor, with velocities against it. Told here is what a sensor
- * of ours would tell of such a box: of the sides that face the sensor the one that fills more of the view, by its middle and
- * by what of its width lies across the car; a box without size, or around the sensor, by its own middle. What is stationary
- * is an obstacle. Detections of a radar or lidar are told as they are, in the plane; OSI counts radial velocities as positive
- * towards the sensor.
- * A class is that of the most probable candidate. Deviations are those that the model tells (its rmse), else the parameters;
- * strength is the signal to noise of a radar, 0 where none is told. Seen is what exists at least with *least_existence*. Of
- * more than 16 the nearest are told.
+ * Objects are boxes, given by their middle, in the frame of the sensor, with relative velocities. The detection is the
+ * one a sensor of this project would report: of the sides that face the sensor the one that fills more of the view, by
+ * its middle and by its width across the car; a box without size, or around the sensor, by its own middle. A stationary
+ * object is an obstacle. Detections of a radar or lidar are passed on unchanged, in the plane; OSI counts radial
+ * velocities as positive towards the sensor. The class is that of the most probable candidate. Deviations are the rmse
+ * of the model, else the parameters; strength is the signal to noise of a radar, else 0. An object is reported if its
+ * existence is at least *least_existence*. Of more than 16 the nearest are reported.
  *
- * A scan is new when the time of measurement is another one (without one that of the message, without both with every
- * message). Its positions are told from *pose.ahead*, looking along the car, wherever the sensor itself sits and looks.
+ * A scan is new when the time of measurement differs (without one that of the message, without both with every
+ * message). Its positions are relative to *pose.ahead*, along the car, for any place and orientation of the sensor.
  *
- * Bytes that are no message are not read at all, the last scan stays, and *malformed* counts them. *left_out* counts
- * what was in messages but could not be told: numbers that are none, nothing at a place, more than 16. */
+ * A malformed message is not used at all, the last scan stays, and *malformed* counts it. *left_out* counts the content
+ * of messages that could not be reported: invalid numbers, objects without a place, more than 16 objects. */
 #ifndef OSI_DETECTIONS_H
 #define OSI_DETECTIONS_H
 

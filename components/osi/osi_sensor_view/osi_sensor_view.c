@@ -14,7 +14,7 @@ enum { CAR = 1, TRUCK, MOTORCYCLE, BICYCLE, PEDESTRIAN, OBSTACLE };         /* o
 enum { TYPE_OTHER = 1, TYPE_VEHICLE = 2, TYPE_PEDESTRIAN = 3 };             /* of osi3.MovingObject.Type */
 static const uint64_t VEHICLES[] = {[CAR] = 4, [TRUCK] = 7, [MOTORCYCLE] = 10, [BICYCLE] = 11};
 
-/* The base of an object, as OSI has it; what cannot move has no more than its first three. */
+/* The base of an object as OSI defines it; a stationary object has only the first three. */
 typedef struct {
     double dimension[3], position[3], orientation[3]; /* length, width, height; x, y, z; roll, pitch, yaw */
     double velocity[3], acceleration[3];
@@ -41,7 +41,7 @@ static void put_type(proto_out *out, uint32_t field, uint64_t type) {
     proto_close(out, at);
 }
 
-/* Version and time, with which every message begins. */
+/* Version and time, at the beginning of every message. */
 static void put_head(proto_out *out, int64_t tick) {
     uint64_t nanos = (uint64_t)tick * OSI_STEP_NANOS;
     size_t at = proto_open(out, 1);
@@ -71,7 +71,7 @@ static void put_base(proto_out *out, const body *base, bool moves, const double 
 
 static bool has_ground(const osi_sensor_view *self) { return self->in.ground[0].friction > 0; }
 
-/* Where the host's box is: its middle *ahead* of the centre of gravity, on the plane of its wheels. */
+/* The host's box: its middle *ahead* of the centre of gravity, on the plane of its wheels. */
 static body body_of_host(const osi_sensor_view *self, double ahead) {
     double heading = self->in.motion.heading, c = cos(heading), s = sin(heading);
     double rate = self->in.motion.yaw_rate, height = 0, along = 0, across = 0;

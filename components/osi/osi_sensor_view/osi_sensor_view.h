@@ -1,18 +1,18 @@
-/* Tells sensor models of others what there is: SensorView and GroundTruth of ASAM Open Simulation Interface (OSI) 3.8.0.
+/* Input of external sensor models: SensorView and GroundTruth of ASAM Open Simulation Interface (OSI) 3.8.0.
  *
- * OSI tells of the middle of boxes, our world of the host's centre of gravity and of the ground below the middle of others.
- * The host's own box goes *host_length* back from *host_front*; its axles, and so the origin of what OSI calls the vehicle's
- * coordinates, lie where *front_axle* and *rear_axle* say. With the ground below its wheels it stands on it, with its slope,
- * and others at their height; without, the world is flat, as for our own sensors. What the world does not know is not told:
- * axles and lights of others (their attributes are there, as OSI demands, but empty), how fast they turn, lanes. A vehicle is
- * TYPE_CAR (of old TYPE_MEDIUM_CAR), TYPE_HEAVY_TRUCK, TYPE_MOTORCYCLE or TYPE_BICYCLE; an obstacle a StationaryObject,
- * TYPE_OTHER of whatever material.
+ * OSI uses the middle of boxes; this world uses the host's centre of gravity and the ground below the middle of others.
+ * The host's own box extends *host_length* back from *host_front*. *front_axle* and *rear_axle* give its axles, and so
+ * the origin of OSI's vehicle coordinates. If the ground below the wheels is given, the host is on it, with its slope,
+ * and others have their heights; else the world is flat, as for the sensors here. Unknown data is left out: axles and
+ * lights of others (their attributes exist, as OSI demands, but are empty), their yaw rates, lanes. A vehicle is
+ * TYPE_CAR (formerly TYPE_MEDIUM_CAR), TYPE_HEAVY_TRUCK, TYPE_MOTORCYCLE or TYPE_BICYCLE; an obstacle is a
+ * StationaryObject, TYPE_OTHER of any material.
  *
- * Rain and snow are OSI's steps of precipitation in mm/h of water, fog its steps of visibility (5 % of the light are left,
- * as in set_weather.h). Light is assumed to fall from 100,000 lx in daylight to 0.001 lx at night, by as many powers of ten
- * for each tenth of *darkness*.
+ * Rain and snow are OSI's steps of precipitation in mm/h of water, fog its steps of visibility (5 % of the light
+ * remain, as in set_weather.h). Light is assumed to fall from 100,000 lx in daylight to 0.001 lx at night, by equal
+ * powers of ten for each tenth of *darkness*.
  *
- * The host's identifier is 0: other road users have others. Time is counted in nanoseconds, from 0. */
+ * The host's identifier is 0; other road users have other identifiers. Time is in nanoseconds, from 0. */
 #ifndef OSI_SENSOR_VIEW_H
 #define OSI_SENSOR_VIEW_H
 
@@ -43,7 +43,7 @@ typedef struct {
             double rain_rate, snow_rate, fog_extinction, darkness;
         } visibility;
         struct {
-            double height, slope_x, slope_y, friction; /* friction 0: not told */
+            double height, slope_x, slope_y, friction; /* friction 0: not given */
         } ground[4];
         struct {
             double friction_loss, water_film, temperature;

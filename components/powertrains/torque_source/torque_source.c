@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* Torque the source can hold at a wheel speed: constant up to the corner, then constant power. */
+/* Maximum torque of the source at a wheel speed: constant up to the corner, then constant power. */
 static double limit(double torque, double power, double speed) {
     double cornering = fabs(speed) * torque;
     return cornering > power ? torque * power / cornering : torque;
@@ -17,7 +17,7 @@ static double lagged(double x, double target, double lag, double h) {
     return lag > 0 ? target + (x - target) * exp(-h / lag) : target;
 }
 
-/* Power drawn from the store; what comes back is reduced by the same efficiency. */
+/* Power drawn from the store; recovered power is reduced by the same efficiency. */
 static double drawn(double mechanical, double efficiency, double auxiliary) {
     if (mechanical < 0) return auxiliary + mechanical * efficiency;
     return auxiliary + (efficiency > 0 ? mechanical / efficiency : 0);

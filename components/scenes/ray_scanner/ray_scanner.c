@@ -4,9 +4,9 @@
 
 /* A box seen from the middle of the host's front bumper: ahead and to the left. */
 typedef struct {
-    double x, y, cosine, sine; /* of its middle; of its heading against the host's */
+    double x, y, cosine, sine; /* of its middle; of its heading relative to the host's */
     double length, width;      /* halves */
-    double vx, vy;             /* against the bumper */
+    double vx, vy;             /* relative to the bumper */
 } seen_box;
 
 typedef struct {
@@ -45,9 +45,9 @@ static seen_box see(const ray_scanner *self, const ray_scanner_actor *actor, dou
     return box;
 }
 
-/* The part of a ray between two parallel sides, as distances along it: *from* the origin's place across them. */
+/* The part of a ray between two parallel sides, as distances along it: *from* is the origin's place across them. */
 static void between(double from, double along, double half, double *in, double *out) {
-    if (fabs(along) < 1e-200) { /* its inverse would be infinite, or nearly: the ray stays at its place */
+    if (fabs(along) < 1e-200) { /* its inverse would be nearly infinite: the ray stays at its place */
         if (fabs(from) > half) *in = HUGE_VAL;
         return;
     }
@@ -64,12 +64,12 @@ static void narrow(const ray_scanner *self, const seen_box *box, int32_t *first,
     for (int32_t i = 0; i < 4; ++i) {
         double x = box->x + (i & 1 ? ax : -ax) + (i & 2 ? bx : -bx);
         double y = box->y + (i & 1 ? ay : -ay) + (i & 2 ? by : -by);
-        if (!(x > 0)) return; /* beside the bumper: all rays are looked at */
+        if (!(x > 0)) return; /* beside the bumper: all rays are tested */
         double slope = y / x;
         if (slope < right) right = slope;
         if (slope > left) left = slope;
     }
-    /* The fan is no wider than half a turn: its rays are in the order of their slopes. */
+    /* The fan spans at most half a turn: its rays are in the order of their slopes. */
     int32_t low = *first, high = *last + 1;
     while (low < high) {
         int32_t middle = (low + high) / 2;
@@ -103,7 +103,7 @@ static void cast(const ray_scanner *self, const seen_box *box, echo *nearest) {
     }
 }
 
-/* Separating axes: boxes are apart if they are along a side of one of them. */
+/* Separating axes: boxes are apart if their projections on a side of one of them are apart. */
 static bool touches(const ray_scanner *self, const seen_box *box) {
     double length = 0.5 * self->par.host_length, width = 0.5 * self->par.host_width;
     double x = box->x + length, y = box->y, c = fabs(box->cosine), s = fabs(box->sine); /* from the host's middle */

@@ -1,9 +1,8 @@
-/* What the host's rays meet of oriented boxes, and the truth about the vehicle in front.
+/* Where the host's rays meet oriented boxes, and the ground truth of the vehicle in front.
  *
- * The rays start at the middle of the front bumper. Boxes stand where actors are; of all that a ray meets, the nearest
- * counts. Doppler: the box's velocity against the bumper's, which turns with the host, along the ray.
- * The gap is measured along the middle of the path's own lane, to the nearest of those ahead whose middle lies in the
- * host's lane.
+ * The rays start at the middle of the front bumper. Boxes represent actors; the nearest intersection of a ray counts.
+ * Doppler: the box's velocity relative to the bumper's, which turns with the host, along the ray. The gap is measured
+ * along the middle of the path's own lane, to the nearest actor ahead whose middle is in the host's lane.
  */
 #ifndef RAY_SCANNER_H
 #define RAY_SCANNER_H

@@ -18,7 +18,7 @@ static pair draw(uint64_t *state) {
     return drawn;
 }
 
-/* How far it sees along the lane. */
+/* Range of sight along the lane. */
 static double reach_of(const lane_sight *self) {
     double reach = self->par.max_range > 0 ? self->par.max_range : HUGE_VAL, dark = self->in.visibility.darkness;
     if (dark > 0 && self->par.night_range > 0 && self->par.night_range < reach) {
@@ -38,7 +38,7 @@ static int32_t count_of(const lane_sight_seen *seen) {
     return n;
 }
 
-/* Of as many points those ahead and up to *reach* stay; all further ones are 0. */
+/* Of *count* points those ahead and up to *reach* stay; all further ones are 0. */
 static void keep(lane_sight_seen *seen, int32_t count, double reach) {
     lane_sight_point none = {0, 0, 0, 0, 0};
     int32_t kept = 0, from = 0;
@@ -47,7 +47,7 @@ static void keep(lane_sight_seen *seen, int32_t count, double reach) {
     while (kept < POINTS) seen->preview[kept++] = none;
 }
 
-/* Turns all points about the car, after they moved. */
+/* Moves all points, then turns them about the car. */
 static void shift(lane_sight_seen *seen, int32_t count, double dx, double dy, double angle) {
     double c = cos(angle), s = sin(angle);
     for (int32_t i = 0; i < count; ++i) {
@@ -72,9 +72,9 @@ static double curvature_at(const lane_sight_seen *seen, double distance) {
     return before;
 }
 
-/* The lane as seen from *along* further along it, as far from its middle and turned against it as before. */
+/* The lane as seen from *along* further along it, with the same offset and heading error as before. */
 static void move_along(lane_sight_seen *seen, double along) {
-    const int32_t parts = 32; /* of the way along the middle, whose heading turns by curvature */
+    const int32_t parts = 32; /* distance along the middle, where the heading turns by curvature */
     double ds = along / parts, x = 0, y = 0, angle = 0;
     for (int32_t i = 0; i < parts; ++i) {
         double curvature = curvature_at(seen, (i + 0.5) * ds), half = 0.5 * curvature * ds;
@@ -98,7 +98,7 @@ static void move_along(lane_sight_seen *seen, double along) {
     keep(seen, count, HUGE_VAL);
 }
 
-/* The lane as it is seen with errors of offset, heading (of the car against it) and curvature. */
+/* The lane as seen with errors of offset, heading (of the car relative to it) and curvature. */
 static void disturb(lane_sight_seen *seen, double offset, double heading, double curvature) {
     double turn = seen->lane.heading, c = cos(turn), s = sin(turn);
     for (int32_t i = 0, count = count_of(seen); i < count; ++i) {
@@ -140,7 +140,7 @@ static lane_sight_seen measured(lane_sight *self, bool is_first) {
     return seen;
 }
 
-/* What was seen last, from where the car is a step later. */
+/* The last seen lane, from the car's place one step later. */
 static void carry(lane_sight_seen *seen, const lane_sight_motion *from, const lane_sight_motion *to) {
     double angle = 0.5 * (from->yaw_rate + to->yaw_rate) * LANE_SIGHT_STEP, c = cos(0.5 * angle), s = sin(0.5 * angle);
     double ahead = 0.5 * (from->speed + to->speed) * LANE_SIGHT_STEP;

@@ -1,8 +1,8 @@
-/* Reads the next traffic light ahead of the host, as far as its lamp is large enough and has contrast enough:
+/* Reads the next traffic light ahead of the host, if its lamp is large enough and has enough contrast:
  *   exp(-a R) / (1 + veil) >= contrast,
- * a of fog (all of its extinction), rain and snow (sensing.h), the veil that of the sun. By night a lamp is seen as by day. It
- * looks every *period*, first at time 0, and tells *latency* later what it saw then, with the way driven since taken off the
- * distance. How long the colour stays it cannot tell. A look that misses the light tells none. */
+ * a of fog (all of its extinction), rain and snow (sensing.h), the veil that of the sun. At night a lamp is seen as by
+ * day. It scans every *period*, first at time 0, and reports *latency* later the values of the scan, less the distance
+ * driven since. It does not report the remaining time of the colour. A scan that misses the light reports none. */
 #ifndef LIGHT_CAMERA_H
 #define LIGHT_CAMERA_H
 
@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 #define LIGHT_CAMERA_STEP 0.01 /* s; the step in the component.yaml */
-#define LIGHT_CAMERA_KEPT 16   /* looks that are under way at most: latency up to 15 steps */
+#define LIGHT_CAMERA_KEPT 16   /* scans that are pending at most: latency up to 15 steps */
 
 typedef struct {
     double distance;
@@ -20,7 +20,7 @@ typedef struct {
 
 typedef struct {
     light_camera_light light;
-    double way; /* driven when it was made */
+    double way; /* distance driven when it was made */
     bool is_due;
 } light_camera_look;
 
@@ -45,7 +45,7 @@ typedef struct {
         double period, latency, dropout, distance_error;
         int32_t seed;
     } par;
-    light_camera_look looks[LIGHT_CAMERA_KEPT], told; /* by the step they are told in */
+    light_camera_look looks[LIGHT_CAMERA_KEPT], told; /* by the step in which they are reported */
     double way;                                       /* m, driven */
     int64_t steps;
     uint64_t random;

@@ -11,7 +11,7 @@
 #define FOUND (3 * OBJECTS_ACTORS) /* objects, their images in a rail, their double bounces */
 #define LEAST_RATE_DEVIATION 1e-3 /* m/s */
 
-/* Standard normal numbers and a uniform one, the same for an object whatever else is seen. */
+/* Standard normal numbers and a uniform one, the same for an object, independent of other seen objects. */
 typedef struct {
     double range, azimuth, doppler, uniform;
 } noise;
@@ -34,14 +34,14 @@ static double reflection(const objects *self, int32_t class) {
     return class > 0 && class < OBJECTS_CLASSES ? of[class] : 0;
 }
 
-/* What is lost of light or a wave, 1/m, one way. */
+/* Attenuation of light or a wave, 1/m, one way. */
 static double lost(const objects *self) {
     return self->par.fog_share * self->in.visibility.fog_extinction +
            sensing_attenuation(self->in.visibility.rain_rate, self->par.rain_loss, self->par.rain_exponent) +
            sensing_attenuation(self->in.visibility.snow_rate, self->par.snow_loss, self->par.snow_exponent);
 }
 
-/* Signal to noise of an object at *range*, *share* of which is seen; 0: beyond what a camera sees at all. */
+/* Signal to noise of an object at *range*, *share* of which is seen; 0: beyond the range of a camera. */
 static double strength(const objects *self, double reflected, double share, double range, double loss) {
     if (self->par.echo_exponent > 0) {
         double relative = reflected / self->par.car * share * pow(self->par.max_range / range, self->par.echo_exponent);
@@ -57,7 +57,7 @@ static double strength(const objects *self, double reflected, double share, doub
     return self->par.threshold * contrast * contrast;
 }
 
-/* Narrows a part to the beams of the grid that meet it; false: none does. */
+/* Narrows a part to the beams of the grid that meet it; false: no beam meets it. */
 static bool beams_meet(const objects *self, view_part *part) {
     double spacing = self->par.beam_spacing;
     if (!(spacing > 0)) return true;
@@ -75,13 +75,13 @@ static bool layers_meet(const objects *self, double height, double range) {
     return false;
 }
 
-/* How fast the range grows of what moves over ground along the car and to its left. */
+/* Range rate of an object that moves over ground with *vx* along the car and *vy* to its left. */
 static double rate(const objects *self, double vx, double vy, const view_part *part, double range) {
     double own = self->in.motion.lateral_speed + self->in.motion.yaw_rate * self->par.mount;
     return ((vx - self->in.motion.speed) * part->x + (vy - own) * part->y) / range;
 }
 
-/* What one object gives, without noise; valid if it is detected. */
+/* The detection of one object, without noise; valid if it is detected. */
 static objects_detection detected(const objects *self, const objects_actor *actor, view_part part, double loss) {
     objects_detection told = {false, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     if (!(part.share > 0) || part.share < self->par.min_visible || !beams_meet(self, &part)) return told;
@@ -101,7 +101,7 @@ static objects_detection detected(const objects *self, const objects_actor *acto
     return told;
 }
 
-/* Where an object's image in the rail is, as *told*; not valid if there is none. */
+/* The image of an object in the rail, as a detection; not valid if there is none. */
 static objects_detection mirrored(const objects *self, const objects_actor *actor, view_part part, double loss) {
     objects_detection told = {false, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     double turned = self->in.lane.heading, nx = sin(turned), ny = cos(turned); /* to the left of the lane */
@@ -123,7 +123,7 @@ static objects_detection mirrored(const objects *self, const objects_actor *acto
     return told;
 }
 
-/* An echo that went to the object a second time. */
+/* An echo that was reflected by the object a second time. */
 static objects_detection bounced(const objects *self, const objects_actor *actor, objects_detection told, double share, double loss) {
     double sphere = 4 * PI * told.range * told.range, reflected = reflection(self, actor->class) * share;
     told.strength *= reflected * self->par.own_reflection / (sphere * sphere) * exp(-2 * loss * told.range);
@@ -138,7 +138,7 @@ static bool one_cell(const objects *self, const objects_detection *a, const obje
            (!self->par.doppler || fabs(a->range_rate - b->range_rate) < self->par.doppler_cell);
 }
 
-/* Strongest first, each takes in the weaker ones of its cell. */
+/* Strongest first, each absorbs the weaker ones of its cell. */
 static void merge(const objects *self, objects_detection *found, int32_t count) {
     bool done[FOUND] = {false};
     for (;;) {
@@ -177,7 +177,7 @@ static void disturb(const objects *self, objects_detection *told, const noise *d
     told->rate_deviation = self->par.doppler ? fmax(self->par.doppler_noise, LEAST_RATE_DEVIATION) : 0;
 }
 
-/* The noise of object, image or bounce *number* of this scan: the same whatever else is seen. */
+/* The noise of object, image or bounce *number* of this scan, independent of other seen objects. */
 static noise noise_of(const objects *self, int32_t number) {
     uint64_t state = self->random;
     sensing_skip(&state, (uint64_t)number * DRAWN);

@@ -1,39 +1,39 @@
-/* Sees several objects at once: radar, lidar, camera and the perfect sensor by their parameters.
+/* Object sensor for several objects: its parameters make it a radar, lidar, camera or perfect sensor.
  *
- * What is seen. Objects are upright boxes that hide each other. Between the directions of all their corners one box is
- * nearest, so what is seen of each is found exactly, but where boxes overlap; a box around the sensor itself is not seen.
- * Of a box two faces show at most; told is the middle of what is seen of the one that fills more of the view, from its
- * outermost seen point to the other; its width is what of that lies across the sensor's axis, so the long side of a lorry
- * on the next lane is next to none. What reaches beyond the field of view is completed, as sensors that tell objects do
- * (ISO 23150 has their boxes): else the point would slide along a lorry that is passed, at half the closing speed.
- * Doppler is the speed of that point against the sensor, which turns with the car, along the ray; that the object
- * turns is left out, as actors do not tell it.
+ * Visibility. Objects are upright boxes that hide each other. Between the directions of all their corners one box is
+ * nearest, so the visible part of each is exact, except where boxes overlap; a box around the sensor itself is not
+ * seen. At most two faces of a box are visible. The reported point is the middle of the visible part of the face that
+ * fills more of the view, from its outermost seen point to the other. The reported width is its extent across the
+ * sensor's axis, so that of the long side of a lorry on the next lane is nearly zero. The part beyond the field of view
+ * is completed, as object sensors do (ISO 23150 has their boxes); else the point would slide along a passed lorry, at
+ * half the closing speed. Doppler is the speed of that point relative to the sensor, which turns with the car, along
+ * the ray; the object's yaw rate is neglected, as actors do not report it.
  *
- * How strong it is. An echo falls with R^n exp(2 a R) (n = 4 for radar: radar equation; n = 2 for a target that fills the
- * beam of a lidar), grows with the object's reflection s and with the share of it that is seen:
+ * Strength. An echo falls with R^n exp(2 a R) (n = 4 for radar: radar equation; n = 2 for a target that fills the beam
+ * of a lidar), and grows with the object's reflection s and with its visible share:
  *   signal / noise = threshold (s / s_car) share (max_range / R)^n exp(-2 a R),
- * so that max_range is where a whole car, in clear air, is just detected. a as in range_sensor.h. A camera (n = 0) sees by
- * contrast, signal / noise = threshold (exp(-a R) / ((1 + veil) contrast))^2 up to max_range, or night_range in the dark;
- * the veil is that of the sun (sensing.h).
+ * so that a whole car at max_range, in clear air, is just detected. a as in range_sensor.h. A camera (n = 0) sees by
+ * contrast, signal / noise = threshold (exp(-a R) / ((1 + veil) contrast))^2 up to max_range, or night_range in the
+ * dark; the veil is that of the sun (sensing.h).
  *
- * What it tells apart. Two objects nearer to each other than a cell in range, azimuth and Doppler, in all three of them, are
- * one detection: the strongest takes in the weaker ones, each with its power as weight. A lidar looks in directions of
- * its grid only, and in layers, over a flat road.
+ * Resolution. Two objects that differ by less than a cell in range, azimuth and Doppler, in all three of them, are one
+ * detection: the strongest absorbs the weaker ones, each with its power as weight. A lidar scans only the directions of
+ * its grid, and in layers, over a flat road.
  *
- * What is not there. Two ways of a wave that is reflected more than once (Kraus, Scheiner, Ritter, Dietmayer: The Radar
+ * False detections. Two paths of a wave that is reflected more than once (Kraus, Scheiner, Ritter, Dietmayer: The Radar
  * Ghost Dataset, IROS 2021, have both in measurements), each seen in *ghost_share* of the scans:
- * - a guard rail *rail* m left of the lane's middle, along the lane's tangent beside the car, mirrors: an object that is seen
- *   is seen again where its image is, at the image's range, azimuth and Doppler, its echo weaker by *rail_reflection* for
- *   each of the two reflections on the rail (radar equation at the image's range);
- * - between object and own car a wave goes to and fro twice: twice the range and Doppler in the same direction, weaker by
+ * - a guard rail *rail* m left of the lane's middle, along the lane's tangent beside the car, mirrors: a seen object is
+ *   seen again at its image, at the image's range, azimuth and Doppler, its echo weaker by *rail_reflection* for each
+ *   of the two reflections on the rail (radar equation at the image's range);
+ * - a wave travels between object and own car twice: twice the range and Doppler in the same direction, weaker by
  *   s own_reflection exp(-2 a R) / (4 pi R^2)^2, s and own_reflection in m2 (bistatic radar equation, Skolnik).
  *
- * How far. Standard deviations of range: range_noise and relative_noise R, and that of two eyes *baseline* apart,
- * disparity_noise R^2 / (focal_length baseline), from R = f b / d (Szeliski, Computer Vision, 2nd ed. 2022, 12.1), f and d in
- * pixels.
+ * Accuracy. Standard deviations of range: range_noise and relative_noise R, and that of a stereo camera of *baseline*,
+ * disparity_noise R^2 / (focal_length baseline), from R = f b / d (Szeliski, Computer Vision, 2nd ed. 2022, 12.1),
+ * f and d in pixels.
  *
- * When. It looks every *period*, first at time 0, and tells of it *latency* later, as it was then. Deviations told are those
- * of the noise, at the range that was measured; that of a Doppler without noise is 1 mm/s, as 0 says that there is none.
+ * Timing. It scans every *period*, first at time 0, and reports *latency* later, with the values of the scan. The
+ * reported deviations are those of the noise, at the measured range; without Doppler noise 1 mm/s, as 0: no Doppler.
  */
 #ifndef OBJECTS_H
 #define OBJECTS_H
@@ -44,7 +44,7 @@
 #define OBJECTS_ACTORS 8
 #define OBJECTS_RETURNS 16
 #define OBJECTS_CLASSES 7  /* none, car, truck, motorcycle, bicycle, pedestrian, obstacle */
-#define OBJECTS_KEPT 16    /* scans that are under way at most */
+#define OBJECTS_KEPT 16    /* scans that are pending at most */
 #define OBJECTS_STEP 0.01  /* s; the step in the component.yaml of every such sensor */
 
 typedef struct {
@@ -98,22 +98,22 @@ typedef struct {
         double echo_exponent;            /* n; 0: sees by contrast */
         double threshold;                /* the least signal to noise */
         double car, truck, motorcycle, bicycle, pedestrian, obstacle; /* s, in any unit */
-        double min_visible;              /* the share of an object's angle that must be seen; 0: sees through others */
+        double min_visible;              /* the share of an object's angle that must be seen; 0: nothing is hidden */
         bool doppler, tells_class, tells_width;
-        double range_cell, azimuth_cell, doppler_cell; /* 0: tells all apart */
-        double beam_spacing, layer_spacing;            /* rad; 0: looks everywhere */
+        double range_cell, azimuth_cell, doppler_cell; /* 0: resolves all objects */
+        double beam_spacing, layer_spacing;            /* rad; 0: all directions */
         int32_t layers;
         double range_noise, relative_noise, azimuth_noise, doppler_noise; /* standard deviations; relative: per range */
-        double baseline, focal_length, disparity_noise;                   /* m, pixels, pixels; baseline 0: one eye */
+        double baseline, focal_length, disparity_noise;                   /* m, pixels, pixels; baseline 0: no stereo */
         double dropout;                                                   /* share of detections that are lost */
         double rail, rail_reflection, own_reflection, ghost_share;        /* m, 0: no rail; share of power; m2 */
-        double period, latency; /* s, in whole steps: between two scans; from a scan until it is told */
+        double period, latency; /* s, in whole steps: between two scans; from a scan to its report */
         int32_t seed;
         double rain_loss, rain_exponent, snow_loss, snow_exponent; /* dB/km at 1 mm/h */
-        double fog_share, contrast, night_range;                   /* as range_sensor has them */
+        double fog_share, contrast, night_range;                   /* as in range_sensor */
     } par;
     objects_sample made[OBJECTS_KEPT]; /* scan n at n % OBJECTS_KEPT */
-    int32_t tick, told;                /* of this step; the number of the scan that out has */
+    int32_t tick, told;                /* of this step; the number of the scan in out */
     uint64_t random;
 } objects;
 

@@ -4,22 +4,22 @@
 
 #define PI 3.141592653589793
 #define EDGES (4 * OBJECTS_ACTORS + 4) /* of boxes, of the circle and of the field of view */
-#define LEAST_ACROSS 1e-3 /* a width of 0 says that it is not known */
+#define LEAST_ACROSS 1e-3 /* a width of 0 means: unknown */
 
 typedef struct {
     double range;
     int32_t face; /* 0 rear, 1 front, 2 right, 3 left */
 } hit;
 
-/* Seen of one face: angle, and from where to where along it. */
+/* Seen of one face: angle, and its two ends along it. */
 typedef struct {
     double angle, from, to, right, left;
 } stretch;
 
-/* A box as rays from the sensor meet it: the sensor seen from the box, and between which directions the box lies. */
+/* A box and the sensor's rays: the sensor in the axes of the box, and the directions between which the box is. */
 typedef struct {
     double from[2], half[2];
-    double right, width; /* rad; width 0: nothing is seen of it */
+    double right, width; /* rad; width 0: nothing of it is seen */
     double inside;       /* rad that are seen in the field of view */
 } target;
 
@@ -40,7 +40,7 @@ static bool is_towards(const target *box, double azimuth) {
     return left > 0 ? left < box->width : left + 2 * PI < box->width;
 }
 
-/* Where a ray enters the box: through the last of the faces towards it. The sensor is not inside. */
+/* Where a ray enters the box: through the last of the faces towards it. The sensor is outside. */
 static hit cast(const target *box, ray one) {
     hit none = {HUGE_VAL, -1}, found = {-HUGE_VAL, -1};
     double out = HUGE_VAL;
@@ -90,8 +90,8 @@ static void insert(edge edges[EDGES], int32_t *count, edge one) {
     edges[at] = one;
 }
 
-/* Directions all around, those of the field of view's edges, too, between which no box begins or ends and no face does; and
- * where the boxes are. */
+/* All directions at which a box or a face begins or ends, with those of the edges of the field of view; and the places
+ * of the boxes. */
 static int32_t edges_of(const view_box boxes[OBJECTS_ACTORS], double half, edge edges[EDGES], target targets[OBJECTS_ACTORS]) {
     edge first = {-PI, -1, 0}, last = {PI, -1, 0};
     edge right_end = {-half, cos(half), -sin(half)}, left_end = {half, cos(half), sin(half)};

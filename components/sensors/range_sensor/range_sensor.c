@@ -6,7 +6,7 @@
 
 #define LENGTH (RANGE_SENSOR_LATENCY + 1)
 
-/* The range in this weather; that in clear air, to the bit, where nothing lies between. */
+/* The range in this weather; in clear air exactly that of the parameters. */
 static double reach(const range_sensor *self) {
     double range = self->par.max_range;
     double lost = self->par.fog_share * self->in.visibility.fog_extinction +
@@ -17,7 +17,7 @@ static double reach(const range_sensor *self) {
     }
     if (!(lost > 0)) return range;
     if (!(self->par.echo_exponent > 0)) return self->par.contrast > 0 ? fmin(range, -log(self->par.contrast) / lost) : range;
-    /* Newton's method on ln x + b x = 0 for x = R / range; it comes from below, and stops where it moves no more. */
+    /* Newton's method on ln x + b x = 0 for x = R / range; it converges from below, and ends when x stays the same. */
     double b = 2 * lost * range / self->par.echo_exponent, x = 1 / (1 + b);
     for (int32_t i = 0; i < 30; ++i) {
         double more = -(log(x) + b * x) * x / (1 + b * x);
@@ -27,11 +27,11 @@ static double reach(const range_sensor *self) {
     return x * range;
 }
 
-/* What lies in front now. Nothing seen: gap and speed stay as they were last seen. */
+/* The target ahead. Without a detection, gap and speed keep their last values. */
 static range_sensor_target measured(range_sensor *self, range_sensor_target last) {
     double azimuth = self->in.scene.azimuth;
     range_sensor_target now = last;
-    /* Two numbers are drawn per sample, seen or not: noise does not depend on what was seen before. */
+    /* Two numbers are drawn per sample, seen or not: noise does not depend on earlier detections. */
     double radius = 0, angle = 0;
     if (self->par.gap_noise > 0 || self->par.closing_speed_noise > 0) {
         radius = sqrt(-2 * log(sensing_uniform(&self->random)));
@@ -40,7 +40,7 @@ static range_sensor_target measured(range_sensor *self, range_sensor_target last
     now.detected = self->in.scene.hit && self->in.scene.range <= reach(self) &&
                    2 * fabs(azimuth) <= self->par.field_of_view;
     if (now.detected) {
-        /* Doppler and range lie along the ray, the controller wants them along the road. */
+        /* Doppler and range are along the ray; the controller needs them along the road. */
         double along = cos(azimuth);
         now.gap = self->in.scene.range * along + self->par.gap_noise * radius * cos(angle);
         now.closing_speed = self->in.scene.closing_speed / along + self->par.closing_speed_noise * radius * sin(angle);

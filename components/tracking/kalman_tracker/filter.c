@@ -33,7 +33,7 @@ void filter_spread(double cov[4][4], double length, double width, double c, doub
     cov[1][0] += c * s * (along - across);
 }
 
-/* What was measured against what was expected, P H', and the lower triangle L of S = H P H' + R = L L'. */
+/* Innovation, P H', and the lower triangle L of S = H P H' + R = L L'. */
 typedef struct {
     double error[M], across[4][M], root[M][M];
 } innovation;

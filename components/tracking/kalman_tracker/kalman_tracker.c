@@ -7,16 +7,16 @@
 
 #define KEPT KALMAN_TRACKER_KEPT
 #define CLASSES 7 /* of actor_class */
-#define DRIVES 2.0 /* m/s: what is faster points where it moves */
-#define TURNS 0.3 /* m/s: standard deviation of how else it may move by now */
-#define LEAST_WIDTH 1e-3 /* m; 0 says that it is not known */
+#define DRIVES 2.0 /* m/s: above it the velocity gives the direction of the body */
+#define TURNS 0.3 /* m/s: standard deviation of an unmeasured change of velocity */
+#define LEAST_WIDTH 1e-3 /* m; 0 means: unknown */
 
 typedef struct {
     filter_measurement measured[TRACKER_RETURNS];
     bool taken[TRACKER_RETURNS], fed[KEPT];
 } pairing;
 
-/* Place then, with the errors of range and azimuth turned into the car's axes of now, and speed along the ray. */
+/* Place at the scan, with the errors of range and azimuth in the car's present axes, and speed along the ray. */
 static filter_measurement measurement_of(const tracker_detection *seen, const tracker_scan *scan, const tracker_past *then) {
     tracker_place place = tracker_place_of(seen, scan->mount, then);
     double c = place.cosine, s = place.sine, age = scan->age;
@@ -59,7 +59,7 @@ static void look_at(kalman_tracker_kept *kept, const tracker_detection *seen, in
 static void begin(kalman_tracker *self, const tracker_detection *seen, filter_measurement measured, double age, int32_t number) {
     int32_t at = 0;
     while (at < KEPT && self->kept[at].id != 0) ++at;
-    if (at == KEPT) return; /* no room: whoever is kept was there before */
+    if (at == KEPT) return; /* no room: existing tracks are kept */
     double spread = self->par.speed_deviation * self->par.speed_deviation;
     kalman_tracker_kept made = {.id = self->next_id++, .sensor = number, .looks = 1};
     for (int32_t i = 0; i < 2; ++i) {
@@ -67,7 +67,7 @@ static void begin(kalman_tracker *self, const tracker_detection *seen, filter_me
         for (int32_t j = 0; j < 2; ++j) made.cov[i][j] = measured.noise[i][j];
         made.cov[2 + i][2 + i] = spread;
     }
-    if (measured.count == 3) { /* the speed along the ray alone */
+    if (measured.count == 3) { /* only the speed along the ray */
         filter_measurement doppler = {1, {measured.value[2]}, {{0, 0, measured.row[2][2], measured.row[2][3]}}, {{measured.noise[2][2]}}};
         filter_update(made.state, made.cov, &doppler);
     }
@@ -76,15 +76,15 @@ static void begin(kalman_tracker *self, const tracker_detection *seen, filter_me
     self->kept[at] = made;
 }
 
-/* As if the point that is seen now were any of its body: one without class may be as large as a lorry. */
+/* As if the seen point were any point of the body: a track without class may be as large as a lorry. */
 static void spread(kalman_tracker_kept *kept) {
     static const double length[CLASSES] = {16, 4.5, 16, 2.2, 1.8, 0.5, 1}, width[CLASSES] = {2.55, 1.8, 2.55, 0.8, 0.6, 0.5, 1};
     double vx = kept->state[2], vy = kept->state[3], speed = sqrt(vx * vx + vy * vy);
-    bool drives = speed > fmax(DRIVES, 2 * sqrt(kept->cov[2][2] + kept->cov[3][3])); /* and is known to do so */
+    bool drives = speed > fmax(DRIVES, 2 * sqrt(kept->cov[2][2] + kept->cov[3][3])); /* and the speed is significant */
     filter_spread(kept->cov, length[kept->class], width[kept->class], drives ? vx / speed : 1, drives ? vy / speed : 0);
 }
 
-/* The nearest pairs of what is left of both; *elsewhere*: of the same body, but maybe at another point of it. */
+/* The nearest pairs of the remaining tracks and detections; *elsewhere*: possibly another point of the same body. */
 static void pair(kalman_tracker *self, pairing *all, const tracker_detection *seen, int32_t number, bool elsewhere) {
     double distance[KEPT][TRACKER_RETURNS];
     for (int32_t i = 0; i < KEPT; ++i) {
@@ -113,9 +113,9 @@ static void pair(kalman_tracker *self, pairing *all, const tracker_detection *se
         double aside = fabs(kept->state[1]);
         if (elsewhere) spread(kept);
         filter_update(kept->state, kept->cov, &all->measured[best]);
-        if (elsewhere) { /* who shows another face may be turning */
+        if (elsewhere) { /* a track that shows another face may be turning */
             for (int32_t v = 2; v < 4; ++v) kept->cov[v][v] += TURNS * TURNS;
-            /* another face is as wide as it says; until it does, the body ends where it did */
+            /* another face has its own width; until that is measured, the far end of the body stays */
             kept->widths = 0;
             if (kept->width > 0) kept->width = fmax(kept->width - 2 * (aside - fabs(kept->state[1])), LEAST_WIDTH);
         }

@@ -2,23 +2,23 @@
  * Estimation with applications to tracking and navigation, 2001: discrete white noise acceleration, section 6.3.2;
  * converted measurements, section 10.4.3, without their bias, which is small for the angles of these sensors).
  *
- * State: place from the car's centre of gravity, velocity over ground, both along the car's axes. In a step the car moves
- * on by d and turns by a, from the means of its motion at both ends: p' = R(-a) (p + v T - d), v' = R(-a) v.
- * Measured: place, with the deviations of range and azimuth that the sensor tells, and the speed along the ray where it has
- * Doppler (rate_deviation > 0).
+ * State: place from the car's centre of gravity, velocity over ground, both along the car's axes. In a step the car
+ * moves by d and turns by a, from the means of its motion at both ends: p' = R(-a) (p + v T - d), v' = R(-a) v.
+ * Measured: place, with the deviations of range and azimuth that the sensor reports, and the speed along the ray if
+ * there is Doppler (rate_deviation > 0).
  *
- * A scan is as old as it says. What it tells is turned and moved by how the car has moved since, and measures where the
- * object was then: p - v age; the noise of its acceleration since then is left out.
+ * A scan reports its age. Its detections are turned and moved by the car's motion since, and measure the object's place
+ * at that time: p - v age; the noise of its acceleration since then is neglected.
  *
- * A scan is read once, when its number is another one. Of all pairs of track and detection within the gate (squared
- * Mahalanobis distance) the nearest is taken, again and again. A sensor tells one point of a body, and another one when it
- * sees another face; so do two sensors. So of what is left, pairs are made again as if the point might be any of a body of
- * the track's class: the covariance of its place grows by that of a uniform one on length by width, extent^2/12 each, along
- * its velocity (slower than 2 m/s or two of its deviations: along the car).
- * Such a pair moves the place, and hardly the velocity; the width told of the other face counts, and until there is one, the
- * side that is nearer to the car stays where it was.
- * What no track takes begins one; it is told of once the sensor that began it has hit it in *confirm* of its first *of*
- * scans, and forgotten if it does not, or after *coast* without a hit. Told are the nearest. */
+ * A scan is read once, when its number changes. Of all pairs of track and detection within the gate (squared
+ * Mahalanobis distance) the nearest is taken, repeatedly. A sensor reports one point of a body, and another point when
+ * it sees another face; so do two sensors. So the rest is paired again as if the point might be any point of a body of
+ * the track's class: the covariance of its place grows by that of a uniform distribution on length by width,
+ * extent^2/12 each, along its velocity (slower than 2 m/s or two of its deviations: along the car). Such a pair moves
+ * the place, but hardly the velocity; the width reported for the other face applies, and until there is one, the side
+ * that is nearer to the car stays. A detection without a track starts one. The track is reported once the sensor that
+ * started it has hit it in *confirm* of its first *of* scans. It is deleted otherwise, or after *coast* without a hit.
+ * The nearest are reported. */
 #ifndef KALMAN_TRACKER_H
 #define KALMAN_TRACKER_H
 
@@ -41,14 +41,14 @@ typedef struct {
     tracker_out out;
     struct {
         double acceleration_noise; /* m/s2, standard deviation over a step */
-        double speed_deviation;    /* m/s, of a new track against standing still */
+        double speed_deviation;    /* m/s, of a new track relative to standstill */
         double gate;               /* squared */
         int32_t confirm, of;
         double coast; /* s */
     } par;
     kalman_tracker_kept kept[KALMAN_TRACKER_KEPT];
     tracker_history history;
-    int32_t read[2]; /* numbers of the scans that were read last */
+    int32_t read[2]; /* numbers of the last read scans */
     int32_t next_id;
 } kalman_tracker;
 

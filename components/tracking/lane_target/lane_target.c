@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-/* A track in the lane: distance of its foot along the middle, how far it lies to its left, how fast the foot goes, and how fast
-   the track goes to the left of it. */
+/* A track relative to the lane: distance of its foot along the middle, its offset to the left, the speed of the foot,
+   and the speed of the track to the left of it. */
 typedef struct {
     double distance, offset, speed, across;
 } place;
@@ -15,7 +15,7 @@ static double square_to(const lateral_in *lane, double distance, double x, doubl
     return (x - point.x) * (x - point.x) + (y - point.y) * (y - point.y);
 }
 
-/* Between two distances, by the golden section. */
+/* Minimum between two distances, by the golden section. */
 static double nearest_between(const lateral_in *lane, double low, double high, double x, double y) {
     const double golden = 0.6180339887498949;
     double a = high - golden * (high - low), b = low + golden * (high - low);
@@ -38,7 +38,7 @@ static double nearest_between(const lateral_in *lane, double low, double high, d
     return 0.5 * (low + high);
 }
 
-/* The foot lies between the neighbours of the point of the preview that is nearest. */
+/* The foot is between the neighbours of the nearest point of the preview. */
 static double foot(const lateral_in *lane, double x, double y) {
     double low = 0, high = 0, here = 0, before = 0, least = square_to(lane, 0, x, y);
     bool is_nearest = true, is_last = false; /* the point *here* is the nearest so far */
@@ -80,7 +80,7 @@ static place place_of(const lateral_in *lane, const tracker_track *track) {
     return found;
 }
 
-/* How near the middle it comes from now on, until *horizon*. */
+/* The least distance from the middle from now until *horizon*. */
 static double least_offset(const place *at, double horizon) {
     double later = at->offset + horizon * at->across;
     return at->offset * later < 0 ? 0 : fmin(fabs(at->offset), fabs(later));

@@ -1,12 +1,12 @@
 /* The nearest track ahead in the host's lane, for a cruise control.
  *
- * Each track's foot is sought on the middle of the lane as the preview has it (cubics with its directions, straight on
- * beyond its last point): its distance along the lane, and how far it lies aside. In the lane is whose middle lies
- * within *share* of half its width, or will lie there within *horizon*, if it goes on across the lane as it does now; who
- * is followed already may be further aside by *hold* of it. The gap is measured
- * along the middle, from the front bumper. Both speeds are turned into those of the feet, which in a curve are others:
+ * The foot of each track is searched on the middle of the lane of the preview (cubics with its directions, straight
+ * beyond its last point): its distance along the lane, and its offset. A track is in the lane if its middle is within
+ * *share* of half the lane's width, or will be within *horizon* with its present motion across the lane. A track that
+ * is already followed may be farther aside by *hold* of it. The gap is measured along the middle, from the front
+ * bumper. Both speeds are converted to those of the feet, which differ in a curve:
  *   ds/dt = v cos(psi) / (1 - curvature * offset).
- * With nobody in the lane gap and speed stay as they were last seen, as those of a range_sensor. */
+ * Without a track in the lane, gap and speed keep their last values, as those of a range_sensor. */
 #ifndef LANE_TARGET_H
 #define LANE_TARGET_H
 
@@ -31,7 +31,7 @@ typedef struct {
         double share, hold;
         double horizon; /* s */
     } par;
-    int32_t followed; /* its id; 0: nobody */
+    int32_t followed; /* id of the followed track; 0: none */
 } lane_target;
 
 void lane_target_init(lane_target *self);

@@ -11,7 +11,7 @@ void no_tracker_step(no_tracker *self) {
         const tracker_detection *seen = &scan->returns[i];
         if (!seen->valid) continue;
         tracker_place place = tracker_place_of(seen, scan->mount, &then);
-        bool is_ahead = fabs(place.cosine) > 0.1; /* beside the car the ray says nothing about speed along it */
+        bool is_ahead = fabs(place.cosine) > 0.1; /* beside the car the ray gives no speed along it */
         double speed = seen->rate_deviation > 0 && is_ahead ? place.speed / place.cosine : 0;
         tracker_track track = {i + 1, seen->class, place.x + speed * scan->age, place.y, speed, 0, seen->width, 0};
         self->out.tracks[count++] = track;

@@ -1,7 +1,7 @@
-/* Passes the first sensor's detections on, the nearest of them, as if each were a track: nothing is remembered but how the
- * car has moved, an id is the number of the detection. Of velocities only that along the ray is measured: the object is
- * taken to move along the car, as one ahead in its lane does. Without Doppler it is taken to stand. What a scan tells is as
- * old as it says: since then the car has moved, and the object on with its speed. */
+/* Passes on the nearest detections of the first sensor as tracks. Only the car's motion is stored; an id is the number
+ * of the detection. Only the velocity along the ray is measured: the object is assumed to move along the car, as an
+ * object ahead in its lane does. Without Doppler it is assumed to stand still. A scan reports its age: since then the
+ * car has moved, and the object has continued with its speed. */
 #ifndef NO_TRACKER_H
 #define NO_TRACKER_H
 

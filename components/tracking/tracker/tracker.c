@@ -49,7 +49,7 @@ static tracker_move joined(tracker_move first, tracker_move second) {
 
 tracker_past tracker_ago(const tracker_history *history, double age) {
     double steps = fmax(age, 0) / TRACKER_STEP;
-    double whole = floor(steps + 1e-9), part = fmax(steps - whole, 0); /* ages are multiples of a step, but for rounding */
+    double whole = floor(steps + 1e-9), part = fmax(steps - whole, 0); /* ages are rounded multiples of a step */
     int32_t most = history->count - 1, back = whole < most ? (int32_t)whole : most;
     int32_t at = (history->newest - back + KEPT) % KEPT, now = history->newest;
     double c = cos(history->heading[at]), s = sin(history->heading[at]);

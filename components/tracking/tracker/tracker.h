@@ -1,4 +1,4 @@
-/* What the trackers share: ports, and where a detection lies seen from the car. */
+/* Shared by the trackers: ports, and the place of a detection in the car's axes. */
 #ifndef TRACKER_H
 #define TRACKER_H
 
@@ -40,27 +40,27 @@ typedef struct {
     tracker_track tracks[TRACKER_TRACKS];
 } tracker_out;
 
-/* How the car has moved: place, heading and motion at the last steps, the newest first in *motion*. */
+/* The car's motion: place, heading and motion at the last steps, the newest first in *motion*. */
 #define TRACKER_REMEMBERED 64
 typedef struct {
     tracker_motion motion[TRACKER_REMEMBERED];
-    double x[TRACKER_REMEMBERED], y[TRACKER_REMEMBERED], heading[TRACKER_REMEMBERED]; /* against where it began */
-    int32_t newest, count;                                                           /* count 0: nothing yet */
+    double x[TRACKER_REMEMBERED], y[TRACKER_REMEMBERED], heading[TRACKER_REMEMBERED]; /* relative to the start */
+    int32_t newest, count;                                                           /* count 0: empty */
 } tracker_history;
 
-/* A move of the car: ahead, to its left, and its turn, seen from where it began. */
+/* A move of the car: ahead, to its left, and its turn, in the axes of its start. */
 typedef struct {
     double x, y, angle;
 } tracker_move;
 
-/* The move of *T* s at the mean of two motions: speeds along and across the car that turns, a chord of an arc. */
+/* The move in *T* s with the mean of two motions: speeds along and across the turning car, a chord of an arc. */
 tracker_move tracker_moved(const tracker_motion *from, const tracker_motion *to, double T);
 
-/* Remembers the motion a step after the last one; tells the move of the step. */
+/* Stores the motion one step after the last one; returns the move of the step. */
 tracker_move tracker_remember(tracker_history *history, const tracker_motion *now);
 
-/* The car *age* s ago: how it has moved since, and its motion then, linear between two steps. Before all that is
- * remembered (1.26 s) it moved as at the first step of it. */
+/* The car *age* s ago: its move since, and its motion then, linear between two steps. Before the first stored step
+ * (1.26 s) it moved as at that step. */
 typedef struct {
     tracker_move since;
     tracker_motion motion;
@@ -68,8 +68,8 @@ typedef struct {
 
 tracker_past tracker_ago(const tracker_history *history, double age);
 
-/* Where a return was when it was seen, from where the centre of gravity is now, along the car's axes of now; the ray it lay
- * on; and its speed over ground along the ray. */
+/* The place of a return at the time of the scan, from the present centre of gravity, along the car's present axes; its
+ * ray; and its speed over ground along the ray. */
 typedef struct {
     double x, y, cosine, sine, speed;
 } tracker_place;

@@ -5,7 +5,7 @@
 #define BY_TIME 1 /* of timing */
 #define BICYCLE 1 /* of road_user */
 
-/* From setting out until it is *distance* on its way; NaN, which ends the run by name, if that is beside its way. */
+/* Time from its start to *distance* on its path; NaN, which fails the run, if that is not on its path. */
 static double duration_to(const crossing *self, double distance) {
     double rate = self->par.acceleration, ramp = 0.5 * self->peak * self->peak / rate, rest = self->way - distance;
     if (!(self->way > 0 && distance >= 0 && rest >= 0)) return NAN;
@@ -34,7 +34,7 @@ static speed_profile_motion motion_after(const crossing *self, double time) {
     return motion;
 }
 
-/* When it has to set out, as far as can be told now; never for a host that stands or is past. */
+/* Its predicted start time; never for a host that is at rest or has passed. */
 static double due(const crossing *self, double now) {
     if (self->par.timing == BY_TIME) return self->par.conflict_time - self->lead;
     double ahead = traffic_ahead(self->par.lap_length, self->in.lane.station + self->par.host_front, self->par.station);

@@ -1,8 +1,8 @@
-/* Someone who stands beside the host's lane, crosses it and stands again: speeds up, walks, and slows down as fast.
-   It sets out so early that it is at the conflict point when the host's front would be there if it kept its speed
-   (the collision course of the pedestrian tests of Euro NCAP AEB VRU), or at a fixed time. What it does afterwards
-   does not depend on the host. The moment it sets out lies between two steps; who would have had to set out before
-   the run is under way at its start. A host that comes nearer by a jump finds it late: it never jumps itself. */
+/* A road user that waits beside the host's lane, crosses it and stops again: it accelerates, walks, and decelerates at
+   the same rate. It starts so that it is at the conflict point when the host's front would be there at constant speed
+   (the collision course of the pedestrian tests of Euro NCAP AEB VRU), or at a fixed time. Its motion after the start
+   is independent of the host. The start time may be between two steps; if it is before the run, the road user moves at
+   the start of the run. If the host jumps nearer, it starts late: it never jumps itself. */
 #ifndef CROSSING_H
 #define CROSSING_H
 
@@ -18,9 +18,9 @@ typedef struct {
         double speed, acceleration, host_front, lap_length;
         double length, width, height;
     } par;
-    double way, peak, lead;     /* m from start to end, m/s, s from setting out to the conflict point */
+    double way, peak, lead;     /* m from start to end, m/s, s from its start to the conflict point */
     double sense;               /* 1 to the left, -1 to the right */
-    double since;               /* time when it set out */
+    double since;               /* its start time */
     bool has_set_out;
     counted_time time;
 } crossing;

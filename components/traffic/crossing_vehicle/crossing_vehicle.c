@@ -4,7 +4,7 @@
 
 #define OBEYS 1 /* of manners */
 
-/* Where it meets the host's path first. */
+/* The first conflict of its path with the host's path. */
 static void look_up(crossing_vehicle *self) {
     for (int32_t i = 0; i < TRAFFIC_CONFLICTS && !self->is_known; ++i) {
         bool is_there = self->in.conflicts[i].exit > self->in.conflicts[i].entry;
@@ -37,17 +37,17 @@ static void begin(crossing_vehicle *self, double moment, speed_profile_motion fr
     self->phase = phase;
 }
 
-/* When it has to set out, as far as can be told now; never for a host that stands or is past. */
+/* Its predicted start time; never for a host that is at rest or has passed. */
 static double due(const crossing_vehicle *self, double now) {
     double way = self->middle - 0.5 * self->par.length - self->par.station;
     double v = self->par.speed, a = self->par.acceleration;
-    if (!(way >= 0)) return NAN; /* it stands beyond: ends the run by name */
+    if (!(way >= 0)) return NAN; /* its initial place is beyond the conflict: fails the run */
     double lead = way < 0.5 * v * v / a ? sqrt(2 * way / a) : way / v + 0.5 * v / a;
     double ahead = self->host_middle - self->in.lane.station - self->par.host_front, speed = self->in.motion.speed;
     return speed > 0 && ahead >= 0 ? now + ahead / speed + self->par.delay - lead : HUGE_VAL;
 }
 
-/* How far its front is before the nearest place where it has to stop; endless if there is none. */
+/* Distance of its front to the nearest place where it has to stop; infinite if there is none. */
 static double room(const crossing_vehicle *self, double station) {
     double front = station + 0.5 * self->par.length, least = HUGE_VAL;
     bool host_is_past = self->in.lane.station - self->par.host_rear > self->host_exit;
@@ -64,7 +64,7 @@ static double room(const crossing_vehicle *self, double station) {
     return least;
 }
 
-/* Brakes, waits and goes on. */
+/* Brakes, waits and continues. */
 static void mind(crossing_vehicle *self, double now) {
     speed_profile_motion motion = motion_at(&self->phase, now);
     double left = room(self, motion.travelled), square = 0.5 * motion.speed * motion.speed;
@@ -85,7 +85,7 @@ static void output(crossing_vehicle *self, double earliest) {
         if (self->has_set_out) {
             speed_profile_motion standing = {self->par.station, 0, 0};
             begin(self, fmax(moment, earliest), standing, self->par.acceleration, self->par.speed);
-            nowhere = moment - moment; /* not a number: it cannot set out */
+            nowhere = moment - moment; /* not a number: it cannot start */
         }
     }
     if (self->has_set_out) mind(self, now);

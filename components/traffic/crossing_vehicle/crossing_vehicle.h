@@ -1,20 +1,20 @@
-/* A vehicle that stands on a path of its own, sets out, and comes to where that path crosses or joins the host's just
- * when the host would: its front is in the middle of the conflict (on its path) when the host's front would be there (on
- * its own) if it kept its present speed, or *delay* later; the course of Euro NCAP's car-to-car crossing straight, in
- * which both hit each other's fronts. It speeds up evenly and keeps its speed; the moment it sets out lies between two
- * steps. Who would have had to set out before the run is under way at its start; what it does afterwards does not
- * depend on the host, if it ignores its duties.
+/* A vehicle that waits on its own path, starts, and arrives where that path crosses or joins the host's at the same
+ * time as the host: its front is in the middle of the conflict (on its path) when the host's front would be there (on
+ * its own) at its present speed, or *delay* later. This is Euro NCAP's car-to-car crossing straight, in which both
+ * fronts collide. It accelerates evenly and keeps its speed. The start time may be between two steps; if it is before
+ * the run, the vehicle moves at the start of the run. Its motion after the start is independent of the host, if it
+ * ignores the right of way.
  *
- * If it obeys, it stops before the conflict while the road says that it gives way and the host has not left the
- * conflict, and before a light of its path that is red or yellow, unless it would have to brake by more than twice its
- * deceleration; then it sets out again. */
+ * If it obeys, it stops before the conflict while it has to give way and the host has not left the conflict, and before
+ * a red or yellow light of its path, unless it would have to brake by more than twice its deceleration; then it starts
+ * again. */
 #ifndef CROSSING_VEHICLE_H
 #define CROSSING_VEHICLE_H
 
 #include "../profile/speed_profile.h"
 #include "../profile/traffic.h"
 
-/* From a moment on: evenly to a speed, which it then keeps. */
+/* From a time on: constant acceleration to a speed, which it then keeps. */
 typedef struct {
     double since, from, speed, rate, final_speed;
 } crossing_phase;

@@ -1,7 +1,7 @@
-/* A vehicle that changes lanes before the host, and one that may stand where it drove. The parameters of UN R157
-   (annex 4, appendix 3, guidance on critical scenarios): its speed Vo0 against the host's Ve0, the gap dx0
-   at which it begins, the lateral speed Vy (here its greatest, in the middle of the quintic), of a cut-out the gap
-   dx0_f to the one that stands. Once it has begun it does not mind the host. */
+/* A vehicle that changes lanes before the host, and optionally one at rest in its former lane. The parameters of UN
+   R157 (annex 4, appendix 3, guidance on critical scenarios): its speed Vo0 relative to the host's Ve0, the gap dx0 at
+   which it begins, the lateral speed Vy (here its maximum, in the middle of the quintic), and of a cut-out the gap
+   dx0_f to the one at rest. Once it has begun, its motion is independent of the host. */
 #ifndef CUT_IN_H
 #define CUT_IN_H
 
@@ -25,7 +25,7 @@ typedef struct {
     } par;
     double start, standing_at;      /* stations of their centres */
     double speed, travelled;        /* at the start; m since */
-    double sense;                   /* 1: the gap gets smaller until it begins, -1: larger */
+    double sense;                   /* 1: the gap decreases until it begins, -1: increases */
     bool has_begun;
     double begun_at;                /* s */
     lane_shift shift;

@@ -5,7 +5,7 @@
 #include "right_of_way.h"
 
 #define LEFT_ITS_LANE 0.6 /* of a change's time */
-#define AWAY INT32_MAX    /* the path of who is nobody: at the end of the order */
+#define AWAY INT32_MAX    /* the path of an empty place: at the end of the order */
 
 static bool is_changing(const flow_user *user) {
     return user->lane != user->old_lane && user->shift.progress < 1;
@@ -29,7 +29,7 @@ static bool comes_before(const flow_place *one, const flow_place *other) {
     return one->station < other->station || (one->station == other->station && one->who > other->who);
 }
 
-/* Nearly in order since the last time: users pass each other now and then. */
+/* Nearly sorted since the last time: users pass each other now and then. */
 static void sort(flow *self) {
     flow_place *order = self->order;
     for (int32_t k = 0; k < self->count; ++k) {
@@ -53,8 +53,8 @@ static void set_lanes(flow_user *user) {
     user->high = user->lane < other ? other : user->lane;
 }
 
-/* Those of one path, from order[begin] to order[end - 1], from one end to the other; on a closed one twice, as the last
-   one sees the first one. */
+/* The users of one path, from order[begin] to order[end - 1], from one end to the other. On a closed path twice, as the
+   last user is next to the first one. */
 static void look_along(flow *self, int32_t begin, int32_t end, bool is_ahead) {
     int32_t seen[2 * FLOW_LANES + 3];
     int32_t *of_lane = seen + FLOW_LANES + 1;
@@ -77,7 +77,7 @@ static void look_along(flow *self, int32_t begin, int32_t end, bool is_ahead) {
     }
 }
 
-/* Those of one path, as one of them has changed lanes, or all have moved. */
+/* The users of one path, after one of them has changed lanes, or all have moved. */
 static void look_around(flow *self, int32_t path) {
     int32_t begin = 0, end = 0;
     while (begin < self->count && self->order[begin].path < path) ++begin;
@@ -109,7 +109,7 @@ void flow_begin(flow *self) {
     flow_look(self);
 }
 
-/* The acceleration of *who* behind *ahead* at that gap; of the host as *judge* would drive. */
+/* The acceleration of *who* behind *ahead* at that gap; the host is assumed to drive as *judge*. */
 static double acceleration_of(const flow *self, int32_t who, int32_t judge, double gap, int32_t ahead) {
     const following_driver *driver = &self->users[who == FLOW_HOST ? judge : who].driver;
     return following_acceleration(driver, flow_speed_of(self, who), gap, ahead == FLOW_NOBODY ? 0 : flow_speed_of(self, ahead));
@@ -120,7 +120,7 @@ static double own_acceleration(const flow *self, int32_t i, int32_t lane) {
     return acceleration_of(self, i, i, ahead.gap, ahead.who);
 }
 
-/* What who is behind *i* on *lane* gains if *i* comes (or, sign -1, goes), and its acceleration with *i* ahead. */
+/* Gain of the user behind *i* on *lane* if *i* enters it (or, sign -1, leaves it); *with*: acceleration behind *i*. */
 static double gain_behind(const flow *self, int32_t i, int32_t lane, double sign, double *with) {
     flow_neighbour behind = flow_next(self, i, lane, false), ahead = flow_next(self, i, lane, true);
     *with = 0;
@@ -132,7 +132,7 @@ static double gain_behind(const flow *self, int32_t i, int32_t lane, double sign
     return sign * (*with - without);
 }
 
-/* MOBIL's advantage over its threshold of a change to *lane*; negative where it may not be. */
+/* MOBIL's advantage over its threshold of a change to *lane*; negative where a change is not allowed. */
 static double incentive(const flow *self, int32_t i, int32_t lane) {
     const flow_user *user = &self->users[i];
     const flow_rules *rules = &self->rules;
@@ -145,7 +145,7 @@ static double incentive(const flow *self, int32_t i, int32_t lane) {
     return there - here + rules->politeness * gains - rules->change_threshold - bias;
 }
 
-/* One after the other, so that two do not take one gap. */
+/* One after the other, so that two users do not take the same gap. */
 static void change_lanes(flow *self) {
     for (int32_t i = 0; i < self->count; ++i) {
         flow_user *user = &self->users[i];
@@ -166,7 +166,7 @@ static void change_lanes(flow *self) {
     }
 }
 
-/* Of who changes lanes the smaller one of both. */
+/* During a lane change the smaller one of both lanes. */
 static double wanted_acceleration(const flow *self, int32_t i) {
     const flow_user *user = &self->users[i];
     double wanted = own_acceleration(self, i, user->lane);

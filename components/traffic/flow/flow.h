@@ -1,12 +1,12 @@
-/* Any number of road users along paths, in the order of their stations: who is next on a lane is known of all after one
-   look from the front to the back and one from the back to the front. Vehicles follow each other and the host by the IDM
-   (following.h), stop where they have to (right_of_way.h) and change lanes by MOBIL: A. Kesting, M. Treiber, D. Helbing:
-   Transportation Research Record 1999, 86 (2007), the symmetric rule, with a bias to the right if one is set. All see
-   the state at the beginning of a step, then move by the ballistic update: M. Treiber, A. Kesting: Traffic Flow
-   Dynamics, 2013, 10.2; who would drive backwards stands. Who changes lanes is in both until it has done 0.6 of the
-   change's time, and is placed from the middle of the path's own lane by lanes of one width: nobody jumps, whatever the
-   road's lanes do. The host is in every lane that its body, or that of a vehicle of that lane, would share; a vehicle
-   judges the host behind it as if it drove like itself. */
+/* Any number of road users along paths, in the order of their stations. Two passes, front to back and back to front,
+   find the neighbours of all on their lanes. Vehicles follow each other and the host by the IDM (following.h), stop
+   where they have to (right_of_way.h) and change lanes by MOBIL: A. Kesting, M. Treiber, D. Helbing: Transportation
+   Research Record 1999, 86 (2007), the symmetric rule, with a bias to the right if one is set. All use the state at the
+   beginning of a step, then move by the ballistic update: M. Treiber, A. Kesting: Traffic Flow Dynamics, 2013, 10.2; a
+   speed below zero becomes zero. A user that changes lanes is in both until 0.6 of the change's time. Its place is
+   relative to the middle of the path's own lane, with lanes of one width: no user jumps, whatever the road's lanes do.
+   The host is in every lane that its body, or that of a vehicle of that lane, would share. A vehicle assumes that the
+   host behind it drives like itself. */
 #ifndef FLOW_H
 #define FLOW_H
 
@@ -20,19 +20,19 @@
 
 typedef struct {
     following_driver driver;
-    int32_t id, class;               /* class 0: nobody */
-    bool walks;                      /* it is moved by others, and in the lanes from low to high */
-    int32_t path, lane, old_lane;    /* where it is or goes, where it came from */
+    int32_t id, class;               /* class 0: empty place */
+    bool walks;                      /* a walker is moved elsewhere, and is in the lanes from low to high */
+    int32_t path, lane, old_lane;    /* present or new lane, former lane */
     double length, width, height;
     double station, speed, acceleration; /* of its centre, m along the path; m/s, m/s2 along the lane */
     lane_shift shift;
     int32_t low, high;               /* the lanes it is in; none if low > high */
     int32_t behind[3], ahead[3];     /* the next users on the lanes to the right of its own, its own, to the left */
-    double stop, stopped;            /* m from its front to where it has to stop, now and a step before; infinite: nowhere */
-    double limit;                    /* m/s2: not more than that, for who has the right of way */
-    int32_t head;                    /* the light it has decided about, counted from 1 */
-    bool runs;                       /* it has decided to pass it */
-    uint32_t goes;                   /* conflicts that it has decided to pass, a bit each */
+    double stop, stopped;            /* m from its front to its stopping point, now and a step before; infinite: none */
+    double limit;                    /* m/s2: upper bound of its acceleration because of the right of way */
+    int32_t head;                    /* the light of its decision, counted from 1 */
+    bool runs;                       /* it has decided to pass the light */
+    uint32_t goes;                   /* bits of the conflicts that it has decided to pass */
 } flow_user;
 
 /* A user's place in the order: by paths, then from the back to the front. */
@@ -43,15 +43,15 @@ typedef struct {
 
 typedef struct {
     double lap; /* m; 0: it is open */
-    double length, lane_width; /* length 0: not known */
-    int32_t right, left; /* between which lanes are changed */
+    double length, lane_width; /* length 0: unknown */
+    int32_t right, left; /* range of lanes for lane changes */
 } flow_path;
 
 typedef struct {
     double change_duration, politeness, change_threshold, keep_right, safe_deceleration;
-    int32_t deciding; /* each looks for a better lane every so many steps */
+    int32_t deciding; /* steps between two decisions on a lane change */
     double reaction_time, critical_gap; /* s */
-    const double *together; /* m that the paths of each conflict are one lane behind it; 0: they cross */
+    const double *together; /* m for which the paths of each conflict are one lane after it; 0: they cross */
     bool minds_host;
     int32_t host_lane;
     double host_front, host_rear, host_width;
@@ -67,19 +67,19 @@ typedef struct {
     flow_path paths[TRAFFIC_PATHS];
 } flow;
 
-/* Who is next on a lane: how far from bumper to bumper; infinite: nobody. */
+/* The next user on a lane, and the gap from bumper to bumper; infinite: none. */
 typedef struct {
     int32_t who;
     double gap;
 } flow_neighbour;
 
-/* What the road tells of its paths takes the place of *otherwise*. */
+/* Path data of the road replaces *otherwise*. */
 void flow_set_paths(flow *self, const flow_path *otherwise);
 
-/* Everybody at the beginning: the order, and nobody has decided anything. */
+/* At the start: sorts all users; no decisions yet. */
 void flow_begin(flow *self);
 
-/* Finds out who is next to whom; needed after users came, went or moved. */
+/* Finds the neighbours; needed after users were added, removed or moved. */
 void flow_look(flow *self);
 
 /* The next one on *lane*, which is the user's own or one beside it, ahead of user *i* or behind it; of two at one station

@@ -10,7 +10,7 @@ typedef struct {
     bool plus; /* IDM+ */
 } following_driver;
 
-/* m/s2; *gap* from bumper to bumper to who is ahead, infinite: nobody. Not less than what brakes can do. */
+/* m/s2; *gap* from bumper to bumper to the user ahead, infinite: none. At least what the brakes can do. */
 double following_acceleration(const following_driver *driver, double speed, double gap, double speed_ahead);
 
 #endif

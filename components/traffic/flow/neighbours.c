@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#define BESIDE 1e-9       /* m: the order and the way tell who is ahead of whom but for their rounding */
+#define BESIDE 1e-9       /* m: tolerance between the order and distances, for rounding */
 
-/* Whether user *i* would have to mind the host on that lane. */
+/* Whether user *i* would share that lane with the host. */
 static bool shares_with_host(const flow *self, int32_t i, int32_t lane) {
     const flow_rules *rules = &self->rules;
     const flow_user *user = &self->users[i];
@@ -19,7 +19,7 @@ static double station_of(const flow *self, int32_t who) {
                             : self->users[who].station;
 }
 
-/* From the centre of who is behind to that of who is ahead, in the direction of travel; on a closed path less than a lap. */
+/* From the centre of the user behind to that of the user ahead, in travel direction; less than a lap if closed. */
 static double way_between(const flow *self, int32_t path, int32_t behind, int32_t ahead) {
     double way = station_of(self, ahead) - station_of(self, behind), lap = self->paths[path].lap;
     return lap > 0 ? way - lap * floor(way / lap) : way;

@@ -2,30 +2,30 @@
 
 #include <math.h>
 
-#define SLOW 3.0      /* m/s; who is slower is taken to speed up */
+#define SLOW 3.0      /* m/s; a slower user is assumed to accelerate */
 #define STANDS 0.5    /* m/s */
-#define SETTING_OUT 1.5 /* m/s2 of who does */
-#define CLEARANCE 1.0 /* s between who leaves and who comes */
-#define NEAR 30.0     /* m more than a comfortable way to stop: from there on it looks */
-#define OTHERS 128    /* who is near a conflict */
-#define AHEAD 10.0    /* s longer than the critical gap: who comes later does not matter */
+#define SETTING_OUT 1.5 /* m/s2 of a user that starts */
+#define CLEARANCE 1.0 /* s between a leaving and an arriving user */
+#define NEAR 30.0     /* m added to the comfortable stopping distance: conflicts within it are considered */
+#define OTHERS 128    /* users near a conflict */
+#define AHEAD 10.0    /* s longer than the critical gap: later users are ignored */
 
-/* One of those on the other path. */
+/* A user of the other path. */
 typedef struct {
     double way; /* m from its front to the entry */
     double length, speed;
-    bool is_held; /* it stops before */
-    bool goes;    /* it gives way, but has decided to drive */
+    bool is_held; /* it stops before the conflict */
+    bool goes;    /* it must give way, but has decided to drive */
 } coming;
 
 typedef struct {
-    double entry, way, other_way; /* m; how long it is on both paths */
-    double together;              /* m that they are one lane behind it */
+    double entry, way, other_way; /* m; length of the conflict on both paths */
+    double together;              /* m for which they are one lane after it */
     int32_t path, other_path;
     coming others[OTHERS];
     int32_t count;
     bool gives_way;
-    uint32_t bit, other_bit; /* of this conflict, and of the same one seen from the other path */
+    uint32_t bit, other_bit; /* of this conflict, and of the same conflict for the other path */
 } meeting;
 
 static double front_of(const flow_user *user) {
@@ -71,7 +71,7 @@ static double time_to(const coming *other, double way) {
     return 2 * way / (other->speed + sqrt(other->speed * other->speed + 2 * SETTING_OUT * way));
 }
 
-/* Those who are on their way to the place, or in it. */
+/* The users that approach the conflict, or are in it. */
 static void gather(const flow *self, double entry, meeting *met) {
     int32_t path = met->other_path;
     double lap = self->paths[path].lap, in = met->other_way + met->together;
@@ -93,7 +93,7 @@ static void gather(const flow *self, double entry, meeting *met) {
     met->others[met->count++] = (coming){way, length, speed, speed < STANDS && way > 0, false};
 }
 
-/* Whether there is room for it behind the place. */
+/* Whether there is room for it after the conflict. */
 static bool can_leave(const flow *self, const meeting *met, int32_t i, double way) {
     flow_neighbour ahead = flow_next(self, i, self->users[i].lane, true);
     if (ahead.who == FLOW_NOBODY) return true;
@@ -101,7 +101,7 @@ static bool can_leave(const flow *self, const meeting *met, int32_t i, double wa
     return speed > 1 || ahead.gap > way + met->way + self->users[i].length;
 }
 
-/* Whether it may drive, *way* before the place, as far as others come. */
+/* Whether it may drive, *way* before the conflict, considering approaching users. */
 static bool accepts(const flow *self, const meeting *met, int32_t i, double way) {
     const flow_user *user = &self->users[i];
     double arrives = user->speed > 1 ? way / user->speed : 0;
@@ -118,7 +118,7 @@ static bool accepts(const flow *self, const meeting *met, int32_t i, double way)
     return true;
 }
 
-/* Whether one of those in the place, or as good as there, is still in it when who is *way* before it comes. */
+/* Whether a user in the conflict, or about to enter, is still in it when the one *way* before it arrives. */
 static bool is_taken(const meeting *met, const flow_user *user, double way) {
     double arrives = way / fmax(user->speed, 1), leaves = (way + met->way + user->length) / fmax(user->speed, 1);
     for (int32_t k = 0; k < met->count; ++k) {
@@ -130,13 +130,13 @@ static bool is_taken(const meeting *met, const flow_user *user, double way) {
     return false;
 }
 
-/* How far in it is, as if the place were as long on its path as on the other one. */
+/* How far in it is, scaled as if the conflict had the same length on both paths. */
 static double depth(const meeting *met, const coming *other) {
     double in = -other->way;
     return in > met->other_way ? met->way + in - met->other_way : in * met->way / met->other_way;
 }
 
-/* Who is *in* drives behind who is farther in; who comes to join behind who is in. */
+/* A user that is *in* follows those farther in; one that is about to join follows those that are in. */
 static void follow(const meeting *met, flow_user *user, double in) {
     for (int32_t k = 0; k < met->count; ++k) {
         const coming *other = &met->others[k];

@@ -19,7 +19,7 @@ static flow flow_of(idm_traffic *self) {
     return all;
 }
 
-/* Parameters may be others than they were. */
+/* Parameters may have changed. */
 static void set_driver(idm_traffic *self, int32_t i) {
     self->users[i].height = self->par.height[i];
     self->users[i].driver = (following_driver){

@@ -1,4 +1,4 @@
-/* Up to eight vehicles, each with a place and a driver of its own, in traffic as flow.h has it. */
+/* Up to eight vehicles, each with its own place and driver, in traffic as in flow.h. */
 #ifndef IDM_TRAFFIC_H
 #define IDM_TRAFFIC_H
 

@@ -1,5 +1,5 @@
-/* A vehicle that changes its offset by a quintic: neither its lateral speed nor its lateral acceleration jumps.
-   Nobody slides sideways: where it drives so slowly that it would go aside by more than 0.3 m a metre, it takes longer. */
+/* A vehicle that changes its offset by a quintic: neither its lateral speed nor its lateral acceleration jumps. At low
+   speed the change takes longer, so that the lateral motion is at most 0.3 m per metre. */
 #ifndef LANE_SHIFT_H
 #define LANE_SHIFT_H
 
@@ -18,7 +18,7 @@ typedef struct {
 /* It drives *travelled* along its lane in *h* seconds. */
 void lane_shift_advance(lane_shift *shift, double travelled, double h);
 
-/* Where it is and how it stands when it drives at *speed* along its lane. */
+/* Its pose when it drives at *speed* along its lane. */
 lane_shift_pose lane_shift_at(const lane_shift *shift, double speed);
 
 #endif

@@ -1,11 +1,11 @@
-/* Who keeps a speed, changes it once at a constant rate, and keeps the new one; and a time that is counted. */
+/* A motion that keeps a speed, changes it once at a constant rate, and keeps the new one; and a counted time. */
 #ifndef SPEED_PROFILE_H
 #define SPEED_PROFILE_H
 
 #include <stdint.h>
 
 typedef struct {
-    double speed, change_time, change_rate, final_speed; /* change_rate 0: it never does */
+    double speed, change_time, change_rate, final_speed; /* change_rate 0: no change */
 } speed_profile;
 
 typedef struct {

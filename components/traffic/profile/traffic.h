@@ -1,4 +1,4 @@
-/* What the components of traffic are told and tell. */
+/* Inputs and outputs of the traffic components. */
 #ifndef TRAFFIC_H
 #define TRAFFIC_H
 
@@ -61,7 +61,7 @@ typedef struct {
     traffic_mover movers[TRAFFIC_MOVERS];
 } traffic_out;
 
-/* Stations from one to another; on a closed path, of a lap of this length, at most half way round. */
+/* Difference of two stations; on a closed path, of a lap of this length, at most half a lap. */
 static inline double traffic_ahead(double lap, double from, double to) {
     return lap > 0 ? to - from - lap * rint((to - from) / lap) : to - from;
 }

@@ -2,12 +2,12 @@
 
 #include <math.h>
 
-#define KEPT 0.7       /* of its rank has who is told */
-#define BEHIND 2.0     /* times as far as who is ahead */
-#define UNRELATED 1e9  /* m: who has nothing to do with the host comes last, in the order of numbers */
-#define BESIDE 0       /* the lane of who walks, but is not on the road */
+#define KEPT 0.7       /* factor of the rank of a reported user */
+#define BEHIND 2.0     /* factor of the distance of users behind, relative to those ahead */
+#define UNRELATED 1e9  /* m: users unrelated to the host are last, in the order of numbers */
+#define BESIDE 0       /* the lane of walkers that are not on the road */
 
-/* The smaller, the more it matters: how far away it is, times how many are nearer on its lane, itself among them. */
+/* A smaller rank matters more: the distance times the number of users as near or nearer on its lane. */
 static void rank_along(const stream_traffic *self, const flow *all, double *ranks) {
     int32_t begin = 0, end, next, nearer[2][2 * FLOW_LANES + 2] = {{0}};
     double lap = all->paths[0].lap, here = self->in.lane.station;
@@ -33,7 +33,7 @@ static void rank_along(const stream_traffic *self, const flow *all, double *rank
     }
 }
 
-/* Who comes to where the host's path meets its own: how far both have to go. */
+/* Users that approach a conflict with the host's path: the distances of both to it. */
 static void rank_across(const stream_traffic *self, const flow *all, double *ranks) {
     for (int32_t n = 0; n < TRAFFIC_CONFLICTS; ++n) {
         double entry = self->in.conflicts[n].entry, exit = self->in.conflicts[n].exit;
@@ -58,7 +58,7 @@ static bool is_told(const stream_traffic *self, int32_t who) {
     return false;
 }
 
-/* The eight that matter most, the first one most of all; FLOW_NOBODY where there are fewer. */
+/* The eight most relevant users, the most relevant one first; FLOW_NOBODY where there are fewer. */
 static void choose(const stream_traffic *self, const flow *all, int32_t *chosen) {
     double ranks[STREAM_USERS], best[TRAFFIC_MOVERS];
     for (int32_t i = 0; i < self->count; ++i) ranks[i] = UNRELATED + i;

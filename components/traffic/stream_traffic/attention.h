@@ -1,4 +1,4 @@
-/* Which eight are told, and in which place. */
+/* Selects the eight reported users, and their places. */
 #ifndef ATTENTION_H
 #define ATTENTION_H
 

@@ -6,9 +6,9 @@
 #include "walkers.h"
 
 #define IDM_PLUS 1          /* of model */
-#define SPREAD_OF_GAPS 0.8  /* of what is free between two vehicles at the start */
+#define SPREAD_OF_GAPS 0.8  /* share of the free gap between two vehicles at the start */
 #define BEFORE_PLACE 10.0   /* m */
-#define TRUCK_EFFORT 0.5    /* of the acceleration of others */
+#define TRUCK_EFFORT 0.5    /* factor of the acceleration of others */
 
 typedef struct {
     double length, width, height;
@@ -29,7 +29,7 @@ static int32_t class_of(const stream_traffic *self, int32_t id) {
     return drawn < self->par.truck_share + self->par.motorcycle_share ? TRAFFIC_MOTORCYCLE : TRAFFIC_CAR;
 }
 
-/* Somebody new, on no lane yet. */
+/* A new vehicle, on no lane yet. */
 static flow_user vehicle(stream_traffic *self, int32_t path) {
     int32_t id = ++self->ids, class = class_of(self, id);
     bool is_truck = class == TRAFFIC_TRUCK;
@@ -67,7 +67,7 @@ static int32_t lanes_of(const flow_path *path) {
     return path->left >= path->right ? path->left - path->right + 1 : 1;
 }
 
-/* How many vehicles begin on each path. */
+/* Number of vehicles on each path at the start. */
 static int32_t shared_out(const stream_traffic *self, const flow *all, int32_t *counts) {
     double sum = 0, before = 0;
     int32_t total = 0;
@@ -124,7 +124,7 @@ static bool has_room(const flow *all, int32_t i, double *speed) {
                             closing * closing / (2 * driver->comfortable_deceleration);
 }
 
-/* Whether it would begin where its path meets one of a smaller number, or could hardly stop before. */
+/* Whether it would start where its path meets one of a smaller number, or too close to stop before. */
 static bool is_where_paths_meet(const stream_traffic *self, const flow *all, const flow_user *user) {
     double least = 0.5 * user->speed * user->speed / user->driver.comfortable_deceleration + BEFORE_PLACE;
     for (int32_t n = 0; n < TRAFFIC_CONFLICTS; ++n) {
@@ -145,7 +145,7 @@ static void keep_places_free(stream_traffic *self, const flow *all) {
     }
 }
 
-/* Who has no room at the start, as the host is there, waits for it. False: all have. */
+/* Users too close to the host at the start wait for room. False: there are none. */
 static bool make_room_for_host(stream_traffic *self, const flow *all) {
     double speed = self->in.motion.speed;
     bool is_changed = false;
@@ -191,7 +191,7 @@ bool population_begin(stream_traffic *self, flow *all) {
     return true;
 }
 
-/* The first one who waits for room on a path tries its lanes in turn. */
+/* The first user that waits for room on a path tries its lanes in turn. */
 static void come_in(stream_traffic *self, flow *all, int32_t i) {
     const flow_path *path = &all->paths[self->waiting[i] - 1];
     double speed;

@@ -1,12 +1,12 @@
-/* Many road users, made from a seed: vehicles in traffic as flow.h has it, cyclists and pedestrians along the side, and
-   pedestrians who cross when nobody comes. At the start the vehicles of a lane are spread evenly but for a random part of
-   the gaps; where two paths meet, only those of the path with the smaller number are. Who reaches the end of an open
-   path leaves, and somebody new, with an id of its own, comes in at its start when there is room. What does not fit on
-   the road at the start ends the run by name (a place that is no number).
+/* Many road users, generated from a seed: vehicles in traffic as in flow.h, cyclists and pedestrians along the side,
+   and pedestrians that cross when no vehicle comes. At the start the vehicles of a lane are spread evenly except for a
+   random part of the gaps. Where two paths meet, only the vehicles of the path with the smaller number are placed. A
+   user that reaches the end of an open path leaves, and a new one, with its own id, enters at its start when there is
+   room. If the users do not fit on the road at the start, the run fails (a place that is not a number).
 
-   Of all of them, eight are told in *movers* (attention.c): who is near the host on its path, the next ones on each lane
-   first, and who comes to a conflict with it. Who is told stays in its place while it is among the eight, or nearly so; a
-   place is empty for a step before another one takes it. Sizes of the road users are assumed. */
+   Eight of them are reported in *movers* (attention.c): users near the host on its path, the next ones on each lane
+   first, and users that approach a conflict with it. A reported user keeps its place while it is among the eight, or
+   nearly so. A place is empty for one step before it is reused. Sizes of the road users are assumed. */
 #ifndef STREAM_TRAFFIC_H
 #define STREAM_TRAFFIC_H
 
@@ -17,7 +17,7 @@
 /* A cyclist or pedestrian. */
 typedef struct {
     double offset, pace; /* m to the left of the middle of the path's own lane; m/s */
-    double from, to;     /* who crosses: m between which it does */
+    double from, to;     /* m: range in which a crossing pedestrian crosses */
     double waits_until;  /* s */
     int32_t sense;       /* 1: along the path, or to the left */
     bool crosses, is_crossing;
@@ -51,9 +51,9 @@ typedef struct {
     flow_user users[STREAM_USERS];
     flow_place order[STREAM_USERS];
     stream_walker walkers[STREAM_USERS];
-    int32_t waiting[STREAM_USERS]; /* for room on that path, counted from 1; 0: it is there, or there is nobody */
-    int32_t count, ids;            /* users; ids that were given */
-    bool fits;                     /* they do, on the road */
+    int32_t waiting[STREAM_USERS]; /* path on which it waits for room, counted from 1; 0: it does not wait */
+    int32_t count, ids;            /* users; assigned ids */
+    bool fits;                     /* the users fit on the road */
     int32_t told[TRAFFIC_MOVERS];  /* users, FLOW_NOBODY: an empty place */
     int64_t steps;
     double step, base_time;        /* time is base_time + steps * step */

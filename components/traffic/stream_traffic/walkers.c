@@ -6,16 +6,16 @@
 
 #define START_UP 3.0      /* s */
 #define STANDS 0.5        /* m/s */
-#define BEFORE 1.0        /* m between a vehicle that stands and who crosses */
+#define BEFORE 1.0        /* m between a vehicle at rest and a crossing pedestrian */
 #define BODY 0.25         /* m from its middle to its side */
-#define LOOKING 10        /* steps between two looks at those who come */
+#define LOOKING 10        /* steps between two checks of approaching vehicles */
 #define KERB 1.5          /* m from the edge of the lanes */
 
 static double now(const stream_traffic *self) {
     return self->base_time + (double)self->steps * self->step;
 }
 
-/* Where the lanes end: -1 on the right, 1 on the left. */
+/* Edge of the lanes: -1 on the right, 1 on the left. */
 static double edge(const flow_path *path, int32_t side) {
     return side < 0 ? (path->right - 0.5) * path->lane_width : (path->left + 0.5) * path->lane_width;
 }
@@ -44,7 +44,7 @@ void walkers_add(stream_traffic *self, const flow *all, int32_t class, bool cros
     }
 }
 
-/* Whether one whose front is *way* before it, or past it, lets it cross in *time*. */
+/* Whether it can cross in *time* before a vehicle whose front is *way* before it, or past it. */
 static bool lets_cross(double way, double length, double speed, double time) {
     if (way < 0) return -way > length + BEFORE;
     return speed < STANDS ? way > BEFORE : way / speed > time;
@@ -65,7 +65,7 @@ static bool may_cross(const stream_traffic *self, const flow *all, int32_t i) {
     return lets_cross(front, self->par.host_front + self->par.host_rear, self->in.motion.speed, time);
 }
 
-/* It is in all lanes that it has not left. */
+/* It is in all lanes that it has not left yet. */
 static void set_lanes(flow_user *user, const stream_walker *walker, const flow_path *path) {
     user->low = 1;
     user->high = 0;

@@ -1,5 +1,5 @@
-/* Cyclists and pedestrians beside the lanes of path 0, and pedestrians who cross it: when no vehicle comes within the time
-   that crossing takes at their pace and 3 s more (Highway Capacity Manual 2010, equation 19-69), or who comes stands. */
+/* Cyclists and pedestrians beside the lanes of path 0, and pedestrians that cross it: when no vehicle arrives within
+   their crossing time plus 3 s (Highway Capacity Manual 2010, equation 19-69), or the arriving vehicle is at rest. */
 #ifndef WALKERS_H
 #define WALKERS_H
 

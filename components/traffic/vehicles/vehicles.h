@@ -1,4 +1,4 @@
-/* Up to eight road users, each on a path and lane of its own with a speed that changes once. */
+/* Up to eight road users, each on its own path and lane with a speed that changes once. */
 #ifndef VEHICLES_H
 #define VEHICLES_H
 

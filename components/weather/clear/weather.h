@@ -1,4 +1,4 @@
-/* What the weather components tell. */
+/* Outputs of the weather components. */
 #ifndef WEATHER_H
 #define WEATHER_H
 

@@ -6,7 +6,7 @@
 #define TURN 6.283185307179586
 #define MM_PER_HOUR 3.6e6 /* in 1 m/s */
 
-/* m; the road is at least as wet as it is said to stand. */
+/* m; on a wet road at least the standing film. */
 static double water_film(const set_weather *self) {
     double standing = self->par.road == SET_WEATHER_WET ? self->par.standing_film : 0;
     if (!(self->par.rain_rate > 0)) return standing;

@@ -1,9 +1,9 @@
-/* Weather by its numbers, with published relations to what tyres, cars and sensors feel.
+/* Weather by its numbers, with published relations to the quantities that tyres, cars and sensors use.
  *
  * Water film d (mm) on the path that the water drains along (m), with rain R (mm/h) and fall S (Ross and Russam, "The
  *   depth of rain water on road surfaces", RRL report LR 236, 1968):  d = 0.046 (L R)^(1/2) S^(-1/5)
- * Friction on a wet road against a dry one: 1 - loss (1 - 0.25^(d / d75)), which falls with thin films already; d75,
- *   where three quarters of it are lost, lies within 0.025 and 0.23 mm (Kulakowski and Harwood, ASTM STP 1031, 1990).
+ * Friction on a wet road relative to a dry one: 1 - loss (1 - 0.25^(d / d75)), which falls already with thin films;
+ * d75, where three quarters of it are lost, is within 0.025 and 0.23 mm (Kulakowski and Harwood, ASTM STP 1031, 1990).
  * Losses from the peak coefficients of road adhesion in Wong, "Theory of ground vehicles", 3rd edition, table 1.3
  *   (from Taborek 1957): asphalt dry 0.85, wet 0.6, hard-packed snow 0.2, ice 0.1; so 0.29, 0.76 and 0.88.
  * Density of dry air: p / (287.05 J/(kg K) T) (ISO 2533).

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* The sums over the parts. While the system settles before the start, parts may not have spoken yet: nothing is zero. */
+/* Sums over the parts. In the initialization parts may not have set their outputs yet: the sums must not be zero. */
 static void assemble(car_on_road *self) {
     const straight_road_axles *loads[] = {
         &self->in.loads.body,  &self->in.loads.aero,    &self->in.loads.tyres,   &self->in.loads.wheels,

@@ -1,4 +1,4 @@
-/* The straight road with a car put together from parts: their loads, inertias, drag and tyres are inputs. */
+/* The straight road with a car assembled from parts: their loads, inertias, drag and tyres are inputs. */
 #ifndef CAR_ON_ROAD_H
 #define CAR_ON_ROAD_H
 
@@ -40,7 +40,7 @@ typedef struct {
         double initial_speed, initial_gap;
         double lead_speed, lead_change_time, lead_change_rate, lead_final_speed;
         double payload, payload_front_share, cg_height, wheelbase;
-        double grade, surface, air_density; /* surface: grip against that on dry asphalt */
+        double grade, surface, air_density; /* surface: grip relative to dry asphalt */
         double ray_angle, ray_reach;
         int32_t ray_count, substeps;
     } par;

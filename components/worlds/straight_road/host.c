@@ -3,14 +3,14 @@
 #include <math.h>
 
 #define GRAVITY 9.81
-#define SLIP_SPEED 0.05  /* vs, m/s: below it slip is taken per this speed, not per the car's */
+#define SLIP_SPEED 0.05  /* vs, m/s: below it slip is relative to this speed, not to the car's */
 #define SPIN_SCALE 0.001 /* ws, rad/s: below it friction torques fade to zero */
 #define GAMMA 0.29289321881345247560 /* 1 - 1/sqrt(2) */
 #define SPEED 0
 #define FRONT 1
 #define REAR 2
 
-/* The data in the shape the equations want them. */
+/* The data in the form of the equations. */
 typedef struct {
     double per_mass, per_inertia[2], radius, transfer, friction[2], stiffness, bend[2], weight[2];
     double drag, wind, downhill, rolling, drive[2], brake[2];
@@ -78,7 +78,7 @@ static void derivatives(const model *m, const double y[3], double f[3], double j
     }
 }
 
-/* Residual r of the stage equation y = base + gh f(y) in r; returns its size, spins weighed as speeds of the tread. */
+/* Residual r of the stage equation y = base + gh f(y); returns its size, with spins weighted as tread speeds. */
 static double residual(const model *m, const double base[3], double gh, const double y[3], double r[3], double j[3][3]) {
     double f[3];
     derivatives(m, y, f, j);
@@ -101,7 +101,7 @@ static void newton_step(double gh, const double j[3][3], const double r[3], doub
     d[2] = (-r[2] - a20 * d[0] - a21 * d[1]) * per2;
 }
 
-/* Solve y = base + gh f(y) by Newton's method with halving: friction near standstill bends sharply. */
+/* Solve y = base + gh f(y) by Newton's method with halving: friction near standstill is strongly nonlinear. */
 static void solve_stage(const model *m, const double base[3], double gh, double y[3]) {
     double r[3], j[3][3], d[3], trial[3], trial_r[3], trial_j[3][3];
     double size = residual(m, base, gh, y, r, j);
@@ -109,7 +109,7 @@ static void solve_stage(const model *m, const double base[3], double gh, double 
         newton_step(gh, (const double(*)[3])j, r, d);
         double moved = fabs(d[0]) + m->radius * (fabs(d[1]) + fabs(d[2]));
         if (!(moved >= 1e-7 * (1 + fabs(y[0])))) {
-            /* The next step would be of the size of this one squared. Values that are no numbers end here too. */
+            /* The next step would be of the size of this one squared. NaN also ends here. */
             for (int i = 0; i < 3; ++i) y[i] += d[i];
             return;
         }

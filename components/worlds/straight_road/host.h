@@ -5,8 +5,8 @@
  *   I_i w_i' = T_i - (B_i + crr R Fz_i) dir(w_i) - R Fx_i
  *   Fx_i   = Fz_i mu_i sat(c k_i / mu_i),  k_i = (R w_i - v) / sqrt(v^2 + vs^2)
  *   Fz_front = W_front - X h/L,  Fz_rear = W_rear + X h/L  (moments about the centre of gravity, drag acting there)
- * with sat(x) = x / sqrt(1 + x^2) and dir(w) = sat(w / ws): brakes and rolling resistance hold a standing car
- * down to a creep far below 1 mm/s, and nothing switches.
+ * with sat(x) = x / sqrt(1 + x^2) and dir(w) = sat(w / ws): brakes and rolling resistance hold a car at rest, with a
+ * creep far below 1 mm/s, and without discontinuities.
  */
 #ifndef HOST_H
 #define HOST_H
@@ -25,7 +25,7 @@ typedef struct {
     double slope[3]; /* time derivatives of speed and spins at the end of the last step */
 } host_state;
 
-/* At rest in its tyres: rolling freely at the speed. */
+/* Initial state: rolling freely at the speed. */
 void host_start(host_state *state, const host_data *data, double speed);
 
 /* Advance by h in equal substeps, torques held. Second order, L-stable, deterministic. */

@@ -1,4 +1,4 @@
-/* A fan of rays from the host's bumper against a box that lies along the road: range, bearing, Doppler. */
+/* A fan of rays from the host's bumper and a box that is parallel to the road: range, bearing, Doppler. */
 #ifndef RAY_FAN_H
 #define RAY_FAN_H
 

@@ -55,7 +55,7 @@ static void output(straight_road *self) {
     self->out.scene.azimuth = echo.azimuth;
     self->out.scene.closing_speed = echo.hit ? closing_speed * cos(echo.azimuth) : 0;
     self->out.scene.hit = echo.hit;
-    /* Contact has no mechanics here: the gap goes on below zero, and the flag says what it is worth. */
+    /* Contact has no mechanics here: the gap continues below zero, and the flag reports the contact. */
     bool beside = box.right > 0.5 * self->par.lead_width || box.left < -0.5 * self->par.lead_width;
     if (gap <= 0 && !beside) self->out.collision = true;
 }

@@ -1,4 +1,4 @@
-/* World of the paper's case study: a straight road, the host vehicle on its wheels, one vehicle in front. */
+/* World of the paper's case study: a straight road, the host vehicle with its wheels, one vehicle in front. */
 #ifndef STRAIGHT_ROAD_H
 #define STRAIGHT_ROAD_H
 

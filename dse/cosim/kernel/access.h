@@ -26,7 +26,7 @@ HOT bool call_fmi3(System *system, Progress *progress, const Group *group)
     return is_good(status) ? true : fail_status(system, status);
 }
 
-/* By fours: a processor guesses where a call goes by the place in the code that it comes from. */
+/* Unrolled by four: the processor predicts the target of a call by the address of the call instruction. */
 HOT bool call_all(System *system, Progress *progress, const Groups *groups)
 {
     const Group *group = groups->fmi2;
@@ -54,7 +54,7 @@ static bool widen_checked(System *system, const Group *group)
     return good == group->n_values || fail_value(system, NO_ITEM, group, good, group->values[good]);
 }
 
-/* Whether the values in scratch are still finite where those they were made of are. */
+/* Whether the converted values in scratch are finite wherever their sources are. */
 static bool keeps_finite(System *system, const Group *group, int64_t unfit)
 {
     const int64_t good = first_overflow(group->n_values, group->values, group->scratch);
@@ -104,7 +104,7 @@ HOT bool write_groups(System *system, Progress *progress, const Groups *groups, 
     return call_all(system, progress, groups);
 }
 
-/* The same once more outside the loop, with strings and binaries. */
+/* The same outside the loop, including strings and binaries. */
 APART static bool read_some(System *system, const Groups *groups)
 {
     return read_groups(system, system->progress, groups) && read_texts(system, groups);
@@ -117,11 +117,11 @@ APART static bool write_some(System *system, const Groups *groups, int64_t unfit
 
 /* ---- moving values ---- */
 
-/* to[i] = table[positions[i]]; returns the sum, which tells in one test whether all were finite. */
+/* to[i] = table[positions[i]]; returns the sum: one test shows whether all were finite. */
 HOT double gather(double *to, const double *table, const int32_t *positions, int64_t count)
 {
-    /* By twos: in runs of a few values the loop costs more than the copying. Two loads, even if the values are
-     * neighbours: what an FMU has just stored in two parts reaches one wide load only by way of the cache. */
+    /* Unrolled by two: for a few values the loop costs more than the copying. Two loads, even for adjacent values: data
+     * that an FMU has just stored in two parts cannot be forwarded to one wide load, only read from the cache. */
     typedef double Pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double)), may_alias));
     Pair sum = {0.0, 0.0};
     int64_t i = 0;
@@ -135,7 +135,7 @@ HOT double gather(double *to, const double *table, const int32_t *positions, int
     return sum[0] + sum[1];
 }
 
-/* Carry outputs along the wires to count staged inputs, from the first given. */
+/* Copies *count* outputs along the wires to staged inputs, from input *first* on. */
 static inline double stage(const System *system, int64_t first, int64_t count)
 {
     return gather(system->staged + first, system->values, system->sources + first, count);

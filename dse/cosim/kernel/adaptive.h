@@ -1,12 +1,12 @@
 /* Error control by step doubling: every interval is made in one step and again in two halves, which are kept if both
- * agree (Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, II.4; for co-simulation Schierz,
- * Arnold and Clauß, 2012). Intervals are the run's step in 2^level equal parts: k*step + i*step/2^level, no sums. */
+ * agree (Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, II.4; for co-simulation Schierz, Arnold
+ * and Clauß, 2012). Intervals are the run's step in 2^level equal parts: k*step + i*step/2^level, no sums. */
 #ifndef DSE_COSIM_ADAPTIVE_H
 #define DSE_COSIM_ADAPTIVE_H
 
 #include "step_loop.h"
 
-#define EASY 0.1 /* an error so small still fits when the interval is doubled, be it of third order */
+#define EASY 0.1 /* an error this small still fits after doubling the interval, even at third order */
 
 enum { FINEST = 52, MOST_TRIED = 1 << 20 /* between two communication points */ };
 
@@ -35,7 +35,7 @@ static bool restore_all(System *system)
     return true;
 }
 
-/* What matters of an output is compared with the largest it has been. */
+/* Errors of an output are relative to the largest value it has had. */
 static void note_magnitudes(const System *system)
 {
     const Plan *plan = system->plan;
@@ -46,7 +46,7 @@ static void note_magnitudes(const System *system)
     }
 }
 
-/* Largest difference between the coarse values and the present ones, 1 being what is tolerated; and whose it is. */
+/* Largest difference between the coarse values and the present ones, 1 being the tolerance; and its variable. */
 static double difference(const System *system, int64_t *worst)
 {
     const Plan *plan = system->plan;
@@ -64,7 +64,7 @@ static double difference(const System *system, int64_t *worst)
     return largest;
 }
 
-/* From *begin* to *end* in one step, which leaves its values in *coarse*, and again from there in two halves. */
+/* From *begin* to *end* in one step, whose values are left in *coarse*, and again in two halves. */
 static bool step_twice(System *system, double begin, double length, double middle, double end)
 {
     const Plan *plan = system->plan;
@@ -77,8 +77,7 @@ static bool step_twice(System *system, double begin, double length, double middl
            advance(system, middle, half, end);
 }
 
-/* From k*step to the next communication point; *level* is kept from one call to the next, *last* is the length of the
- * last step made. */
+/* From k*step to the next communication point. *level* is kept between calls, *last* is the length of the last step. */
 static bool advance_adaptively(System *system, double time, double step, int64_t *level, double *last)
 {
     const Plan *plan = system->plan;

@@ -1,13 +1,13 @@
-/* Instants at which clocks tick (FMI 3.0.2, 2.2.8 and 2.3.5). Clocks that are due tick together, and in the same instant
- * all that their ticks make tick; what belongs to them is carried as they do. That is repeated, as further instants at
- * the same time, until no clock is due and no FMU wants another update. */
+/* Instants at which clocks tick (FMI 3.0.2, 2.2.8 and 2.3.5). Clocks that are due tick together. In the same instant
+ * all clocks that they trigger tick, and the values of their variables are passed on. This is repeated, as further
+ * instants at the same time, until no clock is due and no FMU requests another update. */
 #ifndef DSE_COSIM_CLOCKS_H
 #define DSE_COSIM_CLOCKS_H
 
 #include "floating.h"
 #include "ticks.h"
 
-/* In initialization mode, when all values are there. */
+/* In initialization mode, when all values are available. */
 static bool start_clocks(System *system, double step)
 {
     Plan *plan = system->plan;
@@ -16,11 +16,11 @@ static bool start_clocks(System *system, double step)
         for (Clock *clock = group->clocks; clock < group->no_clocks; clock++)
             if (!start_clock(system, clock))
                 return false;
-        /* Before its clock ticks for the first time a value is what the initialization makes it. */
+        /* Before the first tick of its clock a value is that of the initialization. */
         for (const ClockStep *at = group->steps; at < group->no_steps; at++)
             if (at->act == SAMPLE && !at->is_message && !read_some(system, &at->operation.groups))
                 return false;
-        /* They come out of the initialization in event mode, and the first update is due. */
+        /* After the initialization they are in event mode, and the first update is due. */
         for (int64_t i = 0; i < group->n_elements; i++)
             plan->ticking[group->elements[i]] = (Ticking){1, 1, 0};
     }
@@ -40,7 +40,7 @@ static bool enter_events(System *system, int64_t e)
     return call_plain(system, element, ENTER_EVENT_MODE, element->enter_event_mode);
 }
 
-/* Begin another instant: which clocks tick by themselves, and who has anything to do. False for nobody. */
+/* Begin another instant: finds the timed clocks that tick and the elements that are due. False if there are none. */
 static bool begin_instant(System *system, const ClockGroup *group, double until)
 {
     Plan *plan = system->plan;
@@ -93,7 +93,7 @@ static bool call_clock(System *system, const Clock *clock, int64_t call, bool *v
     return accept(system, ((Fmi3Clocks)clock->access)(system->elements[clock->element].instance, &reference, 1, value));
 }
 
-/* FMUs may say only once that an output clock ticks: who has said so is not asked again. */
+/* An FMU may report the tick of an output clock only once: a clock that has ticked is not polled again. */
 static bool poll(System *system, const ClockStep *step, bool *went_on)
 {
     const Plan *plan = system->plan;
@@ -126,7 +126,7 @@ static bool tick(System *system, const ClockStep *step, bool *went_on)
     return enter_events(system, step->element) && call_clock(system, clock, SET_CLOCK, &ticks);
 }
 
-/* Numbers are looked at again after more was given to their element; a message is taken once. */
+/* Numbers are read again after their element got new inputs; a message is read once. */
 static bool sample(System *system, ClockStep *step, bool *went_on)
 {
     Plan *plan = system->plan;
@@ -176,7 +176,7 @@ static bool carry_out(System *system, ClockStep *step, bool *went_on)
                                   : deliver(system, step, went_on);
 }
 
-/* All that happens in one instant. */
+/* All operations of one instant. */
 static bool settle(System *system, const ClockGroup *group)
 {
     bool went_on = true;
@@ -215,7 +215,7 @@ static bool update_all(System *system, const ClockGroup *group, double time)
     return true;
 }
 
-/* There is no end of instants: a clock goes on ticking, or an FMU wants another update each time. */
+/* Instants do not end: a clock always ticks again, or an FMU always requests another update. */
 RARE static bool fail_endless(System *system, const ClockGroup *group)
 {
     for (const Clock *clock = group->clocks; clock < group->no_clocks; clock++)
@@ -228,7 +228,7 @@ RARE static bool fail_endless(System *system, const ClockGroup *group)
     return fail(system, ENDLESS_EVENTS, 0, 0, 0);
 }
 
-/* All instants at *time*; at a communication point the elements *show* what comes out. */
+/* All instants at *time*; at a communication point the elements *show* their outputs afterwards. */
 static bool pass_instants(System *system, const ClockGroup *group, double time, bool shows)
 {
     const Plan *plan = system->plan;
@@ -256,7 +256,7 @@ static bool pass_instants(System *system, const ClockGroup *group, double time, 
 
 /* ---- the next instant ---- */
 
-/* When a group has to stop next, and for which clock if for any; infinite for never. */
+/* The next time at which a group has to stop, and the clock that requires it, if any; infinite for never. */
 static double next_stop(const System *system, const ClockGroup *group, const Clock **stopping)
 {
     double next = INFINITY;
@@ -282,7 +282,7 @@ static bool is_due(const System *system, const ClockGroup *group, double until)
     return any;
 }
 
-/* At a communication point: whoever is in for an instant sees what the others show. */
+/* At a communication point: elements with an instant read what the others show. */
 static bool tick_all(System *system, double time)
 {
     const Plan *plan = system->plan;
@@ -296,7 +296,7 @@ static bool tick_all(System *system, double time)
             gather(plan->staged + inputs->first, system->values, sources, inputs->count);
             if (!are_finite(system, sources, inputs->count))
                 return fail_not_finite(system, sources, inputs->count);
-            /* The initialization has given them already. */
+            /* The initialization has written them already. */
             if (!plan->ticking[e].in_events && !write_element(system, &system->elements[e], &inputs->groups))
                 return false;
         }

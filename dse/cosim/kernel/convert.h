@@ -1,4 +1,4 @@
-/* Between the table of doubles and the types FMI passes: exact, or refused. */
+/* Conversion between the table of doubles and the types of FMI: exact, or refused. */
 #ifndef DSE_COSIM_CONVERT_H
 #define DSE_COSIM_CONVERT_H
 
@@ -7,7 +7,7 @@
 #include <float.h>
 #include <math.h>
 
-#define EXACT_INTEGER 9007199254740992.0 /* 2^53: beyond it a double no longer tells integers apart */
+#define EXACT_INTEGER 9007199254740992.0 /* 2^53: beyond it a double cannot represent all integers */
 
 /* ---- types ---- */
 
@@ -18,7 +18,7 @@ static inline size_t size_of(int64_t type)
     return sizes[type];
 }
 
-/* Convert what the accessor returned to double; returns the first that is too large, or n_values. */
+/* Convert the accessor's values to double; returns the first that is too large, or n_values. */
 static int64_t widen(const Group *group)
 {
     const int64_t count = group->n_values;
@@ -60,7 +60,7 @@ static int64_t widen(const Group *group)
     return count;
 }
 
-/* Convert n_values to what the group's accessor wants; returns the first that does not fit, or n_values. */
+/* Convert n_values to the type of the group's accessor; returns the first that does not fit, or n_values. */
 static int64_t narrow(const Group *group, const double *values)
 {
     const int64_t count = group->n_values;
@@ -110,7 +110,7 @@ static int64_t narrow(const Group *group, const double *values)
 
 /* ---- units and items ---- */
 
-/* The value outside of the FMU; false if it is no item that is known. */
+/* The value outside of the FMU; false if it is not a known item. */
 static inline bool go_out(const Conversion *conversion, double *value)
 {
     if (!conversion->n_pairs) {
@@ -125,7 +125,7 @@ static inline bool go_out(const Conversion *conversion, double *value)
     return false;
 }
 
-/* The value inside of the FMU; false if it is no item that is known. */
+/* The value inside of the FMU; false if it is not a known item. */
 static inline bool go_in(const Conversion *conversion, double *value)
 {
     if (!conversion->n_pairs) {
@@ -149,15 +149,15 @@ static int64_t first_overflow(int64_t count, const double *before, const double 
     return count;
 }
 
-/* Carry values along the wires that end at a group's inputs. */
+/* Apply the transforms of the wires that end at a group's inputs. */
 static void carry(const Group *group, double *values)
 {
     if (group->transforms)
         for (int64_t i = 0; i < group->n_values; i++)
-            go_out(&group->transforms[i], &values[i]); /* a wire passes on what it has no item for */
+            go_out(&group->transforms[i], &values[i]); /* a wire passes on values without an item */
 }
 
-/* Turn values into those inside of the FMU; returns the first that is no item, or n_values. */
+/* Convert values to those inside of the FMU; returns the first that is not an item, or n_values. */
 static int64_t turn_inside(const Group *group, double *values)
 {
     if (group->conversions)
@@ -167,7 +167,7 @@ static int64_t turn_inside(const Group *group, double *values)
     return group->n_values;
 }
 
-/* Turn values into those outside; returns the first that is no item, or n_values. */
+/* Convert values to those outside; returns the first that is not an item, or n_values. */
 static int64_t turn_outside(const Group *group, double *values)
 {
     if (group->conversions)

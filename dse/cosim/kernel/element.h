@@ -1,12 +1,11 @@
-/* What one element does, whatever kind of FMU is behind it: the algorithms know these functions only.
- *
- * Each of them notes the place of the FMI call it is about to make and returns false with system->failure filled in
- * if the FMU refuses. The life of an instance: make_instance, set_up, read and write until the initial values are
- * found, leave_initialization, then write, step and read, terminate_element; reset_element and again, or free_instance. */
+/* Operations of one element, for every kind of FMU: the algorithms use only these functions. Each of them stores the
+ * place of its next FMI call. It returns false with system->failure filled in if the FMU refuses. The life of an
+ * instance: make_instance, set_up, read and write until the initial values are found, leave_initialization, then write,
+ * step and read, terminate_element; reset_element and again, or free_instance. */
 #ifndef DSE_COSIM_ELEMENT_H
 #define DSE_COSIM_ELEMENT_H
 
-#include "kernel.h" /* before anything of the system: it says which of POSIX is wanted */
+#include "kernel.h" /* before all system headers: it selects the POSIX version */
 
 #include "exchange.h"
 #include "log.h"
@@ -16,7 +15,7 @@
 
 /* ---- instances ---- */
 
-/* Tell all groups of variables which instance they belong to, and forget what it was given. */
+/* Give the instance to all groups of variables, and discard the record of its inputs. */
 static void bind(System *system)
 {
     calling = system;
@@ -34,7 +33,7 @@ static void bind(System *system)
     }
 }
 
-/* FMI 1.0 does not tell whose step it is, from whatever thread: its FMUs are asked. */
+/* FMI 1.0 does not identify the element of a finished step, and any thread may call: its FMUs are polled. */
 static void finish_fmi1_step(void *instance, int status)
 {
     (void)instance, (void)status;
@@ -137,13 +136,13 @@ static bool enter_initialization(System *system, Element *element)
         : element->version == 2 ? ((FmiPlain)enter)(element->instance)
                                 : ((Fmi3EnterInitialization)enter)(element->instance, element->tolerance > 0.0,
                                                                    element->tolerance, 0.0, true, element->stop);
-    /* FMI 1.0 has no initialization mode: it begins to run with the inputs it has. */
+    /* FMI 1.0 has no initialization mode: it starts with its present inputs. */
     element->mode = element->version == 1 ? RUNNING : INITIALIZING;
     return accept(system, status);
 }
 
-/* From a new or reset instance into initialization mode, start values set. An FMU of FMI 1.0 is initialized when it is
- * first read, so that it can be given inputs before. */
+/* From a new or reset instance into initialization mode, start values set. An FMU of FMI 1.0 is initialized at its
+ * first read, so that its inputs can be written before. */
 static bool set_up(System *system, int64_t e, double stop)
 {
     Element *element = &system->elements[e];
@@ -183,7 +182,7 @@ static bool read_element(System *system, Element *element, const Groups *groups)
     return read_some(system, groups);
 }
 
-/* Give it *groups* of its inputs as they are staged. Discrete inputs that change are an event of their own. */
+/* Write *groups* of its staged inputs. Discrete inputs that change cause an event. */
 static bool write_element(System *system, Element *element, const Groups *groups)
 {
     if (!(element->abilities & HAS_EVENTS))
@@ -205,7 +204,7 @@ HOT bool step_element(System *system, Element *element, double time, double step
     return is_good(status) ? true : make_up(system, element, time, step, status);
 }
 
-/* Keep the state it is in; one state at a time. */
+/* Save its present state; one state at a time. */
 OFFERED static bool save_element(System *system, int64_t e)
 {
     Element *element = &system->elements[e];
@@ -219,7 +218,7 @@ OFFERED static bool save_element(System *system, int64_t e)
     return accept(system, ((FmiGetState)element->get_state)(element->instance, &element->saved));
 }
 
-/* Back to the state that was kept. */
+/* Restore the saved state. */
 OFFERED static bool restore_element(System *system, int64_t e)
 {
     Element *element = &system->elements[e];

@@ -31,7 +31,7 @@ static bool update_once(System *system, Element *element, bool *again)
     return true;
 }
 
-/* Until nothing changes any more. */
+/* Until nothing changes. */
 static bool iterate_events(System *system, Element *element)
 {
     bool again = true;
@@ -55,7 +55,7 @@ static bool pass_event(System *system, Element *element)
 
 /* ---- discrete inputs ---- */
 
-/* Words of the room behind *given*, once. */
+/* Size in words of one record behind *given*. */
 static size_t words_of(const Group *group)
 {
     return 1 + ((size_t)group->n_values * size_of(group->type) + sizeof(int64_t) - 1) / sizeof(int64_t);
@@ -93,7 +93,7 @@ static void note_given_text(const Element *element, const TextGroup *group)
     group->given[0] = element->life;
 }
 
-/* Before step mode anything may be set at any time; the event iteration at the end of the initialization sees it. */
+/* Before step mode every input may be set at any time; the event iteration after the initialization processes it. */
 static bool write_before_events(System *system, const Element *element, const Groups *groups)
 {
     if (!write_some(system, groups, UNFIT_INPUT))
@@ -123,7 +123,7 @@ static bool give_text(System *system, const Element *element, const TextGroup *g
     return true;
 }
 
-/* In step mode: discrete inputs that have changed are set in an event, all others as they are. */
+/* In step mode: changed discrete inputs are set in an event, all others directly. */
 static bool write_around_event(System *system, Element *element, const Groups *groups)
 {
     bool changed = false;
@@ -153,7 +153,7 @@ static bool write_around_event(System *system, Element *element, const Groups *g
     return leave_event_mode(system, element);
 }
 
-/* What the FMU was given goes with its state: a step back is no reason to give it again what it has. */
+/* The record of given inputs is saved with the FMU's state: after a restore no input is written twice. */
 static void save_given(const Groups *inputs)
 {
     for (const Group *group = inputs->fmi2; group < inputs->end; group++)

@@ -1,9 +1,8 @@
-/* FMUs for model exchange as elements: the kernel integrates them from one communication point to the next.
- *
- * At a communication point an element with connected inputs rests in event mode, where FMI allows every input to be
- * set, and its next step begins with the event iteration for what was set; between the points its continuous inputs
- * move along their slopes, if they were given any. An element without connected inputs goes straight on. Events that
- * fall on a communication point are handled at the end of the step that leads there. */
+/* FMUs for model exchange as elements: the kernel integrates them from one communication point to the next. At a
+ * communication point an element with connected inputs stays in event mode, where FMI allows every input to be set. Its
+ * next step begins with the event iteration for these inputs. Between the points its continuous inputs move along their
+ * slopes, if they have any. An element without connected inputs continues directly. Events on a communication point are
+ * handled at the end of the step that leads there. */
 #ifndef DSE_COSIM_EXCHANGE_H
 #define DSE_COSIM_EXCHANGE_H
 
@@ -12,7 +11,7 @@
 
 enum { MOST_STEPS = 1000000, MOST_PASSES = 100, CLOSE_EVENTS = 32 };
 
-/* Part of a communication step by which an FMU's time of an event may differ from the master's by rounding. */
+/* Tolerance, in communication steps, between an FMU's event time and the master's time, for rounding. */
 #define SPARE 1e-9
 
 static bool exchange_make(System *system, int64_t e)
@@ -31,7 +30,7 @@ static bool exchange_make(System *system, int64_t e)
 
 /* ---- events ---- */
 
-/* In event mode: iterate until nothing changes any more, and take note of what is new. */
+/* In event mode: iterate until nothing changes, and store new event information. */
 static bool settle_events(System *system, const Element *element)
 {
     Exchange *x = element->exchange;
@@ -53,7 +52,7 @@ static bool settle_events(System *system, const Element *element)
     return (!has_new_states || get_states(system, element)) && (!has_new_nominals || get_nominals(system, element));
 }
 
-/* From event mode on: slope and indicators are those of here. */
+/* After event mode: computes slope and indicators at the present point. */
 static bool go_on(System *system, const Element *element)
 {
     Exchange *x = element->exchange;
@@ -71,7 +70,7 @@ static bool meet_event(System *system, const Element *element)
     if (dse_chatters(s, x->now.time, CLOSE_EVENTS))
         return fail_at(system, x, CHATTERS, s->has_event ? dse_first_crossed(element, s->high) : -1);
     s->past.events++;
-    s->past.next_width = 0.0; /* what the error control has learnt is of the time before */
+    s->past.next_width = 0.0; /* the experience of the error control is from before the event */
     s->has_event = 0;
     return change_mode(system, element, ENTER_EVENT_MODE, x->enter_event_mode) && settle_events(system, element) &&
            go_on(system, element);
@@ -79,7 +78,7 @@ static bool meet_event(System *system, const Element *element)
 
 /* ---- time ---- */
 
-/* One step of the solver to at most *limit*, and the event at its end, if there is one. */
+/* One step of the solver, at most to *limit*, and the event at its end, if any. */
 static bool proceed(System *system, const Element *element, double limit)
 {
     Exchange *x = element->exchange;
@@ -97,7 +96,7 @@ static bool proceed(System *system, const Element *element, double limit)
     return !(s->has_event || wants_event || x->now.time >= x->now.next_event) || meet_event(system, element);
 }
 
-/* To *target*, which becomes now.time but for rounding. */
+/* To *target*, which becomes now.time, except for rounding. */
 static bool integrate(System *system, const Element *element, double target)
 {
     Exchange *x = element->exchange;
@@ -116,9 +115,9 @@ static bool integrate(System *system, const Element *element, double target)
     }
 }
 
-/* ---- what element.h calls ---- */
+/* ---- functions for element.h ---- */
 
-/* Out of initialization, through the first event iteration. */
+/* Leaves initialization and does the first event iteration. */
 static bool exchange_start(System *system, int64_t e)
 {
     const Element *element = &system->elements[e];
@@ -143,7 +142,7 @@ static bool exchange_step(System *system, const Element *element, double time, d
     return !x->has_inputs || change_mode(system, element, ENTER_EVENT_MODE, x->enter_event_mode);
 }
 
-/* Keep where the integration stands, besides the FMU's own state. */
+/* Save the state of the integration, in addition to the FMU's own state. */
 static void exchange_save(Element *element)
 {
     Exchange *x = element->exchange;

@@ -1,10 +1,10 @@
-/* One model exchange element by itself, for the master in plain Python: inside an element there is C in either. */
+/* One model exchange element by itself, for the master in plain Python: elements are in C for both masters. */
 #ifndef DSE_COSIM_EXCHANGE_ALONE_H
 #define DSE_COSIM_EXCHANGE_ALONE_H
 
 #include "exchange.h"
 
-/* *system* has this one element, whose instance is in initialization mode or past it. They return 0, or 1 with
+/* *system* has only this element, whose instance is in initialization mode or later. They return 0, or 1 with
  * system->failure filled in. */
 DSE_API int dse_exchange_start(System *system);
 DSE_API int dse_exchange_step(System *system, double time, double step);

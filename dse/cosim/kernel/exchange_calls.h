@@ -34,7 +34,7 @@ static dse_answer refuse(System *system, Exchange *x, int64_t kind, int64_t stat
     return DSE_REFUSED;
 }
 
-/* The failure that the last refusal amounts to if no other point is left to try. */
+/* Reports the last refusal as failure, if there is no other point to try. */
 static bool fail_refused(System *system, const Element *element, Exchange *x)
 {
     enter_call(system, number_of(system, element), x->solver.trouble.call);
@@ -99,7 +99,7 @@ static dse_answer find_slope(System *system, const Element *element, double time
                                         SLOPE_NOT_FINITE, slope);
 }
 
-/* The event indicators where the FMU stands. */
+/* The event indicators at the FMU's present point. */
 static dse_answer get_indicators(System *system, const Element *element, double *indicators)
 {
     const Exchange *x = element->exchange;
@@ -115,7 +115,7 @@ static bool get_states(System *system, const Element *element)
                             x->solver.to));
 }
 
-/* FMI's nominal for "unknown" is 1, and so is here what cannot be one. */
+/* FMI's nominal for "unknown" is 1; invalid nominals become 1, too. */
 static bool get_nominals(System *system, const Element *element)
 {
     const Exchange *x = element->exchange;
@@ -129,7 +129,7 @@ static bool get_nominals(System *system, const Element *element)
     return true;
 }
 
-/* sensitivity = (d unknowns / d knowns) seed, all as they are inside of the FMU. */
+/* sensitivity = (d unknowns / d knowns) seed, all in the FMU's units. */
 static bool directional_derivative(System *system, const Element *element, const uint32_t *unknowns,
                                    size_t n_unknowns, const uint32_t *knowns, size_t n_knowns, const double *seed,
                                    size_t n_seed, double *sensitivity, size_t n_sensitivity)
@@ -176,7 +176,7 @@ static bool update_discrete_states(System *system, const Element *element, Fmi2E
     return accept(system, status);
 }
 
-/* Tell the FMU that the solver has come to where the FMU stands; *wants_event*: it has to enter its event mode. */
+/* Report a completed solver step at the FMU's present point; *wants_event*: it has to enter its event mode. */
 static bool complete_step(System *system, const Element *element, bool *wants_event)
 {
     Exchange *x = element->exchange;
@@ -207,7 +207,7 @@ static bool check_count(System *system, const Element *element, int64_t call, Fm
     return count == (size_t)expected || fail(system, COUNT_DIFFERS, (int64_t)count, call == GET_INDICATOR_COUNT, 0);
 }
 
-/* FMI 3 tells how many values there are now, which structural parameters may have changed. */
+/* FMI 3 returns the present numbers of values, which structural parameters may have changed. */
 static bool check_counts(System *system, const Element *element)
 {
     const Exchange *x = element->exchange;

@@ -1,16 +1,16 @@
-/* What the kernel knows of a model exchange FMU: its functions, where its integration stands, the room the solvers work
- * in. dse/cosim/binding/exchange_layout.py mirrors the structures, field by field, and sets the room up. */
+/* The kernel's data of a model exchange FMU: its functions, the state of its integration, the solvers' work space.
+ * dse/cosim/binding/exchange_layout.py mirrors the structures, field by field, and allocates the work space. */
 #ifndef DSE_COSIM_EXCHANGE_MEMORY_H
 #define DSE_COSIM_EXCHANGE_MEMORY_H
 
 #include "kernel.h"
 
-/* Why an integration stopped; the failure's value is the time, its position as told. */
+/* Why an integration stopped; the failure's value is the time, its position as listed. */
 enum {
     CHATTERS = 32,      /* event indicator, or -1 if none has changed */
     TOO_INACCURATE,     /* no step is small enough for the tolerance */
     TOO_MANY_STEPS,
-    EVENTS_UNSETTLED,   /* the event iteration finds no end */
+    EVENTS_UNSETTLED,   /* the event iteration does not end */
     SLOPE_NOT_FINITE,   /* derivative of this state */
     INDICATOR_NOT_FINITE, /* event indicator */
     STATE_NOT_FINITE,   /* state, as the FMU returned it */
@@ -19,7 +19,7 @@ enum {
     EVENT_NEVER         /* the time of the next event is not a number */
 };
 
-/* Why the FMU could not be evaluated at the last point that was tried. */
+/* Why the FMU could not be evaluated at the last tried point. */
 typedef struct {
     int64_t kind, status, position, call;
 } dse_reason;
@@ -29,10 +29,10 @@ typedef struct {
 #define DSE_OF_LOOK(name) *name
 #include "csolve/memory.h"
 
-/* Where the integration stands between two communication points. */
+/* State of the integration between two communication points. */
 typedef struct {
     double time;       /* of the FMU */
-    double next_event; /* infinite if the FMU has told of none */
+    double next_event; /* infinite if the FMU has none */
     int64_t in_event_mode;
 } Standing;
 
@@ -45,13 +45,13 @@ typedef struct {
     Standing now, kept;
     struct dse_past kept_past;
     double *nominals;
-    /* States, slope, nominals and indicators at now.time lie one after another, in n_kept doubles. */
+    /* States, slope, nominals and indicators at now.time are stored one after another, in n_kept doubles. */
     double *kept_values;
     int64_t n_kept;
     struct dse_solver solver;
 } Exchange;
 
-/* What the solvers are told about it. */
+/* Its data for the solvers. */
 typedef const Element dse_problem;
 
 static inline Exchange *exchange_of(const Element *element)
@@ -63,10 +63,10 @@ static inline Exchange *exchange_of(const Element *element)
 #define DSE_CROSSING_COUNT(p) exchange_of(p)->n_indicators
 #define DSE_LOOK_SIZE(p) exchange_of(p)->n_indicators
 #define DSE_NOMINAL(p, k) exchange_of(p)->nominals[k]
-#define DSE_ABSOLUTE 0.01 /* as FMI 2.0.4 proposes where it speaks of nominals */
+#define DSE_ABSOLUTE 0.01 /* as FMI 2.0.4 proposes in its text on nominals */
 #define DSE_HAS_STIFF true
 #define DSE_MAY_CHOOSE(p) exchange_of(p)->can_be_stiff
-/* The explicit solver's region of stability ends at 3.3, but the error control settles before, at 2.7; where accuracy
+/* The explicit solver's region of stability ends at 3.3, but the error control already limits it to 2.7; where accuracy
  * decides, the product is 1 or less. */
 #define DSE_STIFF_FROM 2.0
 #include "csolve/problem.h"

@@ -1,8 +1,8 @@
-/* What the solvers of csolve ask of a model exchange element, and one step of theirs. */
+/* The functions of a model exchange element for the solvers of csolve, and one solver step. */
 #ifndef DSE_COSIM_EXCHANGE_SOLVER_H
 #define DSE_COSIM_EXCHANGE_SOLVER_H
 
-#include "exchange_calls.h" /* before: it says what the solvers work on */
+#include "exchange_calls.h" /* before csolve: defines the type that the solvers work on */
 
 #include "csolve/step.h"
 
@@ -21,7 +21,7 @@ static inline dse_answer dse_look(const Element *p, double look[])
     return get_indicators(p->system, p, look);
 }
 
-/* The slope is not needed; some FMUs compute their indicators along with it. */
+/* The slope is not needed; some FMUs compute their indicators with it. */
 static inline dse_answer dse_look_within(const Element *p, double time, const double states[], double look[])
 {
     const dse_answer answer = find_slope(p->system, p, time, states, dse_solver_of(p)->found);
@@ -34,7 +34,7 @@ static inline dse_answer dse_look_beyond(const Element *p, double time, const do
     return answer == DSE_DONE ? dse_look(p, look) : answer;
 }
 
-/* There is an event where an indicator comes from above zero to zero or below, or the other way (FMI 2.0.4, 3.1). */
+/* An event occurs where an indicator changes from above zero to zero or below, or back (FMI 2.0.4, 3.1). */
 static inline bool dse_is_crossed(const Element *p, const double look[], int64_t k)
 {
     return (dse_solver_of(p)->at_end[k] > 0.0) != (look[k] > 0.0);
@@ -76,7 +76,7 @@ static inline dse_answer dse_refuse_singular(const Element *p)
     return refuse(p->system, p->exchange, SINGULAR, 0, 0);
 }
 
-/* That a step is accepted, the FMU is told where the step ends. */
+/* No action: complete_step reports an accepted step to the FMU at the end of the step. */
 static inline void dse_settle(const Element *p)
 {
     (void)p;

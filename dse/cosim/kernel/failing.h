@@ -4,12 +4,12 @@
 
 #include "kernel.h"
 
-/* The loop is as fast as it is short: what it needs is put into it, everything else is kept out of it. */
+/* A short loop is a fast loop: its functions are inlined, all others are kept out of it. */
 #if defined(__GNUC__)
 #define RARE __attribute__((cold, noinline))
 #define APART __attribute__((noinline))
 #define HOT static inline __attribute__((always_inline))
-#define OFFERED __attribute__((unused)) /* to the algorithms, whether one happens to take it or not */
+#define OFFERED __attribute__((unused)) /* for the algorithms, which do not all use it */
 #else
 #define RARE
 #define APART
@@ -17,7 +17,7 @@
 #define OFFERED
 #endif
 
-/* The block is in memory before the FMU runs: no compiler may hold a store to it back past an unknown function. */
+/* The block is in memory before the FMU runs: compilers may not delay a store to it past an unknown function. */
 static inline void enter_call(System *system, int64_t element, int64_t call)
 {
     system->progress->place = (Place){element, call};
@@ -36,8 +36,8 @@ static inline bool is_asked_to_end(const System *system)
 
 #define NEARLY 1e-9 /* of a step: FMUs add up their times */
 
-/* A step to *end* is not made as it should be: whether it is all the same, as the FMU asked for the end there and not
- * before. The others get there, too, and the run ends with that row. */
+/* Called when a step to *end* failed. True if the step counts, as the FMU requested the end of the simulation there and
+ * not before. The other elements also step to *end*, and the run ends with that row. */
 RARE static bool ends_at(System *system, double end, double step)
 {
     const bool is_there = is_asked_to_end(system) && system->takes_end && system->failure.value >= end - NEARLY * step;
@@ -45,7 +45,7 @@ RARE static bool ends_at(System *system, double end, double step)
     return is_there;
 }
 
-/* About one value of a group. */
+/* For one value of a group. */
 RARE static bool fail_value(System *system, int64_t kind, const Group *group, int64_t position, double value)
 {
     system->progress->place = group->place;

@@ -1,5 +1,5 @@
-/* What the co-simulation kernel calls of FMI 1.0, 2.0 and 3.0: the signatures of the standards, chapter 3 of FMI for
- * Co-Simulation 1.0, chapter 4 of FMI 2.0.4 and chapters 2 and 4 of FMI 3.0.1, written down for this kernel alone. */
+/* The functions of FMI 1.0, 2.0 and 3.0 that the co-simulation kernel calls: the signatures of the standards, chapter 3
+ * of FMI for Co-Simulation 1.0, chapter 4 of FMI 2.0.4 and chapters 2 and 4 of FMI 3.0.1, written for this kernel. */
 #ifndef DSE_COSIM_FMI_H
 #define DSE_COSIM_FMI_H
 
@@ -7,18 +7,18 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Both versions count 0 OK, 1 Warning, 2 Discard, 3 Error, 4 Fatal; FMI 2 knows 5 Pending besides. */
+/* Both versions use 0 OK, 1 Warning, 2 Discard, 3 Error, 4 Fatal; FMI 2 also has 5 Pending. */
 enum { FMI_OK, FMI_WARNING, FMI_DISCARD, FMI_ERROR, FMI_FATAL, FMI_PENDING };
 
 enum { FMI2_MODEL_EXCHANGE, FMI2_CO_SIMULATION };
 
-/* What fmi2GetStatus and its like are asked for; FMI 1.0 knows the first three. */
+/* Status kinds of fmi2GetStatus and similar functions; FMI 1.0 has the first three. */
 enum { FMI_STEP_STATUS, FMI_PENDING_STATUS, FMI_LAST_SUCCESSFUL_TIME, FMI_TERMINATED };
 
 /* Any FMI function; it is cast to its own type before it is called. */
 typedef void (*FmiFunction)(void);
 
-/* get and set of one type; values point at double, int32_t, bool, … as the type has it. */
+/* get and set of one type; values points to double, int32_t, bool, … depending on the type. */
 typedef int (*Fmi2Access)(void *, const uint32_t *, size_t, void *);
 typedef int (*Fmi3Access)(void *, const uint32_t *, size_t, void *, size_t);
 
@@ -59,7 +59,7 @@ typedef int (*Fmi2SetupExperiment)(void *, int has_tolerance, double tolerance, 
                                    double stop);
 typedef int (*Fmi2DoStep)(void *, double time, double step, int no_rollback);
 
-/* Of FMI 1.0 too. */
+/* Also of FMI 1.0. */
 typedef int (*Fmi2GetStatus)(void *, int what, int *);
 typedef int (*Fmi2GetRealStatus)(void *, int what, double *);
 typedef int (*Fmi2SetDerivatives)(void *, const uint32_t *, size_t, const int32_t *orders, const double *);
@@ -85,7 +85,7 @@ typedef int (*Fmi3GetIntervalFraction)(void *, const uint32_t *, size_t, uint64_
 typedef int (*Fmi3GetShift)(void *, const uint32_t *, size_t, double *shifts);
 typedef int (*Fmi3GetShiftFraction)(void *, const uint32_t *, size_t, uint64_t *counters, uint64_t *resolutions);
 
-/* What fmi3GetInterval… says of an interval. */
+/* Interval qualifiers of fmi3GetInterval… */
 enum { NOT_YET_KNOWN, UNCHANGED, CHANGED };
 
 typedef void *(*Fmi3Instantiate)(const char *name, const char *token, const char *resources, bool visible, bool logging,

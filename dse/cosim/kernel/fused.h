@@ -1,4 +1,4 @@
-/* The loop that was compiled for one system (dse/fmu/fusion), in the place of the one over FMI calls. */
+/* The loop that was compiled for one system (dse/fmu/fusion), instead of the loop over FMI calls. */
 #ifndef DSE_COSIM_FUSED_H
 #define DSE_COSIM_FUSED_H
 
@@ -7,7 +7,7 @@
 
 #include "csolve/fused_abi.h"
 
-/* A component could not make its step: the answer it would have given an FMI call decides what that means. */
+/* A component could not make its step: evaluates the status that an FMI call would have returned. */
 RARE static void take_answer(System *system, const Element *element, const dse_fused_run *run, double time)
 {
     const int status = (int)run->status;
@@ -33,8 +33,8 @@ static dse_fused_run go_fused(System *system, const Request *request, int *endin
     return run;
 }
 
-/* Makes steps up to the communication point that is noted in progress then: the last one, or one that something is
- * unusual about. There the loop over FMI calls goes on, and finds out. */
+/* Makes steps up to the communication point that is then stored in progress: the last one, or one with an exception.
+ * From there the loop over FMI calls continues, and determines the cause. */
 static bool simulate_fused(System *system, const Request *request)
 {
     Progress *const progress = system->progress;
@@ -58,8 +58,8 @@ static bool simulate_fused(System *system, const Request *request)
     return true;
 }
 
-/* The same with a loop of Gauss and Seidel. It may stop between two elements: those before the one that is noted have
- * made the step. FMI calls finish it, and go on from the communication point *k*. */
+/* The same with a loop of Gauss and Seidel. It may stop between two elements: those before the stored one have made the
+ * step. FMI calls complete the step, and continue from the communication point *k*. */
 static bool simulate_fused_in_turn(System *system, const Request *request, int64_t *k)
 {
     Progress *const progress = system->progress;

@@ -1,8 +1,8 @@
-/* The co-simulation master: one call per run. The initialization follows a plan (plan.h). What comes after it does so
- * too, but for the plain case, which has a tight loop of its own here: fixed communication step, Jacobi.
+/* The co-simulation master: one call per run. The initialization follows a plan (plan.h), as does the simulation,
+ * except for the plain case, which has a tight loop here: fixed communication step, Jacobi.
  *
  * At t = k*step, for k = 0 … steps: read all outputs, record them, write all inputs, let every element step.
- * tests/oracle/reference.py is the same in plain Python and must agree with this bit for bit. */
+ * tests/oracle/reference.py does the same in plain Python; its results must be identical to the last bit. */
 #include "master.h"
 #include "exchange_alone.h"
 #include "fused.h"
@@ -49,7 +49,7 @@ static bool leave_all(System *system)
     return true;
 }
 
-/* Elements step in their order, whatever their version; before *mixed* all are of FMI 2. */
+/* Elements step in their order, with any version; elements before *mixed* all use FMI 2. */
 HOT bool step_all(System *system, Progress *progress, const Element *mixed, double time, double step)
 {
     const Element *element = system->elements, *const end = element + system->n_elements;
@@ -66,7 +66,7 @@ HOT bool step_all(System *system, Progress *progress, const Element *mixed, doub
     return true;
 }
 
-/* The same, to find out who changes the floating-point mode. */
+/* The same, with a check for changes of the floating-point mode. */
 RARE static bool step_all_watched(System *system, double time, double step)
 {
     for (int64_t e = 0; e < system->n_elements; e++)
@@ -85,7 +85,7 @@ static const Element *first_not_fmi2(const System *system)
 
 APART static bool simulate(System *system, const Request *request)
 {
-    /* Copies: the compiler would read them again after every call, as it cannot know what an FMU changes. */
+    /* Copies: otherwise the compiler would reload them after every call, as an FMU might change them. */
     Progress *const progress = system->progress;
     const Groups outputs = system->outputs, inputs = system->inputs;
     const Element *const mixed = first_not_fmi2(system);
@@ -124,7 +124,7 @@ APART static bool simulate(System *system, const Request *request)
     }
 }
 
-/* To the end, be it one that an FMU asks for: the rows before it are the result. */
+/* To the end, or to the end that an FMU requests: the rows before it are the result. */
 static bool simulate_on(System *system, const Request *request)
 {
     const bool went = system->is_plain ? simulate(system, request) : simulate_by_plan(system, request);
@@ -140,7 +140,7 @@ static bool terminate_all(System *system)
     return true;
 }
 
-/* ---- what the binding calls ---- */
+/* ---- functions for the binding ---- */
 
 int dse_run(System *system, const Request *request)
 {

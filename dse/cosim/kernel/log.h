@@ -1,4 +1,4 @@
-/* What FMUs log: the last lines of each element. */
+/* Log messages of FMUs: the last lines of each element. */
 #ifndef DSE_COSIM_LOG_H
 #define DSE_COSIM_LOG_H
 
@@ -11,9 +11,9 @@
 
 static _Thread_local const System *calling; /* by this thread */
 
-static Log nobodys; /* of lines that come after their element is gone */
+static Log nobodys; /* lines that arrive after their element was freed */
 
-/* Elements whose addresses FMUs were given, for good: their memory is never given back to the system. */
+/* Elements whose addresses were given to FMUs, permanently: their memory is never freed. */
 typedef struct Lent {
     const Element *first, *end;
     struct Lent *before;
@@ -28,14 +28,14 @@ static void lend(const System *system)
             return;
     Lent *new = malloc(sizeof *new);
     if (!new)
-        return; /* then the FMU calls back as one that tells another address */
+        return; /* then the FMU's callbacks are treated as if with another address */
     *new = (Lent){system->elements, system->elements + system->n_elements, known};
     while (!__atomic_compare_exchange_n(&lent, &new->before, new, false, __ATOMIC_RELEASE, __ATOMIC_ACQUIRE))
         ;
 }
 
-/* Whose callback it is. FMUs pass other things than the environment they were given: their own instance, a constant.
- * Then, as in FMI 1.0, it is the element's that this thread is calling; NULL if it calls none. */
+/* The element of a callback. Some FMUs do not pass the environment they were given, but their own instance or a
+ * constant. Then, as in FMI 1.0, it is the element that this thread is calling; NULL if it calls none. */
 static Element *element_of(void *environment)
 {
     for (const Lent *each = __atomic_load_n(&lent, __ATOMIC_ACQUIRE); each; each = each->before) {
@@ -49,12 +49,12 @@ static Element *element_of(void *environment)
 
 static char *next_line(const Element *element)
 {
-    /* FMUs log from threads of their own: a line may be overwritten, never the memory beside it. */
+    /* FMUs log from their own threads: a line may be overwritten, but never the memory beside it. */
     Log *log = element && element->log ? element->log : &nobodys;
     return log->lines[__atomic_fetch_add(&log->count, 1, __ATOMIC_RELAXED) % LOG_LINES];
 }
 
-/* Of FMI 2, whose *environment* comes first, and of FMI 1.0, where the instance does. */
+/* For FMI 2, whose first argument is *environment*, and for FMI 1.0, whose first argument is the instance. */
 static void keep_fmi2_line(void *environment, const char *name, int status, const char *category,
                            const char *format, ...)
 {

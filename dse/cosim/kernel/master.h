@@ -5,7 +5,7 @@
 #include "adaptive.h"
 #include "fused.h"
 
-/* A fingerprint of what every element shows. */
+/* A hash of the values that every element shows. */
 RARE static void digest(const System *system, uint64_t *digests)
 {
     for (int64_t e = 0; e < system->n_elements; e++) {
@@ -35,7 +35,7 @@ static void record(System *system, const Request *request, int64_t k)
         digest(system, request->digests + k * system->n_elements);
 }
 
-/* Forget the run before. */
+/* Discard the data of the previous run. */
 static void forget(const Plan *plan)
 {
     memset(plan->past, 0, (size_t)plan->n_past * sizeof(double));
@@ -65,7 +65,7 @@ APART static bool simulate_by_plan(System *system, const Request *request)
         system->progress->step = plan->k = k;
         const double time = (double)k * request->step;
         if (plan->n_groups && !tick_all(system, time)) {
-            /* An end that is asked for here is one of all: they have come to this row. */
+            /* A requested end here applies to all elements: they have reached this row. */
             if (!k || !is_asked_to_end(system))
                 return false;
             system->has_ended = true;

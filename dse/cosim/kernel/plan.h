@@ -1,8 +1,8 @@
 /* How a system is initialized and, unless it is a plain one, simulated: tables of operations that
  * dse/cosim/tables/method.py compiles. dse/cosim/binding/plan_layout.py mirrors every structure, field by field.
  *
- * Words: an element *shows* its outputs at the end of its own step; what it shows stays until it shows again. Values
- * *meet* at communication points. */
+ * Terms: an element *shows* its outputs at the end of its own step; they are valid until it shows again. Values *meet*
+ * at communication points: they are passed on there. */
 #ifndef DSE_COSIM_PLAN_H
 #define DSE_COSIM_PLAN_H
 
@@ -10,7 +10,7 @@
 
 enum { READ, WRITE, SOLVE };
 
-/* What an input does during a step. */
+/* Behaviour of an input during a step. */
 enum { HELD, MIDDLE, SLOPED };
 
 typedef struct Loop Loop;
@@ -26,20 +26,20 @@ typedef struct {
     const Operation *begin, *end;
 } Sweep;
 
-/* Outputs that depend on each other. From the torn ones the sweep computes all, the torn ones again. */
+/* Outputs that depend on each other. A sweep computes all from the torn ones, including the torn ones. */
 struct Loop {
     Sweep sweep;
     const int32_t *torn; /* positions among the values, those of continuous numbers first */
     int64_t n_reals, n_torn;
-    int64_t sweeps; /* so many settle a loop that is none in truth */
+    int64_t sweeps; /* this number settles a loop that is not a real loop */
     int64_t number, has_texts;
     const double *nominals; /* of the real ones */
     double *room;           /* 5 n_torn doubles */
-    double *rows, *way; /* of the real ones: factors, and what is left to go */
+    double *rows, *way; /* of the real ones: factors, and the remaining correction */
     uint32_t *pivots;
 };
 
-/* An element's own step: *parts* of them in one of the run's, or one in *every* of them. */
+/* An element's own step: *parts* of them per step of the run, or one per *every* steps. */
 typedef struct {
     int64_t every, parts, has_slopes;
     Operation inputs; /* all of them */
@@ -56,97 +56,97 @@ typedef struct {
 
 /* ---- clocks (FMI 3.0.2, 2.2.8) ---- */
 
-enum { CONSTANT, FIXED, TUNABLE, CHANGING, COUNTDOWN, TRIGGERED }; /* all but the last tick by themselves */
+enum { CONSTANT, FIXED, TUNABLE, CHANGING, COUNTDOWN, TRIGGERED }; /* all except TRIGGERED tick by themselves */
 
 typedef struct {
     int64_t element, reference, kind;
     FmiFunction access, get_interval, get_shift; /* get or set; the fraction's functions if it *has_fractions* */
     int64_t has_fractions, is_told;
-    double interval, shift, resolution; /* if it is told: tick n is at (shift + n interval)/resolution */
+    double interval, shift, resolution; /* if is_told: tick n is at (shift + n interval)/resolution */
     const int64_t *sources;             /* the clocks it ticks with */
     int64_t n_sources;
-    /* In a run: as above from its first tick or the last change on, the time of the next tick (infinite for never or
-     * not known) and the number of the last. */
+    /* In a run: as above since its first tick or the last change; the time of the next tick (infinite for never or
+     * unknown) and the number of the last tick. */
     double period, first, parts, next;
     int64_t ticks;
-    /* In an instant: whether it is to tick, whether its element knows, and after which of the element's news it was
-     * asked. */
+    /* In an instant: whether it ticks, whether its element has been informed, and the value of the element's *news*
+     * when it was last polled. */
     int64_t is_active, is_set, asked_at;
-    int64_t count; /* how often it has ticked in the run, by itself or with others */
+    int64_t count; /* number of ticks in the run, by itself or with others */
 } Clock;
 
 enum { POLL, TICK, SAMPLE, DELIVER };
 
-/* What is done in an instant with a clock or a variable that belongs to clocks. */
+/* An operation of an instant on a clock or a variable with clocks. */
 typedef struct {
     int64_t act, element, clock;
     const int64_t *clocks; /* one of which must tick, if there are any */
     int64_t n_clocks;
-    const int64_t *sources; /* DELIVER: the steps that sample what is given */
+    const int64_t *sources; /* DELIVER: the steps that sample its sources */
     int64_t n_sources, is_message;
     Operation operation;     /* SAMPLE: a read, DELIVER: a write */
-    int64_t first, n_values; /* SAMPLE: where among the values, and room for these */
+    int64_t first, n_values; /* SAMPLE: position in the values, and room for these */
     double *before;
-    int64_t stamp, read_at; /* when in the instant it was done, SAMPLE: changed something, and was done; 0 for not yet */
-    int64_t bytes;          /* SAMPLE of a message: in the run so far */
+    int64_t stamp, read_at; /* SAMPLE: order of the last change and of the last read, 0 for none */
+    int64_t bytes;          /* SAMPLE of a message: sum over the run */
 } ClockStep;
 
-/* Where ticks or bytes are recorded. */
+/* A column that records ticks or bytes. */
 typedef struct {
     int64_t column;
     int64_t *counter;
 } CountColumn;
 
-/* Elements that stop together wherever one of their clocks ticks, in the order they step. */
+/* Elements that stop together whenever one of their clocks ticks, in the order of their steps. */
 typedef struct {
     const int64_t *elements;
-    int64_t n_elements, leader; /* the element in whose turn they are driven */
+    int64_t n_elements, leader; /* the element that runs the whole group */
     Clock *clocks, *no_clocks;
     ClockStep *steps, *no_steps;
 } ClockGroup;
 
-/* An element with clocks: whether it is in event mode, has something to do there, and when it was given anything. */
+/* An element with clocks: whether it is in event mode, whether it is due, and the order of its last input. */
 typedef struct {
     int64_t in_events, is_due, news;
 } Ticking;
 
 typedef struct {
     Sweep initial, meeting;
-    Sweep doubtful; /* reads of what was not right in the initial sweep if an FMU's dependencies are not true */
-    Sweep untold;   /* the initial sweep that believes no FMU; empty until it is needed */
-    const int32_t *doubted; /* where those outputs lie, continuous numbers first */
+    Sweep doubtful; /* reads of outputs that were wrong in the initial sweep if an FMU's dependencies are wrong */
+    Sweep untold;   /* the initial sweep without the FMUs' dependencies; empty until needed */
+    const int32_t *doubted; /* positions of those outputs, continuous numbers first */
     int64_t n_doubted_reals, n_doubted;
     const double *doubted_nominals; /* of the continuous ones */
     double *passed_on;              /* room for n_doubted */
     int64_t is_sequential, n_leading;
     const Pace *paces;     /* one per element */
     const int32_t *owners; /* the element of each value */
-    double *staged, *slopes; /* inputs as their sources have them, and how fast they change */
+    double *staged, *slopes; /* inputs from their sources, and their rates */
     const int32_t *sources;  /* staged[i] comes from values[sources[i]] */
     const int32_t *moves;    /* HELD, MIDDLE or SLOPED */
-    double *used;            /* what each staged input was on average in the last step */
+    double *used;            /* mean of each staged input in the last step */
     const int32_t *watched; /* values that must stay finite and within their limits */
     int64_t n_watched;
     const double *nominals; /* of the watched ones */
     double *limits;
     const Bond *bonds;
     int64_t n_bonds;
-    const BondColumn *bond_columns; /* where their energies are recorded */
+    const BondColumn *bond_columns; /* columns that record their energies */
     int64_t n_bond_columns;
-    /* The past: what a rollback restores besides the values. */
+    /* The past: data that a rollback restores in addition to the values. */
     double *past;
     int64_t n_past;
     double *before;        /* the values shown before the present ones */
-    double *shown, *spans; /* when each element showed its outputs, and how long after the time before */
+    double *shown, *spans; /* when each element showed its outputs, and the time since it showed them before */
     double *energies;
-    double *met; /* effort and flow of each bond where their elements' steps began */
+    double *met; /* effort and flow of each bond at the start of their elements' steps */
     /* Error control; *tolerance* is 0 without. */
     double tolerance, absolute, smallest;
     const int32_t *compared;
     int64_t n_compared;
     double *magnitudes, *coarse; /* of the compared ones: largest so far, found by one step */
     double *kept;                /* n_values + n_past */
-    int64_t reads_again;         /* after a rollback: texts are not among the values */
+    int64_t reads_again;         /* after a rollback: texts are not part of the values */
     int64_t k;                   /* communication point */
     const ClockGroup *groups;
     int64_t n_groups;
@@ -156,8 +156,8 @@ typedef struct {
     Ticking *ticking;  /* of each element */
     const CountColumn *count_columns;
     int64_t n_count_columns;
-    int64_t instant;   /* counts what is done in one */
-    double spare;      /* ticks this close to each other, in seconds, are one */
+    int64_t instant;   /* counts its operations */
+    double spare;      /* ticks within this time, in seconds, are simultaneous */
 } Plan;
 
 #endif

@@ -1,4 +1,4 @@
-/* Inputs that go on along a line while an element steps. */
+/* Inputs that follow a straight line while an element steps. */
 #ifndef DSE_COSIM_SLOPES_H
 #define DSE_COSIM_SLOPES_H
 
@@ -11,13 +11,13 @@ static double slope_arriving(const Group *group, int64_t i)
     return group->transforms ? group->transforms[i].factor * group->slopes[i] : group->slopes[i];
 }
 
-/* Inside of the FMU: offsets are of no account. */
+/* Inside of the FMU: offsets have no effect. */
 static double slope_inside(const Group *group, int64_t i)
 {
     return group->conversions ? slope_arriving(group, i) / group->conversions[i].factor : slope_arriving(group, i);
 }
 
-/* FMI 1 and 2 take slopes besides the values; a *factor* of 0 takes them back. */
+/* FMI 1 and 2 take slopes in addition to values; a *factor* of 0 cancels them. */
 static bool set_derivatives(System *system, const Element *element, double factor)
 {
     for (const Group *group = element->moving->fmi2; group < element->moving->fmi3; group++) {
@@ -39,7 +39,7 @@ static bool takes_derivatives(const Element *element)
     return element->version < 3 && !element->exchange;
 }
 
-/* From *time* on, when they were written, *inputs* move along their slopes, until they are held or given others. */
+/* From *time* on, when they were written, *inputs* follow their slopes, until they are held or get new ones. */
 OFFERED static bool give_slopes(System *system, Element *element, const Groups *inputs, double time)
 {
     element->moving = inputs;
@@ -61,7 +61,7 @@ static bool move_group(System *system, const Group *group, double elapsed)
     carry(group, group->scratch);
     for (int64_t i = 0; i < group->n_values; i++)
         group->scratch[i] += slope_arriving(group, i) * elapsed;
-    /* Only numbers that are no items have slopes: they can be too large, but nothing else. */
+    /* Only numbers without items have slopes: the only possible failure is a number that is too large. */
     turn_inside(group, group->scratch);
     if (!keeps_finite(system, group, UNFIT_INPUT))
         return false;
@@ -71,7 +71,7 @@ static bool move_group(System *system, const Group *group, double elapsed)
     return group->version < 3 ? call_fmi2(system, system->progress, group) : call_fmi3(system, system->progress, group);
 }
 
-/* Set the inputs to what they are at *time*; nothing happens without slopes. */
+/* Set the inputs to their values at *time*; no operation without slopes. */
 static bool move_inputs(System *system, const Element *element, double time)
 {
     if (!element->moving)

@@ -1,10 +1,10 @@
-/* How a system goes through its initialization, and from one communication point to the next, as its plan says. */
+/* The initialization of a system, and its steps from one communication point to the next, by its plan. */
 #ifndef DSE_COSIM_STEP_LOOP_H
 #define DSE_COSIM_STEP_LOOP_H
 
 #include "clocks.h"
 
-#define NOTICED 1e-6 /* of an output's size: far above what FMUs that iterate inside leave, far below what a lie does */
+#define NOTICED 1e-6 /* of an output's size: above residuals of iterating FMUs, below effects of a wrong dependency */
 
 /* ---- the initialization ---- */
 
@@ -14,7 +14,7 @@ static bool differs(double a, double b, double size)
     return a != b && !(fabs(a - b) <= NOTICED * (magnitude > size ? magnitude : size)) && (a == a || b == b);
 }
 
-/* Whether outputs are not what the initial sweep passed on: they depend on inputs of which their FMU does not tell. */
+/* Whether outputs differ from those of the initial sweep: they depend on inputs that their FMU does not declare. */
 static bool look_again(System *system, bool *is_misled)
 {
     const Plan *plan = system->plan;
@@ -31,7 +31,7 @@ static bool look_again(System *system, bool *is_misled)
     return true;
 }
 
-/* Carry values along the wires, before t = 0; if an FMU's dependencies prove untrue, once more as if none were told. */
+/* Pass values along the wires, before t = 0; if an FMU's dependencies are wrong, again without dependencies. */
 static bool initialize(System *system)
 {
     Plan *plan = system->plan;
@@ -48,7 +48,7 @@ static bool initialize(System *system)
 
 /* ---- one element ---- */
 
-/* The slope of the line through the last two values that were shown, per second; 0 before there are two. */
+/* The slope of the line through the last two shown values, per second; 0 with fewer than two. */
 static double slope_of(const System *system, int32_t position)
 {
     const Plan *plan = system->plan;
@@ -71,7 +71,7 @@ static void move_along(const System *system, const Operation *inputs, double tim
     }
 }
 
-/* What inputs are on average over [time, time + length], for the bonds. */
+/* Means of the inputs over [time, time + length], for the bonds. */
 static void note_used(const System *system, const Operation *inputs, double time, double length)
 {
     const Plan *plan = system->plan;
@@ -83,14 +83,14 @@ static void note_used(const System *system, const Operation *inputs, double time
     }
 }
 
-/* Give the element its inputs and let it go from *time* over *length*, in as many steps of its own as it wants. */
+/* Write the element's inputs and step it from *time* over *length*, in its own number of steps. */
 static bool drive(System *system, int64_t e, double time, double length)
 {
     const Plan *plan = system->plan;
     Element *element = &system->elements[e];
     const Pace *pace = &plan->paces[e];
     const double step = length / (double)pace->parts;
-    /* Values that are to be carried on at the next row might find an FMU that takes none any more. */
+    /* An FMU may accept no values after its end: then values cannot be passed on at the next row. */
     const bool meets_next = pace->every == 1 && !(plan->tolerance > 0.0) && plan->meeting.begin == plan->meeting.end;
     if (plan->n_bonds)
         note_used(system, &pace->inputs, time, length);
@@ -98,7 +98,7 @@ static bool drive(System *system, int64_t e, double time, double length)
         const double begin = system->now = time + (double)part * step;
         system->takes_end = meets_next && part + 1 == pace->parts;
         move_along(system, &pace->inputs, begin, step);
-        /* Gauss and Seidel pass on what nobody has looked at yet; with error control a shorter step may still do. */
+        /* Gauss and Seidel pass on unchecked values; with error control a shorter step may still succeed. */
         const int32_t *sources = plan->sources + pace->inputs.first;
         if (plan->is_sequential && !(plan->tolerance > 0.0) && !are_finite(system, sources, pace->inputs.count))
             return fail_not_finite(system, sources, pace->inputs.count);
@@ -110,7 +110,7 @@ static bool drive(System *system, int64_t e, double time, double length)
     return true;
 }
 
-/* Take the element's outputs at *time*. */
+/* Read the element's outputs at *time*. */
 static bool show(System *system, int64_t e, double time)
 {
     const Plan *plan = system->plan;
@@ -122,9 +122,9 @@ static bool show(System *system, int64_t e, double time)
     return read_element(system, element, &element->outputs);
 }
 
-/* ---- elements that stop where clocks tick ---- */
+/* ---- elements that stop at ticks of clocks ---- */
 
-/* One call of fmi3DoStep from *time* to *target*, or as far as the element goes if it may end a step early. */
+/* One call of fmi3DoStep from *time* to *target*, or to an earlier time if the element may return early. */
 static bool step_ticking(System *system, Element *element, double time, double step, double *target, double end)
 {
     const double wanted = *target;
@@ -137,7 +137,7 @@ static bool step_ticking(System *system, Element *element, double time, double s
     return !system->watches || keeps_floating_mode(system);
 }
 
-/* All to *target*, which is where the first of them stops if it returns early; to the *end* it is *rest* from here. */
+/* All to *target*, or to where the first of them stops if it returns early; *rest* is the time from here to *end*. */
 static bool step_together(System *system, const ClockGroup *group, double time, double rest, double *target, double end)
 {
     const Clock *stopping;
@@ -154,7 +154,7 @@ static bool step_together(System *system, const ClockGroup *group, double time, 
     return true;
 }
 
-/* As drive, for all of a group: each sub-step ends where the next clock ticks. */
+/* As drive, for all of a group: each sub-step ends at the next tick of a clock. */
 static bool drive_group(System *system, const ClockGroup *group, double time, double length, double end)
 {
     const Plan *plan = system->plan;
@@ -204,9 +204,9 @@ static bool show_group(System *system, const ClockGroup *group, double time)
 
 /* ---- all elements ---- */
 
-/* From *time* to *end*, which is *length* later; elements whose own step is *every* times as long begin or end it
- * where the number k of the communication point tells. Those before *first* have done it. What the leading ones show
- * at once, before the others go, is of the step's beginning. */
+/* From *time* to *end*, which is *length* later. An element whose own step is *every* times as long starts or ends it
+ * depending on the number k of the communication point. Elements before *first* have stepped already. The leading
+ * elements show their outputs, before the others step, at the beginning of the step. */
 static bool advance_from(System *system, int64_t first, double time, double length, double end)
 {
     const Plan *plan = system->plan;
@@ -251,9 +251,9 @@ static bool all_watched_finite(System *system)
     return true;
 }
 
-/* A double does not tell changes of the size of a variable's nominal value any more beyond 2^53 times that value: no
- * variable means anything there. One that begins with such a value is judged by its beginning, and one whose FMU
- * declares no nominal value (infinite here) is not judged: nobody knows what is large for it. */
+/* Beyond 2^53 times its nominal value a double cannot represent changes of the size of that value: the variable is
+ * meaningless there. A variable that starts at such a value is checked relative to its start value. A variable without
+ * a nominal value (infinite here) is not checked: its scale is unknown. */
 static void set_limits(System *system)
 {
     const Plan *plan = system->plan;
@@ -263,7 +263,7 @@ static void set_limits(System *system)
     }
 }
 
-/* Looked at once, at the end of a run: what has left its limits does not come back, or it was none of our business. */
+/* Checked once, at the end of a run: a diverged value stays beyond its limits, or does not matter. */
 static bool within_limits(System *system)
 {
     const Plan *plan = system->plan;
@@ -275,8 +275,8 @@ static bool within_limits(System *system)
     return true;
 }
 
-/* What the element behind an output did with an input in its step that ends here, if one does: both on average, as at the
- * step's end alone they would differ even if nothing were lost. *met* is the output at the step's beginning. */
+/* Work of the element behind an output on an input in its step that ends here, if one does. Both are means over the
+ * step, as values at its end would differ even without loss. *met* is the output at the step's beginning. */
 static double work(const System *system, int64_t output, int64_t input, double length, double *met)
 {
     const Plan *plan = system->plan;
@@ -288,7 +288,7 @@ static double work(const System *system, int64_t output, int64_t input, double l
     return (double)plan->paces[element].every * length * plan->used[input] * mean;
 }
 
-/* Carry values on at the communication point at *time*, after a step of *length* (0 for none). */
+/* Pass values on at the communication point at *time*, after a step of *length* (0 for none). */
 static bool meet(System *system, double time, double length)
 {
     const Plan *plan = system->plan;

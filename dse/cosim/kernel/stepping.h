@@ -1,4 +1,4 @@
-/* One element makes one communication step, whatever it takes. */
+/* One element makes one communication step, including retries and partial steps. */
 #ifndef DSE_COSIM_STEPPING_H
 #define DSE_COSIM_STEPPING_H
 
@@ -28,13 +28,13 @@ static void nap(void)
 #endif
 }
 
-/* A step that is made asynchronously: its status when it is over. The FMU may tell by itself or when it is asked. */
+/* Status of an asynchronous step when it is over. The FMU reports it by callback, or is polled. */
 static int wait_for_step(System *system, Element *element)
 {
     for (;; nap()) {
         const int64_t told = __atomic_load_n(&element->finished, __ATOMIC_ACQUIRE);
-        /* An FMU may call back for a step that was over when it returned, too. The loop does not stop to forget that:
-         * the step's number tells. */
+        /* An FMU may also call back for a step that was over when it returned. The loop does not clear that: the step's
+         * number identifies the callback. */
         if (told >= 0 && __atomic_load_n(&element->finished_at, __ATOMIC_RELAXED) == system->progress->step)
             return (int)told;
         if (!element->get_status)
@@ -58,7 +58,7 @@ static int call_step(System *system, Element *element, double time, double step)
                : ((Fmi2DoStep)element->do_step)(element->instance, time, step, system->may_roll_back ? 0 : 1);
 }
 
-/* Whether a discarded step got anywhere: up to when. */
+/* Whether a discarded step made progress: sets *time* to the time it reached. */
 static bool got_on(System *system, const Element *element, double *time, double end)
 {
     double reached = *time;
@@ -67,7 +67,7 @@ static bool got_on(System *system, const Element *element, double *time, double 
     enter_call(system, element->stepping.element, GET_REAL_STATUS);
     if (!is_good(((Fmi2GetRealStatus)element->get_real_status)(element->instance, FMI_LAST_SUCCESSFUL_TIME, &reached)))
         return false;
-    /* Not beyond the end: then nobody knows what it did. */
+    /* Not beyond the end: then its state is unknown. */
     const bool is_on = reached > *time && reached <= end + NEARLY * (end - *time);
     *time = reached;
     return is_on;
@@ -82,7 +82,7 @@ static bool wants_to_end(System *system, const Element *element)
     return is_good(((Fmi2GetStatus)element->get_boolean_status)(element->instance, FMI_TERMINATED, &ends)) && ends;
 }
 
-/* A step from *time* returned *status*, and it was not good: the rest is made up for, if the FMU lets us. */
+/* A step from *time* returned *status*, which is not good: the rest is stepped again, if the FMU supports it. */
 RARE static bool make_up(System *system, const Element *constant, double time, double step, int status)
 {
     Element *element = &system->elements[constant->stepping.element];
@@ -118,7 +118,7 @@ HOT bool step_fmi2(System *system, Progress *progress, const Element *element, d
 
 /* ---- FMI 3 ---- */
 
-/* One call of fmi3DoStep from *time* to *target*; tells where it ended and whether there is an event. */
+/* One call of fmi3DoStep from *time* to *target*; returns the reached time and whether there is an event. */
 static bool step_once(System *system, Element *element, double *time, double step, double target, bool *has_event)
 {
     bool terminate = false, early_return = false;
@@ -131,7 +131,7 @@ static bool step_once(System *system, Element *element, double *time, double ste
         return false; /* the failure is filled in */
     if (!is_good(status))
         return fail_status(system, status);
-    /* Some say that they return early with an event at the very end. */
+    /* Some FMUs report an early return with an event at the very end. */
     early_return = early_return && !(*has_event && reached >= target - NEARLY * step);
     *has_event = *has_event && element->abilities & HAS_EVENTS;
     if (terminate)

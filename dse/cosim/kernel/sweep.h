@@ -1,9 +1,9 @@
-/* Sweeps: reads and writes one after another. Among them are loops of outputs that depend on each other, which are solved
- * by sweeping round, first until nothing changes, then by Newton's method. */
+/* Sweeps: reads and writes one after another. They include loops of outputs that depend on each other, which are solved
+ * by repeated sweeps, first until nothing changes, then by Newton's method. */
 #ifndef DSE_COSIM_SWEEP_H
 #define DSE_COSIM_SWEEP_H
 
-#include "element.h" /* before anything of the system */
+#include "element.h" /* before all system headers */
 #include "plan.h"
 
 #include "csolve/linear.h"
@@ -13,27 +13,27 @@
 #include <string.h>
 
 #define SOLVED 1e-12      /* residual relative to the size of each value */
-#define NEARLY_SOLVED 1e-9 /* good enough if it cannot be made any smaller */
-#define SHORT 1e-6 /* what may be left of the way to the solution, relative to the size of each value */
+#define NEARLY_SOLVED 1e-9 /* sufficient if it cannot be reduced further */
+#define SHORT 1e-6 /* limit of the remaining correction, relative to the size of each value */
 #define DIFFERENCE 0x1p-26 /* the square root of a double's precision: the best step of a one-sided difference */
 
 enum { NEWTON_STEPS = 50, HALVINGS = 10, EXCHANGES = 20 };
 
 /* ---- operations ---- */
 
-/* An FMU discards a step that is too long, and values that are out of its domain. */
+/* An FMU discards a step that is too long, and values outside of its domain. */
 static bool is_discarded(const System *system)
 {
     return system->failure.kind == BAD_STATUS && system->failure.status == FMI_DISCARD;
 }
 
-/* In the middle of its own step an element is ahead of the others: it neither takes nor shows anything. */
+/* In the middle of its own step an element is ahead of the others: it is neither written nor read. */
 static bool is_ahead(const Plan *plan, int64_t element)
 {
     return plan->k % plan->paces[element].every != 0;
 }
 
-/* The first of *count* values that is not finite fails; positions[i] is where it lies. */
+/* Fails for the first of *count* values that is not finite; positions[i] is its position. */
 RARE static bool fail_not_finite(System *system, const int32_t *positions, int64_t count)
 {
     int64_t i = 0;
@@ -52,7 +52,7 @@ static bool are_finite(const System *system, const int32_t *positions, int64_t c
 
 static bool solve(System *system, Loop *loop);
 
-/* What is passed on must be finite; on the way round a *loop* that is yet to be solved it need not. */
+/* Passed values must be finite, except within a *loop* that is not solved yet. */
 static bool do_sweep(System *system, Sweep sweep, bool in_loop)
 {
     const Plan *plan = system->plan;
@@ -90,13 +90,13 @@ static inline double larger(double a, double b)
     return a > b ? a : b;
 }
 
-/* to = what one sweep makes of the torn values x. */
+/* to = result of one sweep from the torn values x. */
 static bool sweep_round(System *system, const Loop *loop, const double *x, double *to)
 {
     for (int64_t i = 0; i < loop->n_torn; i++)
         system->values[loop->torn[i]] = x[i];
     const bool went = do_sweep(system, loop->sweep, true);
-    /* An FMU may discard what it is given as being out of its domain: then these values are no solution, that is all. */
+    /* An FMU may discard values outside of its domain: these values are then not a solution, but no error. */
     if (!went && !is_discarded(system))
         return false;
     system->failure = (Failure){0};
@@ -105,7 +105,7 @@ static bool sweep_round(System *system, const Loop *loop, const double *x, doubl
     return true;
 }
 
-/* Largest change of a sweep, relative to the values' size; infinite if there is none to speak of. */
+/* Largest change in a sweep, relative to the values' size; infinite if it is not a finite number. */
 static double residual(const Loop *loop, const double *x, const double *found)
 {
     double largest = 0.0;
@@ -119,7 +119,7 @@ static double residual(const Loop *loop, const double *x, const double *found)
     return largest;
 }
 
-/* *way* = from x to the solution of the factorized linearization, which made *found* of x. */
+/* *way* = correction from x to the solution of the factorized linearization; *found* is the sweep's result at x. */
 static void find_way(const Loop *loop, const double *x, const double *found, double *way)
 {
     for (int64_t r = 0; r < loop->n_reals; r++)
@@ -127,7 +127,7 @@ static void find_way(const Loop *loop, const double *x, const double *found, dou
     dse_substitute((uint32_t)loop->n_reals, loop->rows, loop->pivots, way);
 }
 
-/* The longest part of a way from x, relative to the values' size. */
+/* The largest component of a correction from x, relative to the values' size. */
 static double length_of(const Loop *loop, const double *x, const double *way)
 {
     double longest = 0.0;
@@ -140,14 +140,14 @@ static double length_of(const Loop *loop, const double *x, const double *way)
     return longest;
 }
 
-/* Factorize the loop's linearization at x; the elements are left somewhere near. */
+/* Factorize the loop's linearization at x; afterwards the elements are at a nearby point. */
 static bool linearize(System *system, const Loop *loop, double *x, const double *found, double *moved,
                       bool *is_regular)
 {
     const int64_t n = loop->n_reals;
     const Plan *plan = system->plan;
     for (int64_t c = 0; c < n; c++) {
-        /* What nothing shows at this point is no unknown: its equation is that it stays. */
+        /* An output that is not shown at this point is not an unknown: its equation keeps it constant. */
         if (is_ahead(plan, plan->owners[loop->torn[c]])) {
             for (int64_t r = 0; r < n; r++)
                 loop->rows[r * n + c] = r == c ? 1.0 : 0.0;
@@ -167,10 +167,9 @@ static bool linearize(System *system, const Loop *loop, double *x, const double 
     return true;
 }
 
-/* Solve for the real ones among x, the others held; *found* is what the last sweep made of x.
- *
- * A small residual is not enough: where the loop hardly tells one value from another it is small everywhere. What is
- * left of the way to the solution must be short as well. */
+/* Solve for the real ones among x, with the others held; *found* is the result of the last sweep from x. A small
+ * residual does not suffice: it is small everywhere if the loop hardly depends on its values. The remaining correction
+ * must be small as well. */
 static bool newton(System *system, const Loop *loop, double *x, double *found, double *trial, double *moved)
 {
     const int64_t n = loop->n_reals;
@@ -201,7 +200,7 @@ static bool newton(System *system, const Loop *loop, double *x, double *found, d
             now = residual(loop, trial, moved);
         }
         if (!(now < rest)) {
-            /* There, or nothing better in that direction: back to where it was best. */
+            /* Solved, or no improvement in that direction: back to the best point. */
             if (!sweep_round(system, loop, x, found))
                 return false;
             break;
@@ -232,7 +231,7 @@ static bool solve(System *system, Loop *loop)
     double *x = loop->room, *begin = x + n, *found = begin + n, *trial = found + n, *moved = trial + n;
     for (int64_t i = 0; i < n; i++)
         x[i] = begin[i] = system->values[loop->torn[i]];
-    /* Many loops are none: their FMUs do not tell what depends on what. These settle, and exactly. */
+    /* Many loops are not real: their FMUs do not declare dependencies. These settle exactly. */
     bool is_settled = false;
     for (int64_t k = 0; k < loop->sweeps; k++) {
         if (!sweep_round(system, loop, x, found))
@@ -245,7 +244,7 @@ static bool solve(System *system, Loop *loop)
         memcpy(x, found, size);
     }
     if (is_settled)
-        return true; /* and the texts have gone all the way round */
+        return true; /* and the texts have passed the whole loop */
     memcpy(x, begin, size);
     for (int64_t k = 0; loop->n_reals && k < EXCHANGES; k++) {
         if (!newton(system, loop, x, found, trial, moved))

@@ -1,5 +1,5 @@
-/* Strings and binaries: copied when they are read, since FMI lets an FMU forget them at its next call. A binary of OSMP
- * may be kept by who was given it until its next step is over: it lies where it is until it has changed twice. */
+/* Strings and binaries: copied when they are read, since FMI lets an FMU free them at its next call. The receiver of an
+ * OSMP binary may use it until its next step is over: its memory is kept until it has changed twice. */
 #ifndef DSE_COSIM_TEXTS_H
 #define DSE_COSIM_TEXTS_H
 
@@ -14,8 +14,8 @@ RARE static bool fail_text(System *system, int64_t kind, const TextGroup *group,
     return false;
 }
 
-/* FNV-1a (Fowler, Noll and Vo) by words of eight bytes, the upper half mixed in; never the 0 of a text that was not read
- * yet. */
+/* FNV-1a (Fowler, Noll and Vo) by words of eight bytes, with the upper half mixed in. The result is never 0, which
+ * marks a text that was not read yet. */
 static uint64_t print_of(const unsigned char *bytes, size_t size)
 {
     uint64_t print = 0xCBF29CE484222325u ^ size;
@@ -52,7 +52,7 @@ static bool keep_text(System *system, Text *text, const void *bytes, size_t size
     return true;
 }
 
-/* The binary with these three references, as the OSI Sensor Model Packaging has it; NULL for one without bytes. */
+/* The binary with these three references, as in the OSI Sensor Model Packaging; NULL for one without bytes. */
 static int get_osmp(const TextGroup *group, int64_t i, const void **bytes, size_t *size)
 {
     int32_t told[3] = {0, 0, 0}; /* base.lo, base.hi, size */
@@ -70,7 +70,7 @@ static int set_osmp(const TextGroup *group, int64_t i, const void *bytes, size_t
     return ((Fmi2Access)group->access)(group->instance, group->references + 3 * i, 3, told);
 }
 
-/* Call the accessor for all values, which lie in pointers and sizes. */
+/* Call the accessor for all values, which are in pointers and sizes. */
 static int access_texts(const TextGroup *group, bool is_set)
 {
     const size_t count = (size_t)group->count, n = (size_t)group->n_values;

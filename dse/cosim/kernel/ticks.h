@@ -15,7 +15,7 @@ static bool is_timed(const Clock *clock)
     return clock->kind != TRIGGERED;
 }
 
-/* Ask for the interval, in *parts* of a second. */
+/* Read the interval, in *parts* of a second. */
 static bool ask_interval(System *system, const Clock *clock, double *interval, double *parts, int *qualifier)
 {
     void *const instance = system->elements[clock->element].instance;
@@ -38,7 +38,7 @@ static bool ask_interval(System *system, const Clock *clock, double *interval, d
     return true;
 }
 
-/* Only what is used must make sense: with an interval that is not new an FMU need not tell any. */
+/* Only used values must be valid: if an interval is not new, an FMU need not return any. */
 static bool fits(System *system, const Clock *clock, double interval, double parts, bool is_known)
 {
     const double seconds = is_known ? interval / parts : NAN;
@@ -98,7 +98,7 @@ static bool start_clock(System *system, Clock *clock)
     return true;
 }
 
-/* After an update at *time*: what the FMU says of its clocks now. */
+/* After an update at *time*: the FMU's present clock intervals. */
 static bool reschedule(System *system, Clock *clock, double time)
 {
     int qualifier;

@@ -1,4 +1,4 @@
-/* Modelica's scalar operators that C has not: well defined for every double, NaN included. */
+/* Modelica's scalar operators that C does not have: well defined for every double, NaN included. */
 #ifndef DSE_ARITHMETIC_H
 #define DSE_ARITHMETIC_H
 
@@ -19,7 +19,7 @@ static inline double dse_sign(double a) {
     return a > 0.0 ? 1.0 : a < 0.0 ? -1.0 : a;
 }
 
-/* base to the whole power *exponent*, a number known to the compiler; 1 for the power 0. */
+/* base to the integer power *exponent*, a compile-time constant; 1 for the power 0. */
 static inline double dse_whole_power(double base, int exponent) {
     const int is_below = exponent < 0;
     unsigned rest = is_below ? (unsigned)-exponent : (unsigned)exponent;

@@ -12,7 +12,7 @@
 #endif
 
 #ifdef DSE_CODED
-/* What init or step has put into *told* and *ask* goes to the model, its *answer* to where the component wants it. */
+/* The values in *told* and *ask* from init or step go to the model, its *answer* to the component's members. */
 static bool dse_ask_coded(struct dse_instance *instance, const char *function, bool begins) {
     dse_component *now = &instance->at.now;
     char said[DSE_CODED_LONGEST + 1];
@@ -32,7 +32,7 @@ static bool dse_ask_coded(struct dse_instance *instance, const char *function, b
 #endif
 
 #if defined DSE_UDP
-/* What init or step has put into *ask* goes out, what is heard to where the component wants it. */
+/* The values in *ask* from init or step are sent, the received ones go to the component's members. */
 static bool dse_ask_partner(struct dse_instance *instance, const char *function, double step) {
     dse_component *now = &instance->at.now;
     char said[DSE_UDP_LONGEST + 1];
@@ -42,14 +42,14 @@ static bool dse_ask_partner(struct dse_instance *instance, const char *function,
         return true;
     }
     if (done == DSE_UDP_ENDED && step > 0.0) {
-        return false; /* the end of the run is no error, see DSE_HAS_ENDED */
+        return false; /* the end of the run is not an error, see DSE_HAS_ENDED */
     }
     return dse_refuse(instance, function, "%s",
         done == DSE_UDP_ENDED ? "the other side has ended the session before its first step" : said);
 }
 #define DSE_ASK_PARTNER(instance, function, step) dse_ask_partner(instance, function, step)
 #elif defined DSE_PARTNER
-/* What init or step has put into *ask* goes to the partner, its *answer* to where the component wants it. */
+/* The values in *ask* from init or step go to the partner, its *answer* to the component's members. */
 static bool dse_ask_partner(struct dse_instance *instance, const char *function, double step) {
     dse_component *now = &instance->at.now;
     char said[DSE_PARTNER_LONGEST + 1];
@@ -90,8 +90,8 @@ static bool dse_exit_initialization(struct dse_instance *instance, const char *f
 }
 
 /* Advance from *time* by *step*, both in seconds. A sampled component runs at every hit start_time + k * period in
- * [time, time + step); k is counted, never summed up, and a hit is told from its neighbours with 1e-4 of the period
- * to spare, so that an importer whose clock drifts by rounding neither loses nor doubles one. */
+ * [time, time + step). k is counted, never summed up. The tolerance for a hit is 1e-4 of the period, so that an
+ * importer whose clock drifts by rounding neither loses nor repeats one. */
 static inline bool dse_do_step(struct dse_instance *instance, const char *function, double time, double step) {
     struct dse_snapshot *at;
     if (DSE_UNLIKELY(!dse_is_step_possible(instance, function, time, step))

@@ -1,9 +1,8 @@
-/* Binaries of a component written in C over FMI 2.0, which has none: as the OSI Sensor Model Packaging (OSMP) has it, each
- * is three integers for the lower and upper half of its address and for its size. They come after the component's own
- * variables, by threes.
- *
- * What an input was told is copied when it is used: at the next step, or where the initialization needs it. An address
- * that an output shows stays good over the next step: outputs are copied to two rooms in turn.
+/* Binaries of a component written in C over FMI 2.0, which has none. As in the OSI Sensor Model Packaging (OSMP), each
+ * is three integers for the lower and upper half of its address and for its size. They follow the component's own
+ * variables, in groups of three. The binary of an input is copied when it is used: at the next step, or in the
+ * initialization. An address of an output remains valid during the next step: outputs are copied to two buffers
+ * alternately.
  */
 #ifndef DSE_C_COMPONENT_OSMP_H
 #define DSE_C_COMPONENT_OSMP_H
@@ -42,7 +41,7 @@ static bool dse_take_binaries(struct dse_instance *instance, const char *functio
     return true;
 }
 
-/* Copy all outputs to the other room, if they have changed. */
+/* Copy all outputs to the other buffer, if they have changed. */
 static bool dse_show_binaries(struct dse_instance *instance, const char *function) {
     struct dse_osmp *osmp = &instance->osmp;
     const char *const component = (const char *)&instance->at.now;

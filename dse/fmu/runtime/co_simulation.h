@@ -1,4 +1,4 @@
-/* From one communication point to the next: inputs are held, the solver goes as far as it takes, events are in time. */
+/* One communication step: inputs are held, the solver makes its own steps, events are located in time. */
 #ifndef DSE_CO_SIMULATION_H
 #define DSE_CO_SIMULATION_H
 
@@ -6,10 +6,10 @@
 
 #define DSE_MOST_STEPS 1000000
 
-/* Where an importer's clock may differ from a model's by rounding; part of a communication step. */
+/* Tolerance, in communication steps, between an importer's clock and a model's, for rounding. */
 #define DSE_SPARE 1e-6
 
-/* The asserts, with everything in v as it is now. */
+/* The asserts, for the present values in v. */
 static bool dse_check_all(dse_component *m, dse_tell *tell) {
     if (DSE_CHECKS == 0) {
         return true;
@@ -21,12 +21,12 @@ static bool dse_check_all(dse_component *m, dse_tell *tell) {
     return dse_is_checked(m, model_check(m, tell));
 }
 
-/* An event at m->time, then ready to integrate again. v stands at m->time, derivatives included. */
+/* An event at m->time, then ready to integrate again. v is at m->time, derivatives included. */
 static bool dse_event_and_restart(dse_component *m, dse_tell *tell, double spare) {
     return dse_event(m, tell, spare) && dse_check_all(m, tell) && dse_restart(m);
 }
 
-/* At the beginning of a communication step: events of new inputs or parameters, and ticks that are due. */
+/* At the beginning of a communication step: events of new inputs or parameters, and due ticks. */
 static bool dse_begin_step(dse_component *m, dse_tell *tell, bool is_changed, double spare) {
     if (!is_changed && dse_next_tick(m) > m->time + spare) {
         return true;
@@ -41,7 +41,7 @@ static bool dse_begin_step(dse_component *m, dse_tell *tell, bool is_changed, do
     return dse_event_and_restart(m, tell, spare);
 }
 
-/* Make v that of the end of the last step, unless it is. */
+/* Move v to the end of the last step, unless it is there. */
 static inline bool dse_stand_at_end(dse_component *m) {
     return m->solver.is_at_end || dse_place(m, m->solver.end, m->solver.to);
 }
@@ -62,12 +62,12 @@ static bool dse_meet_event(dse_component *m, dse_tell *tell) {
         const int64_t which = dse_first_crossed(m, look);
         return dse_trouble(m, DSE_CHATTERS, which < 0 ? 0 : (uint32_t)which);
     }
-    s->past.next_width = 0.0; /* what the solver has learnt is of the time before */
+    s->past.next_width = 0.0; /* the experience of the solver is from before the event */
     return dse_event_and_restart(m, tell, 0.0);
 }
 
-/* Make v that of *states* at a *time* within the last step. They are as exact as the tolerance asks, which may be a
- * little beyond a fold: then on the branch that follows. */
+/* Set v for *states* at a *time* within the last step. They are accurate to the tolerance, and may be slightly beyond a
+ * fold: then v is on the branch that follows. */
 static bool dse_place_within(dse_component *m, double time, const double states[]) {
     if (dse_place(m, time, states)) {
         return true;
@@ -83,8 +83,8 @@ static bool dse_place_within(dse_component *m, double time, const double states[
     return is_placed;
 }
 
-/* From m->time to *target* with the inputs as they are. *is_steady*: they have not changed, so the solver may look
- * ahead; its dense output then gives the states at *target*. False on trouble, which is noted. */
+/* From m->time to *target* with the present inputs. *is_steady*: they have not changed, so the solver may step beyond;
+ * its dense output then gives the states at *target*. False on trouble, which is stored. */
 static bool dse_advance(dse_component *m, dse_tell *tell, double target, bool is_steady, double spare) {
     struct dse_solver *s = &m->solver;
     const double ahead = !is_steady ? 0.0 : DSE_RELATIONS > 0 ? s->span : 1000.0 * s->span;

@@ -1,6 +1,6 @@
-/* A model that somebody else's coder wrote, compiled into a library of its own that the component holds as bytes. Every
- * instance has a copy of that library, and every run one that is as good as new: such models keep what they know in
- * variables of the whole program, and their initialization leaves what was there before. POSIX only. */
+/* A model from an external code generator, compiled into its own library, which the component contains as bytes. Every
+ * instance has a copy of that library, and every run starts with one in its initial state: such models keep data in
+ * global variables, and their initialization does not reset them. POSIX only. */
 #ifndef DSE_CODED_H
 #define DSE_CODED_H
 
@@ -20,20 +20,20 @@
 #include <sys/syscall.h>
 #endif
 
-/* Of POSIX and of Linux, for units that have asked for neither. */
+/* Of POSIX and of Linux, for units that have requested neither. */
 int mkstemp(char *path);
 long syscall(long number, ...);
 int dlinfo(void *library, int request, void *found);
 
 enum {
-    DSE_CODED_LONGEST = 400,  /* bytes of what is said of a failure */
-    DSE_CODED_KEPT = 4,       /* stretches of memory */
+    DSE_CODED_LONGEST = 400,  /* bytes of an error message */
+    DSE_CODED_KEPT = 4,       /* ranges of memory */
     DSE_CODED_LINK_MAP = 2,   /* a request to dlinfo */
 };
 
 typedef const char *dse_coded_call(void *model, const double *parameters, const double *inputs, double *outputs);
 
-/* *kept*: what a library's variables held when it was loaded, one stretch of *at* after the other. */
+/* *kept*: initial content of the library's variables, one range of *at* after the other. */
 struct dse_coded {
     int file;
     void *library, *model;
@@ -47,8 +47,8 @@ struct dse_coded {
 /* Of the component: its library. */
 const unsigned char *dse_component_library(size_t *size);
 
-/* Close the file of a library that was unloaded. One that cannot be unloaded (it has seen to that itself, or has a
- * thread with something left to do) is known by this name: a new file must not get it, or it would be taken for it. */
+/* Close the file of an unloaded library. A library that cannot be unloaded (by its own choice, or because of a thread)
+ * is identified by this name. A new file must not reuse the name, or the old library would be used for it. */
 static void dse_coded_leave(int file) {
     char path[DSE_CODED_LONGEST / 2];
     snprintf(path, sizeof path, "/proc/self/fd/%d", file);
@@ -72,8 +72,8 @@ static void dse_coded_end(struct dse_coded *coded) {
     *coded = (struct dse_coded){0};
 }
 
-/* Keep what the library's variables hold, so that a run needs no new copy. Without *kept* it cannot be told, or would
- * not be all: variables of a thread, and objects of C++, which have memory elsewhere. */
+/* Save the content of the library's variables, so that a run needs no new copy. *kept* stays empty if the content is
+ * unknown or incomplete: thread-local variables, and C++ objects, which have memory elsewhere. */
 static void dse_coded_keep(struct dse_coded *coded, const unsigned char *bytes, size_t size) {
 #if defined __linux__ && UINTPTR_MAX == UINT64_MAX
     const bool *is_plain = (const bool *)dlsym(coded->library, "dse_coded_is_plain");
@@ -118,7 +118,7 @@ static void dse_coded_keep(struct dse_coded *coded, const unsigned char *bytes, 
 #endif
 }
 
-/* A new file without a name, that nothing is loaded from yet. */
+/* A new file without a name, from which nothing is loaded yet. */
 static int dse_coded_file(char *path, size_t size) {
 #if defined __linux__ && defined SYS_memfd_create
     const int file = (int)syscall(SYS_memfd_create, "model", 1u);
@@ -167,7 +167,7 @@ static bool dse_coded_load(struct dse_coded *coded, char *said) {
     return true;
 }
 
-/* A model in a library that is as good as new; false after a failure, which is *said*. */
+/* A model in a library in its initial state; false after a failure, which is reported in *said*. */
 static bool dse_coded_renew(struct dse_coded *coded, char *said) {
     if (!coded->kept) {
         dse_coded_end(coded);
@@ -198,7 +198,7 @@ static bool dse_coded_is_well(const char *error, char *said) {
     return true;
 }
 
-/* Where a run *begins*, the outputs are those of a first step that is then forgotten: a model computes none before. */
+/* Where a run *begins*, the outputs are those of a first step that is then discarded: a model has none before. */
 static bool dse_coded_ask(
     struct dse_coded *coded, bool begins, const double *parameters, const double *inputs, double *outputs, char *said) {
     if (!begins) {

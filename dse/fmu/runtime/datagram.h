@@ -1,8 +1,8 @@
-/* The datagrams of docs/udp.md: a socket, packets of doubles, and what is counted of those that are none. POSIX only.
+/* The datagrams of docs/udp.md: a socket, packets of doubles, and counts of invalid packets. POSIX only.
  *
- * Of the component: DSE_UDP_SENT and DSE_UDP_HEARD, how many values go out and come in; DSE_UDP_IS_SERVER; DSE_UDP_HOST
- * ("" for the socket whose number stands in DSE_LIVE_SOCKET) and DSE_UDP_PORT; DSE_UDP_WHOLES, {place, least, greatest}
- * of the values heard that are whole numbers; DSE_UDP_LAYOUT, if there is one, what the last value heard must be. */
+ * Defined by the component: DSE_UDP_SENT and DSE_UDP_HEARD, the numbers of sent and received values; DSE_UDP_IS_SERVER;
+ * DSE_UDP_HOST ("" for the socket with the number in DSE_LIVE_SOCKET) and DSE_UDP_PORT; DSE_UDP_WHOLES, {place, least,
+ * greatest} of the received values that are integers; DSE_UDP_LAYOUT, optional, the required last received value. */
 #ifndef DSE_DATAGRAM_H
 #define DSE_DATAGRAM_H
 
@@ -29,7 +29,7 @@
 #include <unistd.h>
 
 #ifndef MSG_DONTWAIT
-#define MSG_DONTWAIT 0x80 /* macOS hides it from programs that ask for POSIX */
+#define MSG_DONTWAIT 0x80 /* macOS hides it from programs that request POSIX */
 #endif
 
 enum { DSE_UDP_MAGIC_VERSION = 0x44534531, DSE_UDP_HEAD = 24 };
@@ -48,18 +48,18 @@ enum {
     DSE_UDP_WRONG_LAYOUT,
     DSE_UDP_WRONG_SESSION,
     DSE_UDP_WRONG_SENDER,
-    DSE_UDP_WRONG_SEQUENCE, /* also what is doubled or overtaken on its way: no fault of anybody */
+    DSE_UDP_WRONG_SEQUENCE, /* also for duplicated or reordered packets, which are not an error */
     DSE_UDP_REASONS
 };
 
-/* Who sent something, or where to. *size* is 0 for whom the socket is connected to. */
+/* A sender or receiver. *size* is 0 for the address that the socket is connected to. */
 struct dse_udp_address {
     struct sockaddr_storage at;
     socklen_t size;
 };
 
-/* What is counted; *last_size* is that of the last packet that was too long or too short, *latest* the most in s that a
- * deadline was missed by. */
+/* Counts; *last_size* is the size of the last packet that was too long or too short, *latest* the largest delay after a
+ * deadline in s. */
 struct dse_udp_counts {
     uint64_t resent, busy, overruns, refused, ignored[DSE_UDP_REASONS];
     double latest;
@@ -69,22 +69,22 @@ struct dse_udp_counts {
 struct dse_udp {
     int line;
     bool is_open;
-    /* The session: on with *session* not 0. Numbers of the last packet that was sent and heard. */
+    /* The session: active if *session* is not 0. Numbers of the last sent and the last received packet. */
     bool has_ended, was_late; /* by the other side; whether the last deadline was missed */
     int32_t session, former, sequence, heard;
-    int32_t over[8]; /* sessions that were ended last */
+    int32_t over[8]; /* sessions that ended last */
     uint32_t n_over;
     struct dse_udp_address peer;
-    /* The run in real time: when simulated time 0 was or would have been, when something was heard, in s. */
+    /* Wall-clock times in s: of simulated time 0 (extrapolated if the run starts later), of the last reception. */
     double zero, heard_at, lateness;
     bool has_zero;
     struct dse_udp_counts counts;
-    /* The packet sent last, one heard, and the values that are taken from those. */
+    /* The last sent packet, a received one, and the values that are taken from those. */
     unsigned char sent[DSE_UDP_SENT_SIZE], room[DSE_UDP_HEARD_SIZE + 1];
     double taken[DSE_UDP_HEARD + 1];
 };
 
-/* What was heard: its head. Its values lie in *room*. */
+/* Head of a received packet. Its values are in *room*. */
 struct dse_udp_packet {
     int32_t session, sequence, flags;
     struct dse_udp_address from;
@@ -110,7 +110,7 @@ static void dse_udp_sleep_until(double time) {
 
 /* ---- the socket ---- */
 
-/* "" or why there is none. */
+/* "" or the reason of the failure. */
 static const char *dse_udp_open(struct dse_udp *udp) {
     if (udp->is_open) {
         return "";
@@ -159,14 +159,14 @@ static void dse_udp_set_values(struct dse_udp *udp, double time, const double *v
     memcpy(udp->sent + DSE_UDP_HEAD, values, DSE_UDP_SENT * sizeof *values);
 }
 
-/* What is lost on the way and what nobody takes is the same: it is sent again. */
+/* Packets that are lost or not accepted are handled in the same way: they are sent again. */
 static void dse_udp_send(const struct dse_udp *udp, const struct dse_udp_address *to) {
     while (sendto(udp->line, udp->sent, DSE_UDP_SENT_SIZE, MSG_DONTWAIT,
                   to->size ? (const struct sockaddr *)(const void *)&to->at : NULL, to->size) < 0 && errno == EINTR) {
     }
 }
 
-/* Send a packet that is not the last of its session's, to *to*: with the last one's values. */
+/* Send a packet to *to* that is not the last one of its session, with the values of the last one. */
 static void dse_udp_send_other(struct dse_udp *udp, const struct dse_udp_address *to, int32_t session,
                                int32_t sequence, int32_t flags) {
     int32_t head[4];
@@ -176,7 +176,7 @@ static void dse_udp_send_other(struct dse_udp *udp, const struct dse_udp_address
     dse_udp_set_head(udp, head[1], head[2], head[3]);
 }
 
-/* Why the values in *room* cannot be taken, or DSE_UDP_REASONS. */
+/* Why the values in *room* are invalid, or DSE_UDP_REASONS. */
 static int dse_udp_judge_values(const struct dse_udp *udp, int32_t flags) {
     double value;
     for (size_t k = 0; k <= DSE_UDP_HEARD; k++) { /* the time first */
@@ -200,7 +200,7 @@ static int dse_udp_judge_values(const struct dse_udp *udp, int32_t flags) {
     return DSE_UDP_REASONS;
 }
 
-/* Why the *size* bytes in *room* are no packet, or DSE_UDP_REASONS with its head. */
+/* Why the *size* bytes in *room* are not a packet, or DSE_UDP_REASONS with its head. */
 static int dse_udp_judge(struct dse_udp *udp, size_t size, struct dse_udp_packet *packet) {
     int32_t head[4], again;
     if (size != DSE_UDP_HEARD_SIZE) {
@@ -226,8 +226,8 @@ static int dse_udp_judge(struct dse_udp *udp, size_t size, struct dse_udp_packet
 
 enum { DSE_UDP_NOTHING, DSE_UDP_IGNORED, DSE_UDP_PACKET };
 
-/* Who begins a session with packets of another size or layout is sent one of ours, so that both can tell what differs:
- * none that is much larger than what was asked with, as nobody knows who asked. */
+/* A client that begins a session with packets of another size or layout gets one of our packets, so that both sides can
+ * report the difference. It is not much larger than the request, as the sender is not verified. */
 static void dse_udp_show(struct dse_udp *udp, size_t size, const struct dse_udp_address *to) {
     int32_t head[4];
     if (size < DSE_UDP_HEAD || 4 * size < DSE_UDP_SENT_SIZE) {
@@ -239,7 +239,7 @@ static void dse_udp_show(struct dse_udp *udp, size_t size, const struct dse_udp_
     }
 }
 
-/* Take one datagram from the socket, if there is one. */
+/* Receive one datagram from the socket, if there is one. */
 static int dse_udp_receive(struct dse_udp *udp, struct dse_udp_packet *packet) {
     packet->from.size = sizeof packet->from.at;
     const ssize_t size = recvfrom(udp->line, udp->room, sizeof udp->room, MSG_DONTWAIT,

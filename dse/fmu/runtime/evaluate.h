@@ -4,7 +4,7 @@
 
 #include "model.h"
 
-/* Note what went wrong, unless something before it did; false, so that a caller can return it. */
+/* Store the error, unless there is an earlier one; false, so that a caller can return it. */
 static bool dse_trouble(dse_component *m, int32_t code, uint32_t subject) {
     dse_reason *trouble = &m->solver.trouble;
     if (trouble->code == DSE_NO_TROUBLE) {
@@ -29,8 +29,8 @@ static inline void dse_get_states(const dse_component *m, double states[]) {
     }
 }
 
-/* Newton's method starts from the roots of the last accepted point, wherever the solver tries: where a loop has several
- * roots, a trial that went too far must not leave its mark on the next. */
+/* Newton's method starts from the roots of the last accepted point, for every trial point of the solver: if a loop has
+ * several roots, a trial that went too far must not affect the next one. */
 static inline void dse_put_roots(dse_component *m) {
     for (int k = 0; k < DSE_ROOTS; k++) {
         m->v[dse_root[k]] = m->root[k];
@@ -43,7 +43,7 @@ static inline void dse_take_roots(dse_component *m) {
     }
 }
 
-/* What stands in v is accepted. */
+/* The values in v are accepted. */
 static inline void dse_keep_roots(dse_component *m) {
     dse_take_roots(m);
     if (fabs(m->time - m->settled) >= m->refused) {
@@ -52,7 +52,7 @@ static inline void dse_keep_roots(dse_component *m) {
     m->settled = m->time;
 }
 
-/* The derivatives that stand in v; false if one is not finite. */
+/* The derivatives in v; false if one is not finite. */
 static inline bool dse_get_slope(dse_component *m, double slope[]) {
     bool is_finite = true;
     for (int k = 0; k < DSE_STATES; k++) {
@@ -67,19 +67,19 @@ static inline bool dse_get_slope(dse_component *m, double slope[]) {
     return true;
 }
 
-/* The derivatives of what stands in v. */
+/* Computes the derivatives for the values in v. */
 static inline bool dse_derive_at(dse_component *m) {
     dse_put_roots(m);
     const int code = model_derivatives(m);
     if (code > 0) {
         m->refused = fmax(m->refused, fabs(m->time - m->settled));
     } else if (DSE_MAY_JUMP(m)) {
-        dse_take_roots(m); /* no way back: a step half on each branch would slide along the fold */
+        dse_take_roots(m); /* the jump is final: a step with parts on both branches would slide along the fold */
     }
     return code == 0 || dse_trouble(m, code, 0);
 }
 
-/* Make v that of *states* at *time*. */
+/* Set v for *states* at *time*. */
 static inline bool dse_place(dse_component *m, double time, const double states[]) {
     m->time = time;
     dse_put_states(m, states);

@@ -1,4 +1,4 @@
-/* What happens at an instant: clocks, the event iteration (Modelica 3.6, 8.6), reinit, the initialization. */
+/* Operations at an instant: clocks, the event iteration (Modelica 3.6, 8.6), reinit, the initialization. */
 #ifndef DSE_EVENTS_H
 #define DSE_EVENTS_H
 
@@ -7,7 +7,7 @@
 #define DSE_HAS_EVENTS (DSE_RELATIONS + DSE_CONDITIONS + DSE_TRIGGERS + DSE_CLOCKS + DSE_PRE + DSE_DISCRETES > 0)
 #define DSE_MOST_PASSES 100
 
-/* A model that has no end of events in no time: so many in a row, each so close to the one before. */
+/* Limit for chattering: number of consecutive events, each close to the one before. */
 #define DSE_CLOSE_EVENTS 16
 
 static inline double dse_tick_time(uint32_t clock, int64_t tick) {
@@ -15,7 +15,7 @@ static inline double dse_tick_time(uint32_t clock, int64_t tick) {
     return (double)(at->phase + tick * at->period) / (double)at->denominator;
 }
 
-/* When the next clock ticks; infinite if there is none. */
+/* The time of the next tick of a clock; infinite if there is none. */
 static inline double dse_next_tick(const dse_component *m) {
     double next = INFINITY;
     for (int k = 0; k < DSE_CLOCKS; k++) {
@@ -40,14 +40,14 @@ static void dse_wind_clocks(dse_component *m, double time, double spare) {
     }
 }
 
-/* Whether a model's function has come to its end with what *code* says. */
+/* Whether a model's function succeeded, which returned *code*. */
 static bool dse_is_done(dse_component *m, int code) { return code == 0 || dse_trouble(m, code, 0); }
 
 static bool dse_is_checked(dse_component *m, int answer) {
     return answer == 0 || dse_trouble(m, answer == 2 ? DSE_TERMINATED_BY_MODEL : DSE_VIOLATED, 0);
 }
 
-/* Whether discretes and conditions are what they were before the pass. */
+/* Whether discretes and conditions have the same values as before the pass. */
 static bool dse_is_settled(const dse_component *m) {
     for (int k = 0; k < DSE_PRE; k++) {
         const double now = m->v[dse_discrete[k]], before = m->pre[k];
@@ -58,7 +58,7 @@ static bool dse_is_settled(const dse_component *m) {
     return DSE_CONDITIONS == 0 || memcmp(m->is_true, m->was_true, DSE_CONDITIONS) == 0;
 }
 
-/* Hold the relations as they are by what stands in v and pre; *is_old*: whether that is nothing new. */
+/* Hold the relations with their values for v and pre; *is_old*: whether they are unchanged. */
 static bool dse_hold(dse_component *m, bool *is_old) {
     double look[DSE_LOOK];
     if (!dse_see(m, look)) {
@@ -76,9 +76,9 @@ static void dse_keep_before(dse_component *m) {
     memcpy(m->was_true, m->is_true, sizeof m->was_true);
 }
 
-/* The equations at an event, with relations and variables of one solution: relations of what jumps here are found by
- * evaluating again from what stood before, until they are those that were used. Where none are, in a loop through a
- * when-clause, those from before the pass are: the next pass sees the others. */
+/* The equations at an event, with relations and variables of one solution. Relations of variables that jump here are
+ * found by repeated evaluation from the values before, until they equal those that were used. Without such a solution,
+ * in a loop through a when-clause, those from before the pass are used: the next pass uses the new ones. */
 static bool dse_solve_event(dse_component *m) {
     uint8_t held[DSE_ROOM(DSE_RELATIONS)];
     memcpy(held, m->held, DSE_RELATIONS);
@@ -106,7 +106,7 @@ static bool dse_solve_event(dse_component *m) {
     return true;
 }
 
-/* One pass of the event iteration; *has_jumped*: whether a state was set anew. */
+/* One pass of the event iteration; *has_jumped*: whether a state was reinitialized. */
 static bool dse_pass(dse_component *m, dse_tell *tell, bool *has_jumped) {
     if (!dse_solve_event(m) || !dse_is_checked(m, model_event_check(m, tell))) {
         return false;
@@ -117,9 +117,8 @@ static bool dse_pass(dse_component *m, dse_tell *tell, bool *has_jumped) {
     return answer >= 0 || dse_trouble(m, -answer, 0);
 }
 
-/* The event iteration, from v as it is at m->time before the event; clocks tick that are due until m->time + *spare*.
- * Relations may look at pre, so they are held anew after it has moved. Afterwards v is complete, and the integration
- * can be restarted. */
+/* The event iteration, from v at m->time before the event. Clocks that are due until m->time + *spare* tick. Relations
+ * may depend on pre, so they are updated after pre. Afterwards v is complete, and the integration can be restarted. */
 static bool dse_event(dse_component *m, dse_tell *tell, double spare) {
     bool is_settled = false;
     for (int k = 0; k < DSE_CLOCKS; k++) {
@@ -145,7 +144,7 @@ static bool dse_event(dse_component *m, dse_tell *tell, double spare) {
     return dse_trouble(m, DSE_UNSETTLED, 0);
 }
 
-/* Everything at the start, from v as set and m->time. */
+/* The initialization, from v as set and m->time. */
 static bool dse_solve_initial(dse_component *m, dse_tell *tell) {
     const double spare = 1e-9 * fmax(1.0, fabs(m->time));
     bool is_held = false;
@@ -157,7 +156,7 @@ static bool dse_solve_initial(dse_component *m, dse_tell *tell) {
         m->pre[k] = m->v[dse_discrete[k]];
     }
     if (!dse_hold(m, &is_held)) {
-        dse_forgive(m); /* of guesses, not of values: the first pass will tell */
+        dse_forgive(m); /* of guesses, not of values: the first pass repeats the check */
     }
     is_held = false;
     for (int pass = 0; !is_held && pass < DSE_MOST_PASSES; pass++) {
@@ -170,7 +169,7 @@ static bool dse_solve_initial(dse_component *m, dse_tell *tell) {
     if (!is_held) {
         return dse_trouble(m, DSE_UNSETTLED, 0);
     }
-    /* Parameters that are not fixed are known only now. */
+    /* Parameters that are not fixed have their values only now. */
     return dse_is_done(m, model_parameters(m)) && dse_event(m, tell, spare);
 }
 

@@ -1,17 +1,17 @@
-/* A model made from Modelica for model exchange: the importer integrates, the model tells derivatives and events. Knows
- * nothing of an FMI version. */
+/* A model made from Modelica for model exchange: the importer integrates, the model provides derivatives and events.
+ * Independent of the FMI version. */
 #ifndef DSE_EXCHANGE_H
 #define DSE_EXCHANGE_H
 
 #include "simulation.h"
 
-/* What an importer has to know after an event. */
+/* Event information for the importer. */
 struct dse_news {
     bool has_ended, has_new_states, has_next_time;
     double next_time;
 };
 
-/* An importer stops at the time it is told, but for rounding. */
+/* An importer stops at the requested time, except for rounding. */
 static inline double dse_exchange_spare(const dse_component *m) { return 1e-12 * fmax(1.0, fabs(m->time)); }
 
 static bool dse_is_exchange(struct dse_instance *instance, const char *function, uint32_t states) {
@@ -29,7 +29,7 @@ static bool dse_set_mode(struct dse_instance *instance, const char *function, bo
     return true;
 }
 
-/* Tell the trouble, and forget it: the importer may try another point. */
+/* Report the trouble, and clear it: the importer may try another point. */
 static bool dse_discard(struct dse_instance *instance, const char *function) {
     (void)dse_tell_trouble(instance, function);
     if (!dse_has_ended(instance)) {
@@ -39,7 +39,7 @@ static bool dse_discard(struct dse_instance *instance, const char *function) {
     return false;
 }
 
-/* Bring derivatives and crossing functions up to date. */
+/* Update derivatives and crossing functions. */
 static bool dse_derive(struct dse_instance *instance, const char *function) {
     dse_component *m = &instance->at.now;
     bool is_new;
@@ -157,7 +157,7 @@ static bool dse_exchange_update(struct dse_instance *instance, const char *funct
     return is_done || dse_tell_trouble(instance, function) || news->has_ended;
 }
 
-/* A step of the importer's solver is done: where loops go on from, and the asserts. */
+/* The importer's solver has completed a step: keeps the roots of loops, and checks the asserts. */
 static bool dse_exchange_completed(struct dse_instance *instance, const char *function, bool *has_ended) {
     *has_ended = false;
     if (!dse_is_exchange(instance, function, DSE_STEPPING)) {

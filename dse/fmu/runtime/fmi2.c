@@ -1,5 +1,5 @@
-/* The functions of FMI 2.0 over one component: co-simulation, and of a model from Modelica model exchange too. */
-#define _POSIX_C_SOURCE 200809L /* for partner.h and udp.h, where they are */
+/* The functions of FMI 2.0 over one component: co-simulation, and model exchange for a model from Modelica. */
+#define _POSIX_C_SOURCE 200809L /* for partner.h and udp.h, if included */
 #include "fmi2_abi.h"
 #include "model.h"
 #ifdef DSE_BINARIES
@@ -10,7 +10,7 @@
 #include "c_component_texts.h"
 #endif
 
-/* Most functions that only refuse do not look at their arguments. */
+/* Most functions that only refuse do not use their arguments. */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 
 #define STATUS(is_ok) ((is_ok) ? fmi2OK : fmi2Error)
@@ -35,7 +35,7 @@ DSE_EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
 
 DSE_EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
 
-/* Errors are always told; there is nothing else to log. */
+/* Errors are always logged; there is nothing else to log. */
 DSE_EXPORT fmi2Status fmi2SetDebugLogging(
     fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[]) {
     return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE));
@@ -238,7 +238,7 @@ DSE_EXPORT fmi2Status fmi2DeSerializeFMUstate(
     return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE) && dse_deserialize(c, DSE_HERE, bytes, size, state));
 }
 
-/* What FMI 2.0 leaves optional and this FMU does not claim */
+/* Optional functions of FMI 2.0 that this FMU does not support */
 
 DSE_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[],
     size_t unknown_count, const fmi2ValueReference knowns[], size_t known_count, const fmi2Real seed[],
@@ -256,7 +256,7 @@ DSE_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2Va
     REFUSE(c, "output derivatives are not provided");
 }
 
-/* Steps never run in the background, so no status is ever pending: FMI answers such questions with "discard". */
+/* Steps never run in the background, so no status is ever pending: such requests return "discard". */
 DSE_EXPORT fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
     return fmi2Discard;
 }

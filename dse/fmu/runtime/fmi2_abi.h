@@ -1,4 +1,4 @@
-/* The binary interface of FMI 2.0, in our own words: the types that cross the border. */
+/* The binary interface of FMI 2.0, written for this project: the types of its functions. */
 #ifndef DSE_FMI2_ABI_H
 #define DSE_FMI2_ABI_H
 
@@ -29,7 +29,7 @@ typedef struct {
 typedef void (*fmi2Logger)(
     void *environment, fmi2String instance, fmi2Status status, fmi2String category, fmi2String message, ...);
 
-/* What the importer offers; only the logger and its environment are used. */
+/* The importer's callbacks; only the logger and its environment are used. */
 typedef struct {
     fmi2Logger logger;
     void *(*allocateMemory)(size_t count, size_t size);

@@ -1,16 +1,16 @@
-/* The functions of FMI 3.0 over one component. Those of model exchange are in fmi3_exchange.h; those that are
- * refused in fmi3_refused.h. */
-#define _POSIX_C_SOURCE 200809L /* for partner.h and udp.h, where they are */
+/* The functions of FMI 3.0 over one component. Those of model exchange are in fmi3_exchange.h; those that are refused
+ * are in fmi3_refused.h. */
+#define _POSIX_C_SOURCE 200809L /* for partner.h and udp.h, if included */
 #include "fmi3_abi.h"
 #include "model.h"
-/* In FMI 3.0 time is a variable; it comes after the component's own. */
+/* In FMI 3.0 time is a variable; it follows the component's own. */
 #define DSE_TIME DSE_SLOT_COUNT
 #ifdef DSE_HAS_ARRAYS
 #define DSE_ARRAYS
 #endif
 #include "value.h"
 
-/* Functions that only refuse do not look at their arguments. */
+/* Functions that only refuse do not use their arguments. */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 
 #define STATUS(is_ok) ((is_ok) ? fmi3OK : fmi3Error)
@@ -36,7 +36,7 @@ static void tell(struct dse_instance *instance, int is_warning, const char *mess
 #define REFUSED_PLAIN(name, reason)                                                                                    \
     DSE_EXPORT fmi3Status name(fmi3Instance c) { REFUSE(c, reason); }
 
-/* NULL after telling why, if *reason* is given or the token is not ours. */
+/* NULL after reporting why, if *reason* is given or the token is not that of this FMU. */
 static fmi3Instance create(
     const char *function, fmi3String name, fmi3String token, void *environment, fmi3Logger logger, const char *reason) {
     struct dse_instance *instance = dse_create(name ? name : "");
@@ -63,7 +63,7 @@ static fmi3Instance create(
 
 DSE_EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
 
-/* Errors are always told; there is nothing else to log. */
+/* Errors are always logged; there is nothing else to log. */
 DSE_EXPORT fmi3Status fmi3SetDebugLogging(
     fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String categories[]) {
     return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE));
@@ -207,7 +207,7 @@ DSE_EXPORT fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference ref
 }
 #endif
 
-/* For accessors of types that no variable has: whoever asks for one is told what it is. */
+/* For accessors of types without variables: an access reports the variable's type. */
 static bool has_none(struct dse_instance *instance, const char *function, const uint32_t references[], size_t count) {
     return dse_is_allowed(instance, function, DSE_ANY_STATE)
            && (count == 0 || dse_find(instance, function, references[0], 0));

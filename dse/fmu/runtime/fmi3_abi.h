@@ -1,4 +1,4 @@
-/* The binary interface of FMI 3.0, in our own words: the types that cross the border. */
+/* The binary interface of FMI 3.0, written for this project: the types of its functions. */
 #ifndef DSE_FMI3_ABI_H
 #define DSE_FMI3_ABI_H
 
@@ -38,7 +38,7 @@ typedef enum { fmi3IntervalNotYetKnown, fmi3IntervalUnchanged, fmi3IntervalChang
 
 typedef void (*fmi3Logger)(void *environment, fmi3Status status, fmi3String category, fmi3String message);
 
-/* Callbacks this FMU takes but never calls. */
+/* Callbacks that this FMU accepts but never calls. */
 typedef void (*fmi3IntermediateUpdate)(void *environment, fmi3Float64 time, fmi3Boolean may_set, fmi3Boolean may_get,
     fmi3Boolean is_finished, fmi3Boolean may_return_early, fmi3Boolean *returns_early, fmi3Float64 *early_time);
 typedef void (*fmi3ClockUpdate)(void *environment);

@@ -18,7 +18,7 @@ DSE_EXPORT fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) { return STATU
 
 REFUSED_PLAIN(fmi3EnterStepMode, "co-simulation has no event mode to come from")
 
-/* Discrete states are computed by fmi3UpdateDiscreteStates, so what is read before is that of the last update. */
+/* Discrete states are computed by fmi3UpdateDiscreteStates: a read before returns the last update. */
 DSE_EXPORT fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c) {
     return STATUS(dse_is_exchange(c, DSE_HERE, DSE_INITIALIZING | DSE_STEPPING));
 }

@@ -1,6 +1,6 @@
-/* FMI 3.0 asks every FMU to export every function. These are refused with a message: this FMU has no clocks, no
- * strings that a component written in C does not have, no structural parameters, no scheduled execution; without a model from Modelica no events and no model
- * exchange either. Included by fmi3.c.
+/* FMI 3.0 requires every FMU to export every function. These are refused with a message: this FMU has no clocks, no
+ * strings (except those of a component written in C), no structural parameters, no scheduled execution. Without a model
+ * from Modelica it has no events and no model exchange either. Included by fmi3.c.
  */
 #ifdef DSE_MODEL
 #define DSE_NO_SCHEDULE "only co-simulation and model exchange are supported"

@@ -1,4 +1,4 @@
-/* How a fused loop reads and writes members of components: what FMI's accessors do, without their messages. */
+/* Access to the components' members for a fused loop, as by FMI's accessors, without their messages. */
 #ifndef DSE_FUSED_VALUES_H
 #define DSE_FUSED_VALUES_H
 
@@ -42,21 +42,21 @@ DSE_MEMBER(i64, int64_t, int64_t)
 DSE_MEMBER(u8, uint8_t, int64_t)
 DSE_MEMBER(u16, uint16_t, int64_t)
 DSE_MEMBER(u32, uint32_t, int64_t)
-DSE_MEMBER(u64, uint64_t, int64_t) /* what is beyond an int64_t is read as a negative number */
-DSE_MEMBER(whole, double, double)  /* a double that holds whole numbers only */
+DSE_MEMBER(u64, uint64_t, int64_t) /* a value beyond int64_t is read as a negative number */
+DSE_MEMBER(whole, double, double)  /* a double with integer values only */
 
 static inline bool dse_is_within(int64_t value, int64_t lowest, int64_t highest) {
     return value >= lowest && value <= highest;
 }
 
-/* Whether *value* is a whole number in a range of at most 62 bits, which *whole* then is; else *whole* is 0. */
+/* Whether *value* is an integer in a range of at most 62 bits; *whole* becomes the integer, else 0. */
 static inline bool dse_is_whole(double value, int64_t lowest, int64_t highest, int64_t *whole) {
     const bool is_fit = value >= (double)lowest && value <= (double)highest && value == floor(value);
     *whole = is_fit ? (int64_t)value : 0;
     return is_fit;
 }
 
-/* Whether a float takes *value*; infinities and NaN are told by others. */
+/* Whether a float can represent *value*; other code reports infinities and NaN. */
 static inline bool dse_is_float(double value) { return !isfinite(value) || fabs(value) <= (double)FLT_MAX; }
 
 #endif

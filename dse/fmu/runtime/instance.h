@@ -1,8 +1,7 @@
-/* One instance of a component: its life, its time, its saved states. Knows nothing of an FMI version.
- *
- * Until the initialization is over, inputs and parameters are collected in *start*. What the component is, *now*, is
- * made from it as often as values change and an output is asked for, so the initialization always sees the same. How
- * that is done, and how a step is made, is told by c_component.h for C and by simulation.h for Modelica (DSE_MODEL).
+/* One instance of a component: its life, its time, its saved states. Independent of the FMI version. Until the
+ * initialization is over, inputs and parameters are collected in *start*. The component's present values, *now*, are
+ * computed from it whenever values have changed and an output is read, so the initialization always starts from the
+ * same values. c_component.h for C and simulation.h for Modelica (DSE_MODEL) implement this, and the steps.
  */
 #ifndef DSE_INSTANCE_H
 #define DSE_INSTANCE_H
@@ -31,13 +30,13 @@
 #else
 #define DSE_EXPORT __attribute__((visibility("default")))
 #endif
-/* The FMI function we are in, as FMI calls it. Where several components share a library, names there have a prefix. */
+/* The name of the present FMI function. Where several components share a library, names there have a prefix. */
 #ifdef DSE_PREFIX
 #define DSE_HERE (&__func__[sizeof DSE_PREFIX - 1])
 #else
 #define DSE_HERE __func__
 #endif
-/* Kept out of the many accessors that call it: compiling copies of it is what a build would take its time for. */
+/* Not inlined into the many accessors that call it: compiling copies would dominate the build time. */
 #define DSE_APART __attribute__((noinline))
 #define DSE_LIKELY(condition) __builtin_expect(!!(condition), 1)
 #define DSE_UNLIKELY(condition) __builtin_expect(!!(condition), 0)
@@ -48,14 +47,14 @@
 typedef dse_component dse_settings;
 #endif
 
-/* All that a saved state holds: numbers only, so that it can be copied and written to a file. */
+/* Content of a saved state: only numbers, so that it can be copied and written to a file. */
 struct dse_snapshot {
     uint32_t state;
-    uint32_t is_stale; /* *now* is older than *start*; of a model more, see DSE_STALE_... */
+    uint32_t is_stale; /* *now* is older than *start*; for a model see also DSE_STALE_... */
     uint32_t is_set_up;
     uint16_t is_changed;       /* of a model: something was set since the last step */
     uint16_t is_in_event_mode; /* of a model for model exchange */
-    uint32_t has_new;          /* of a model for co-simulation: *now* has values that the last step did not have */
+    uint32_t has_new;          /* of a model for co-simulation: *now* has values that the last step did not use */
     uint32_t padding;
     int64_t hits;              /* sample hits that have run */
     double start_time;
@@ -66,7 +65,7 @@ struct dse_snapshot {
 };
 
 #ifdef DSE_OSMP
-/* Binaries as FMI 2.0 can pass them, see c_component_osmp.h. Nothing of it belongs to a saved state. */
+/* Binaries as FMI 2.0 can pass them, see c_component_osmp.h. Not part of a saved state. */
 struct dse_osmp {
     int32_t told[DSE_BINARIES][3];
     bool is_told[DSE_BINARIES];
@@ -80,7 +79,7 @@ struct dse_osmp {
 struct dse_instance {
     struct dse_snapshot at;
     void (*tell)(struct dse_instance *instance, int is_warning, const char *message);
-    void (*callback)(void); /* the importer's logger; only *tell* knows its type */
+    void (*callback)(void); /* the importer's logger; only *tell* uses its type */
     void *environment;
     char *name;
     bool is_exchange; /* the importer has the solver */
@@ -94,11 +93,11 @@ struct dse_instance {
     struct dse_coded coded;
 #endif
 #ifdef DSE_OSMP
-    struct dse_osmp osmp; /* last: what lies before it is the same without */
+    struct dse_osmp osmp; /* last: the members before it have the same places without it */
 #endif
 };
 
-/* To be called when outputs may have changed. */
+/* Call when outputs may have changed. */
 #ifdef DSE_OSMP
 #define DSE_CHANGED(instance) ((instance)->osmp.is_shown = false)
 #else
@@ -115,7 +114,7 @@ static const char *dse_state_name(uint32_t state) {
     }
 }
 
-/* Tell the importer what is wrong; false, so that a caller can return it. */
+/* Report an error to the importer; false, so that a caller can return it. */
 static DSE_APART bool dse_refuse(struct dse_instance *instance, const char *function, const char *format, ...) {
     char text[512];
     int used = snprintf(text, sizeof text, "%s: ", function);
@@ -140,7 +139,7 @@ static inline bool dse_is_allowed(struct dse_instance *instance, const char *fun
     return true;
 }
 
-/* What is on with somebody outside is over with the run. */
+/* Ends a UDP session with the run, and reports its packet errors. */
 static void dse_end_session(struct dse_instance *instance) {
 #ifdef DSE_UDP
     char said[DSE_UDP_LONGEST + 1];
@@ -237,7 +236,7 @@ static inline bool dse_is_step_possible(struct dse_instance *instance, const cha
     return true;
 }
 
-/* Saved states: a copy of the snapshot; serialized, the token goes ahead, so that no other component's is taken. */
+/* Saved states: a copy of the snapshot. Serialized, the token comes first: states of other components are refused. */
 #define DSE_SERIALIZED_SIZE (sizeof DSE_TOKEN + sizeof(struct dse_snapshot))
 
 static bool dse_keep(

@@ -1,4 +1,4 @@
-/* A model as the solvers of csolve see it, and the beginning of an integration. */
+/* The interface of a model for the solvers of csolve, and the start of an integration. */
 #ifndef DSE_INTEGRATE_H
 #define DSE_INTEGRATE_H
 
@@ -10,7 +10,7 @@
 #define DSE_NOMINAL(m, k) dse_nominals[k]
 #define DSE_ABSOLUTE 1.0
 #define DSE_MAY_CHOOSE(m) (DSE_SOLVER == DSE_AUTO_SOLVER)
-#define DSE_STIFF_FROM 3.25 /* nearly where the region of stability ends */
+#define DSE_STIFF_FROM 3.25 /* close to the limit of the region of stability */
 #include "csolve/step.h"
 
 static inline struct dse_solver *dse_solver_of(dse_component *m) { return &m->solver; }
@@ -61,7 +61,7 @@ static inline bool dse_give_up(dse_component *m, dse_answer last) {
     return false;
 }
 
-/* Begin anew from what stands in v, whose derivatives are up to date. */
+/* Restart from the values in v, whose derivatives are up to date. */
 static bool dse_restart(dse_component *m) {
     struct dse_solver *s = &m->solver;
     s->end = m->time;

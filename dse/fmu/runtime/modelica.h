@@ -1,4 +1,4 @@
-/* What a model made from Modelica and this runtime owe each other. Generated model.h reads, in this order:
+/* The interface between a model made from Modelica and this runtime. Generated model.h contains, in this order:
  *
  *   the sizes   #define DSE_MODEL 1
  *               DSE_VALUES      variables, parameters, derivatives: doubles in v; Boolean 0/1, an enumeration from 1
@@ -16,13 +16,13 @@
  *               DSE_LARGEST_SYSTEM     unknowns of the largest Newton or linear system
  *               DSE_SOLVER             DSE_AUTO_SOLVER, DSE_EXPLICIT_SOLVER or DSE_STIFF_SOLVER
  *               DSE_DEFAULT_TOLERANCE  relative; the absolute one of a state is this times its nominal value
- *               Any size may be 0; an array then has one element that nobody looks at.
+ *               Any size may be 0; an array then has one unused element.
  *   #include "modelica.h"
  *   the data    static const uint32_t dse_state[], dse_derivative[];      places in v, one each a state
  *               static const uint32_t dse_root[];                         of the loops' unknowns
  *               static const char *const dse_state_names[];
  *               static const uint32_t dse_discrete[];                     place in v of pre[k]
- *               static const char *const dse_failure[];    what is told when a function returns 1 + index
+ *               static const char *const dse_failure[];    message when a function returns 1 + index
  *               static const char *const dse_relations[];  "file:line: h <= 0", one each a relation
  *               static const struct dse_clock dse_clocks[];
  *               #define DSE_SLOT_COUNT ...u
@@ -32,18 +32,18 @@
  *     int model_parameters(m)    dependent parameters and m->data from the set ones; checks the tables' axes
  *     int model_guess(m)         unknowns, states and discretes before the initialization
  *     int model_initial(m)       one pass of the initial blocks, discretes and conditions (is_true) included
- *     int model_derivatives(m)   from time, states, inputs, parameters, discretes, held: what states and relations need
+ *     int model_derivatives(m)   from time, states, inputs, parameters, discretes, held: data for states and relations
  *     int model_outputs(m)       the rest, after model_derivatives
  *     void model_aliases(m)      negated aliases into their places, after model_outputs
  *     int model_event(m)         one pass of the event blocks, given pre, held, was_true, ticks: all values, continuous
  *                                and discrete; is_true and is_active
- *     int model_reinitialize(m)  after each pass: reinit of active triggers; 1 if a state was written, else 0; what
- *                                fails is negative. All values are computed before the first is written
+ *     int model_reinitialize(m)  after each pass: reinit of active triggers; 1 if a state was written, else 0; negative
+ *                                after an error. All values are computed before the first is written
  *     int model_relations(m, double crossing[], uint8_t truth[])     left - right, and the comparisons themselves
  *     int model_check(m, tell)        asserts, at accepted points, after model_outputs; 0 ok, 1 error, 2 terminate
- *     int model_event_check(m, tell)  the same of those under a trigger, after each pass
+ *     int model_event_check(m, tell)  the same for those under a trigger, after each pass
  *
- * A second file, start.c, sees nothing of this. It holds what may change without compiling the model again:
+ * A second file, start.c, does not use any of this. Its data may change without compiling the model again:
  *     const char dse_token[80] = "{...}";  const double dse_starts[] = {...};  const double dse_nominals[] = {...};
  */
 #ifndef DSE_MODELICA_H
@@ -86,7 +86,7 @@ struct dse_clock {
 };
 
 /* kind: REAL, INTEGER, BOOLEAN or ENUMERATION. role: INPUT, TUNABLE, FIXED (a parameter that is not tunable, or the
- * start of a state) or OUTPUT (whatever cannot be set). */
+ * start of a state) or OUTPUT (a variable that cannot be set). */
 #define DSE_VALUE(place, kind, role, items)                                                                            \
     { 8u * (place), DSE_TYPE_OF_##kind, DSE_##kind, DSE_##role, items, 1, 0, 0 }
 #define DSE_TYPE_OF_REAL DSE_F64
@@ -94,10 +94,10 @@ struct dse_clock {
 #define DSE_TYPE_OF_BOOLEAN DSE_WHOLE
 #define DSE_TYPE_OF_ENUMERATION DSE_WHOLE
 
-/* C knows no empty array. */
+/* C has no empty arrays. */
 #define DSE_ROOM(size) ((size) > 0 ? (size) : 1)
 
-/* Why a simulation cannot go on. Positive codes are those of the model's own functions. */
+/* Why a simulation cannot continue. Positive codes are those of the model's own functions. */
 enum {
     DSE_NO_TROUBLE = 0,
     DSE_NOT_FINITE = -1,     /* derivative of state number *subject* */
@@ -105,8 +105,8 @@ enum {
     DSE_TOO_INACCURATE = -3, /* no step is small enough for the tolerance */
     DSE_TOO_MANY_STEPS = -4,
     DSE_CHATTERS = -5,   /* relation number *subject* */
-    DSE_UNSETTLED = -6,  /* the event iteration finds no end */
-    DSE_VIOLATED = -7,   /* an assert; it has told its text */
+    DSE_UNSETTLED = -6,  /* the event iteration does not end */
+    DSE_VIOLATED = -7,   /* an assert; its text has been reported */
     DSE_TERMINATED_BY_MODEL = -8
 };
 
@@ -116,8 +116,8 @@ typedef struct {
     double time;
 } dse_reason;
 
-/* What the solvers remember is a part of the component, so that it is saved and restored with it. A look at the
- * relations: their crossing functions, and behind them their truth, in bytes. */
+/* The solvers' data is a part of the component, so that it is saved and restored with it. A look at the relations:
+ * their crossing functions, followed by their truth values, in bytes. */
 #define DSE_HAS_STIFF (DSE_SOLVER != DSE_EXPLICIT_SOLVER)
 #define DSE_N DSE_ROOM(DSE_STATES)
 #define DSE_LOOK (DSE_ROOM(DSE_RELATIONS) + (DSE_RELATIONS + 7) / 8)
@@ -131,33 +131,33 @@ typedef struct {
     double v[DSE_ROOM(DSE_VALUES)]; /* first, so a slot's offset is 8 * place */
     double pre[DSE_ROOM(DSE_PRE)];
     double data[DSE_ROOM(DSE_DATA)];
-    double root[DSE_ROOM(DSE_ROOTS)]; /* as the last accepted point has them */
+    double root[DSE_ROOM(DSE_ROOTS)]; /* of the last accepted point */
     double settled;                   /* its time */
-    double refused;                   /* how far from it a point had no values; 0 once a step has come as far */
+    double refused;                   /* its distance from a point without values; 0 once a step has covered it */
     double time;
-    double continued; /* while homotopy is: its share of the actual expression */
+    double continued; /* during homotopy: its share of the actual expression */
     int64_t next_tick[DSE_ROOM(DSE_CLOCKS)];
-    double before_pass[DSE_RELATIONS > 0 ? DSE_ROOM(DSE_VALUES) : 1]; /* v as a pass of the event iteration found it */
-    uint8_t held[DSE_ROOM(DSE_RELATIONS)];      /* truth of the relations as the equations see it */
+    double before_pass[DSE_RELATIONS > 0 ? DSE_ROOM(DSE_VALUES) : 1]; /* v before a pass of the event iteration */
+    uint8_t held[DSE_ROOM(DSE_RELATIONS)];      /* truth of the relations as used by the equations */
     uint8_t is_true[DSE_ROOM(DSE_CONDITIONS)];  /* in this iteration */
     uint8_t was_true[DSE_ROOM(DSE_CONDITIONS)]; /* in the iteration before */
     uint8_t is_active[DSE_ROOM(DSE_TRIGGERS)];  /* in this iteration */
     uint8_t ticks[DSE_ROOM(DSE_CLOCKS)];        /* in this iteration */
-    uint8_t has_told[DSE_ROOM(DSE_CHECKS)];     /* a warning is told once */
+    uint8_t has_told[DSE_ROOM(DSE_CHECKS)];     /* a warning is reported once */
     struct dse_solver solver;
 } dse_component;
 
 typedef void dse_tell(dse_component *m, int check, int is_warning, const char *text);
 
-/* Values as set from outside: all of v, of which only what can be set is ever read. */
+/* Values as set from outside: all of v, but only values that can be set are read. */
 typedef struct {
     double v[DSE_ROOM(DSE_VALUES)];
 } dse_settings;
 
 typedef dse_component dse_problem;
 #define DSE_VALUES_OF(m) ((m)->v)
-/* Newton's method may only have started too far away: steps are made next to nothing before a jump is believed. */
-#define DSE_NO_DISTANCE 1e-6 /* of the one at which there were no values at first */
+/* Newton's method may only have started too far away: a jump is allowed only after very short steps. */
+#define DSE_NO_DISTANCE 1e-6 /* of the first distance without values */
 #define DSE_MAY_JUMP(m)                                                                                                \
     (DSE_ROOTS > 0 && (m)->refused > 0.0                                                                               \
         && fabs((m)->time - (m)->settled) <= DSE_NO_DISTANCE * (m)->refused)

@@ -1,7 +1,7 @@
-/* A component whose work a process of its own does, its partner: one for each instance, from the first initialization
- * on. How it is started is told by the importer through dse_bridge_open, as dse does where resources/partner.txt names a
- * module; it has a connected socket as its standard input, over which frames of doubles go to and fro, and as its
- * standard output a pipe without a word that is closed when this process ends, however it ends. POSIX only. */
+/* A component whose work is done by a separate process, its partner: one for each instance, from the first
+ * initialization on. The importer passes its command through dse_bridge_open; dse does so if resources/partner.txt
+ * names a module. Its standard input is a connected socket for frames of doubles in both directions. Its standard
+ * output is a pipe without data, which is closed when this process ends, in any way. POSIX only. */
 #ifndef DSE_PARTNER_H
 #define DSE_PARTNER_H
 
@@ -23,20 +23,20 @@
 #include <unistd.h>
 
 #ifndef MSG_NOSIGNAL
-#define MSG_NOSIGNAL 0 /* where there is none, Python has the signal ignored already */
+#define MSG_NOSIGNAL 0 /* where it does not exist, Python already ignores the signal */
 #endif
 
-enum { DSE_PARTNER_START, DSE_PARTNER_STEP, DSE_PARTNER_END }; /* what is asked; the last has no answer */
-enum { DSE_PARTNER_LONGEST = 400 };                             /* bytes of what is said of a failure */
+enum { DSE_PARTNER_START, DSE_PARTNER_STEP, DSE_PARTNER_END }; /* requests; the last one has no answer */
+enum { DSE_PARTNER_LONGEST = 400 };                             /* bytes of an error message */
 
 struct dse_partner {
-    pid_t process; /* 0: there is none */
+    pid_t process; /* 0: no process */
     int line, life;
     bool is_running; /* a simulation */
 };
 
 struct dse_partner_head {
-    uint32_t kind, count; /* of a question: what, how many doubles; of an answer: 0 and as many; 1 and bytes of text */
+    uint32_t kind, count; /* of a request: kind, number of doubles; of an answer: 0, number; 1, bytes of text */
 };
 
 static char **dse_partner_command, **dse_partner_environment;
@@ -53,7 +53,7 @@ static char **dse_partner_copy(char *const *texts) {
     return copy;
 }
 
-/* The same functions as those of a bridge to a host (dse/fmu/bridge): nothing is started yet, so nothing fails. */
+/* The same functions as in a bridge to a host (dse/fmu/bridge): nothing is started yet, so nothing fails. */
 __attribute__((visibility("default"))) int64_t dse_bridge_open(char *const *command, char *const *environment);
 __attribute__((visibility("default"))) int64_t dse_bridge_open(char *const *command, char *const *environment) {
     if (!dse_partner_command) {
@@ -69,7 +69,7 @@ __attribute__((visibility("default"))) int dse_bridge_has(const char *name) {
     return 1;
 }
 
-/* No number below 3: those are given to the partner in the place of its standard files. */
+/* No number below 3: these become the standard files of the partner. */
 static int dse_partner_own(int file) {
     const int own = file < 0 ? file : fcntl(file, F_DUPFD_CLOEXEC, 3);
     if (file >= 0) {
@@ -78,7 +78,7 @@ static int dse_partner_own(int file) {
     return own;
 }
 
-/* Start it; "" or why it cannot be. */
+/* Start it; "" or the reason of the failure. */
 static const char *dse_partner_begin(struct dse_partner *partner) {
     int line[2] = {-1, -1}, life[2] = {-1, -1};
     if (!dse_partner_command || !dse_partner_environment) {
@@ -118,7 +118,7 @@ static const char *dse_partner_begin(struct dse_partner *partner) {
     return error ? strerror(error) : "";
 }
 
-/* With all that it has started. */
+/* Ends it, with all processes that it has started. */
 static void dse_partner_end(struct dse_partner *partner) {
     if (partner->process) {
         close(partner->line);
@@ -157,7 +157,7 @@ static bool dse_partner_receive(const struct dse_partner *partner, void *to, siz
     return true;
 }
 
-/* Ask with *count* doubles for *expected*; false with what is wrong in *said*. Who starts anew ends what runs. */
+/* Send *count* doubles, receive *expected*; false with an error in *said*. A new start ends the running simulation. */
 static bool dse_partner_ask(struct dse_partner *partner, uint32_t kind, const double *asked, uint32_t count,
                             double *answer, uint32_t expected, char said[DSE_PARTNER_LONGEST + 1]) {
     const struct dse_partner_head ending = {DSE_PARTNER_END, 0}, head = {kind, count};

@@ -1,4 +1,4 @@
-/* An instance of a model from Modelica: initialization, steps, reading, messages. Knows nothing of an FMI version. */
+/* An instance of a model from Modelica: initialization, steps, reading, messages. Independent of the FMI version. */
 #ifndef DSE_SIMULATION_H
 #define DSE_SIMULATION_H
 
@@ -10,7 +10,7 @@ static struct dse_instance *dse_instance_of(dse_component *m) {
     return (struct dse_instance *)(void *)((char *)m - offsetof(struct dse_instance, at.now));
 }
 
-/* Tells of a violated assert or a terminate; of a warning once. */
+/* Reports a violated assert or a terminate; a warning only once. */
 static void dse_tell_check(dse_component *m, int check, int is_warning, const char *text) {
     struct dse_instance *instance = dse_instance_of(m);
     char message[512];
@@ -22,7 +22,7 @@ static void dse_tell_check(dse_component *m, int check, int is_warning, const ch
     instance->tell(instance, is_warning, message);
 }
 
-/* Tell of the trouble the model is in; false. */
+/* Report the model's trouble; false. */
 static DSE_APART bool dse_tell_trouble(struct dse_instance *instance, const char *function) {
     const dse_reason *trouble = &instance->at.now.solver.trouble;
     const double time = trouble->time;
@@ -61,7 +61,7 @@ static void dse_tell_nothing(dse_component *m, int check, int is_warning, const 
     (void)m, (void)check, (void)is_warning, (void)text;
 }
 
-/* The initial values, from what is set until now; false on trouble, which is noted. */
+/* The initial values, from all values set until now; false on trouble, which is stored. */
 static DSE_APART bool dse_find_initial(struct dse_instance *instance, dse_tell *tell) {
     dse_component *m = &instance->at.now;
     uint8_t told[sizeof m->has_told];
@@ -85,10 +85,10 @@ static bool dse_initialize(struct dse_instance *instance, const char *function) 
     return dse_find_initial(instance, dse_tell_check) || dse_tell_trouble(instance, function);
 }
 
-/* What at.is_stale says while stepping. */
+/* Values of at.is_stale while stepping. */
 enum { DSE_FRESH = 0, DSE_STALE_OUTPUTS = 1, DSE_STALE_DERIVATIVES = 2, DSE_STALE_INPUTS = 3 };
 
-/* The staleness of the values after one more was set. */
+/* The staleness after another value was set. */
 static inline uint32_t dse_staleness(const struct dse_instance *instance) {
     if (instance->at.state != DSE_STEPPING) {
         return 1;
@@ -96,8 +96,8 @@ static inline uint32_t dse_staleness(const struct dse_instance *instance) {
     return instance->is_exchange ? DSE_STALE_DERIVATIVES : DSE_STALE_INPUTS;
 }
 
-/* Values set since the last time go into the model, and the parameters that depend on them are computed; *is_new*:
- * whether one differs. False on trouble, which is noted. */
+/* Newly set values are copied to the model, and dependent parameters are computed; *is_new*: whether a value differs.
+ * False on trouble, which is stored. */
 static bool dse_take_over(struct dse_instance *instance, bool *is_new) {
     const double *set = instance->at.start.v;
     double *now = instance->at.now.v;
@@ -118,13 +118,13 @@ static bool dse_take_over(struct dse_instance *instance, bool *is_new) {
     return !(found & DSE_OF_PARAMETER) || dse_is_done(&instance->at.now, model_parameters(&instance->at.now));
 }
 
-/* Bring v up to date before it is read. */
+/* Update v before it is read. */
 static DSE_APART bool dse_refresh(struct dse_instance *instance, const char *function) {
     dse_component *m = &instance->at.now;
     bool is_new = false;
     if (instance->at.state == DSE_INITIALIZING) {
-        /* In a loop of components the inputs are not the last ones yet. Where they have no solution the start values
-         * are shown; whether the last ones have one is told when the initialization ends. */
+        /* In a loop of components the inputs are not final yet. If they have no solution, the start values are
+         * returned. Whether the final inputs have one is reported at the end of the initialization. */
         if (!dse_find_initial(instance, dse_tell_nothing)) {
             memcpy(m->v, instance->at.start.v, sizeof m->v);
             instance->at.is_stale = 1;
@@ -132,10 +132,10 @@ static DSE_APART bool dse_refresh(struct dse_instance *instance, const char *fun
         return true;
     }
     if (m->solver.trouble.code != DSE_NO_TROUBLE) {
-        return true; /* what is left of a failed simulation is shown as it is */
+        return true; /* after a failure the last values are returned */
     }
-    /* Outputs follow inputs at once, so that a master can carry values on and solve loops between two steps. What is
-     * discrete, and events, wait for the next step. */
+    /* Outputs follow inputs at once, so that a master can pass values on and solve loops between two steps. Discrete
+     * variables and events wait for the next step. */
     if ((instance->is_exchange || instance->at.is_stale == DSE_STALE_INPUTS) && !dse_take_over(instance, &is_new)) {
         return dse_tell_trouble(instance, function);
     }
@@ -164,8 +164,8 @@ static bool dse_exit_initialization(struct dse_instance *instance, const char *f
     return true;
 }
 
-/* Advance from *time* by *step*, both in seconds; the inputs are those last set, held over the step. A clock that ticks
- * at *time* ticks now, one at time + step in the next step, so that it sees the inputs of that instant. */
+/* Advance from *time* by *step*, both in seconds, with the inputs set last, held over the step. A clock that ticks at
+ * *time* ticks now. One at time + step ticks in the next step, so that it uses the inputs of that instant. */
 static bool dse_do_step(struct dse_instance *instance, const char *function, double time, double step) {
     struct dse_snapshot *at;
     dse_component *m;
@@ -185,7 +185,7 @@ static bool dse_do_step(struct dse_instance *instance, const char *function, dou
     const bool had_new = at->has_new;
     at->has_new = 0;
     m->solver.span = step;
-    at->is_stale = DSE_CHECKS > 0 ? DSE_FRESH : DSE_STALE_OUTPUTS; /* asserts have looked at the outputs already */
+    at->is_stale = DSE_CHECKS > 0 ? DSE_FRESH : DSE_STALE_OUTPUTS; /* asserts have computed the outputs already */
     if (!dse_take_over(instance, &is_new) || !dse_begin_step(m, dse_tell_check, is_new || had_new, spare)
         || !dse_advance(m, dse_tell_check, time + step, !(is_new || had_new), spare)) {
         at->time = m->solver.trouble.time;

@@ -1,6 +1,5 @@
-/* Where a variable lives in the component's struct, of what C type it is, and who may write it when.
- *
- * The compiler itself finds place and type (offsetof, _Generic), so the component's header is never parsed.
+/* The place of a variable in the component's struct, its C type, and when it may be set. The compiler determines place
+ * and type (offsetof, _Generic), so the component's header is never parsed.
  */
 #ifndef DSE_SLOT_H
 #define DSE_SLOT_H
@@ -24,16 +23,16 @@ enum {
     DSE_U16,
     DSE_U32,
     DSE_U64,
-    DSE_WHOLE /* a double that holds whole numbers only */
+    DSE_WHOLE /* a double with integer values only */
 };
 
-/* What the variable is to the outside; the values are bits, so that an accessor can serve two kinds. */
+/* The role of the variable; the values are bits, so that an accessor can serve two kinds. */
 enum { DSE_REAL = 1, DSE_INTEGER = 2, DSE_BOOLEAN = 4, DSE_ENUMERATION = 8, DSE_TEXT = 16, DSE_BINARY = 32 };
 
-/* Where an instance stands in its life; the values are bits, so that a set of states is a number. */
+/* The state of an instance; the values are bits, so that a set of states is a number. */
 enum { DSE_INSTANTIATED = 1, DSE_INITIALIZING = 2, DSE_STEPPING = 4, DSE_TERMINATED = 8 };
 
-/* The states in which a variable may be set. One more bit tells a parameter from an input. */
+/* The states in which a variable may be set. One more bit distinguishes parameters from inputs. */
 enum {
     DSE_OF_PARAMETER = 16,
     DSE_INPUT = DSE_INSTANTIATED | DSE_INITIALIZING | DSE_STEPPING,
@@ -48,8 +47,8 @@ struct dse_slot {
     uint8_t kind;
     uint8_t settable;
     int32_t items; /* of an enumeration: its values are 0 … items - 1 */
-    uint32_t count; /* of the values of the array whose first value this is, for FMI 3.0; else 1 */
-    uint32_t capacity; /* bytes of a text, with the zero at its end, or of a binary, whose size_t lies at *size_at* */
+    uint32_t count; /* number of values of the array whose first value this is, for FMI 3.0; else 1 */
+    uint32_t capacity; /* bytes of a text, with the zero at its end, or of a binary, whose size_t is at *size_at* */
     uint32_t size_at;
 };
 
@@ -89,7 +88,7 @@ struct dse_slot {
      : (type) == DSE_WHOLE ? INT32_MIN                                                                                 \
      : (type) == DSE_I64 ? INT64_MIN                                                                                   \
                          : 0)
-/* Clipped to what an int64_t can say: values arrive as int64_t. */
+/* Clipped to the range of int64_t: values arrive as int64_t. */
 #define DSE_HIGHEST(type)                                                                                              \
     ((type) == DSE_I8    ? INT8_MAX                                                                                    \
      : (type) == DSE_I16 ? INT16_MAX                                                                                   \
@@ -103,7 +102,7 @@ struct dse_slot {
 #define DSE_FITS(member, value)                                                                                        \
     (DSE_LOWEST(DSE_TYPE_OF(member)) <= (value) && (value) <= DSE_HIGHEST(DSE_TYPE_OF(member)))
 
-/* Whether *member* is an array, and of so many elements. */
+/* Whether *member* is an array, and its number of elements. */
 #define DSE_IS_ARRAY(member, size)                                                                                     \
     (sizeof(((dse_component *)0)->member) == (size) * sizeof(((dse_component *)0)->member[0])                          \
         && !__builtin_types_compatible_p(__typeof__(((dse_component *)0)->member),                                     \

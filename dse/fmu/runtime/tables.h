@@ -24,7 +24,7 @@ static inline int dse_axis(const double *xs, size_t count) {
     return !is_axis;
 }
 
-/* The interval that holds x; the last one holds its right end. */
+/* The interval that contains x; the last one includes its right end. */
 static inline size_t dse_interval(double x, const double *xs, size_t count) {
     size_t low = 0, high = count - 1;
     while (high - low > 1) {
@@ -38,7 +38,7 @@ static inline size_t dse_interval(double x, const double *xs, size_t count) {
     return low;
 }
 
-/* How much the left and right value and the left and right slope count at the part *s* of an interval. */
+/* Weights of the left and right value and of the left and right slope at the part *s* of an interval. */
 static inline void dse_hermite(int order, double s, double width, double basis[4]) {
     const double rest = 1.0 - s;
     if (order == 0) {
@@ -59,7 +59,7 @@ static inline void dse_hermite(int order, double s, double width, double basis[4
     }
 }
 
-/* What stands for order and place once *x* may be outside: value = f(order, at) + f(1, at) * beyond, or nothing. */
+/* Order and place where *x* may be outside: value = f(order, at) + f(1, at) * beyond, or nothing. */
 struct dse_reach {
     double at, beyond;
     int order;
@@ -137,7 +137,7 @@ static inline int dse_table1(
     return 0;
 }
 
-/* How much the values at up to four neighbouring points of an axis count. */
+/* Weights of the values at up to four neighbouring points of an axis. */
 struct dse_stencil {
     size_t first, count;
     double weight[4];

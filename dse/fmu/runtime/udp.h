@@ -1,7 +1,7 @@
-/* A component that is somebody outside: its inputs and parameters go out as datagrams, its outputs are what comes back
- * (docs/udp.md). In lockstep every step waits for its answer; in free mode for the wall clock, with the newest heard.
+/* An external component: its inputs and parameters are sent as datagrams, its outputs are the answers (docs/udp.md).
+ * In lockstep every step waits for its answer. In free mode it waits for the wall clock, and uses the newest answer.
  *
- * Of the component besides what datagram.h wants: DSE_UDP_IS_FREE, DSE_UDP_TIMEOUT and DSE_UDP_WAIT in s. */
+ * Defined by the component in addition to datagram.h: DSE_UDP_IS_FREE, DSE_UDP_TIMEOUT and DSE_UDP_WAIT in s. */
 #ifndef DSE_UDP_H
 #define DSE_UDP_H
 
@@ -10,7 +10,7 @@
 enum { DSE_UDP_ENDS = 3, DSE_UDP_MOST_IN_A_STEP = 4096 };
 #define DSE_UDP_FIRST_RESEND 0.005
 #define DSE_UDP_LAST_RESEND 0.2
-#define DSE_UDP_GIVEN_UP 0.1 /* of delay, in s, is not made up for */
+#define DSE_UDP_GIVEN_UP 0.1 /* in s: a longer delay is not caught up */
 
 /* ---- sessions ---- */
 
@@ -24,7 +24,7 @@ static int32_t dse_udp_new_session(const struct dse_udp *udp) {
     return (int32_t)(hash >> 33 | 1u);
 }
 
-/* End what is on. END has no answer: it goes out more than once, as any of them may be lost. */
+/* End the session. END has no answer: it is sent several times, as packets may be lost. */
 static void dse_udp_end(struct dse_udp *udp) {
     if (udp->session) {
         for (int k = 0; k < DSE_UDP_ENDS && !udp->has_ended; k++) {
@@ -51,7 +51,7 @@ static void dse_udp_take(struct dse_udp *udp, int32_t sequence) {
     memcpy(udp->taken, udp->room + DSE_UDP_HEAD, DSE_UDP_HEARD * sizeof *udp->taken);
 }
 
-/* ---- what a packet means ---- */
+/* ---- meaning of packets ---- */
 
 enum { DSE_UDP_GO_ON, DSE_UDP_TAKEN, DSE_UDP_OVER };
 
@@ -60,7 +60,7 @@ static int dse_udp_ignore(struct dse_udp *udp, int reason) {
     return DSE_UDP_GO_ON;
 }
 
-/* To the client: *next* is the least sequence that it takes; in lockstep no other. */
+/* To the client: *next* is the least sequence that it accepts; in lockstep the only one. */
 static int dse_udp_on_answer(struct dse_udp *udp, const struct dse_udp_packet *packet, int32_t next) {
     if (packet->session != udp->session) {
         return dse_udp_ignore(udp, DSE_UDP_WRONG_SESSION);
@@ -83,7 +83,7 @@ static int dse_udp_on_answer(struct dse_udp *udp, const struct dse_udp_packet *p
 /* To the server without a session. */
 static int dse_udp_on_start(struct dse_udp *udp, const struct dse_udp_packet *packet) {
     if (packet->session <= 0 || dse_udp_is_over(udp, packet->session)) {
-        /* Who has not heard the end is told again. */
+        /* A client that missed the end gets it again. */
         if (packet->session > 0 && !(packet->flags & (DSE_UDP_START | DSE_UDP_END))) {
             dse_udp_send_other(udp, &packet->from, packet->session, packet->sequence, DSE_UDP_END);
         }
@@ -99,7 +99,7 @@ static int dse_udp_on_start(struct dse_udp *udp, const struct dse_udp_packet *pa
     return DSE_UDP_TAKEN;
 }
 
-/* To the server with one; *next* as above. */
+/* To the server with a session; *next* as above. */
 static int dse_udp_on_request(struct dse_udp *udp, const struct dse_udp_packet *packet, int32_t next) {
     if (packet->session != udp->session) {
         if (packet->flags & DSE_UDP_START && !dse_udp_is_over(udp, packet->session)) {
@@ -116,7 +116,7 @@ static int dse_udp_on_request(struct dse_udp *udp, const struct dse_udp_packet *
         udp->has_ended = true;
         return DSE_UDP_OVER;
     }
-    /* A request that comes again has not heard its answer; to a start that does, in free mode, the newest is one. */
+    /* The client of a repeated request missed the answer. In free mode a repeated start gets the newest packet. */
     if (DSE_UDP_IS_FREE ? packet->flags & DSE_UDP_START : packet->sequence == udp->sequence) {
         udp->counts.resent++;
         dse_udp_send_other(udp, &udp->peer, udp->session, packet->sequence,
@@ -138,7 +138,7 @@ static int dse_udp_on_packet(struct dse_udp *udp, const struct dse_udp_packet *p
 
 /* ---- waiting ---- */
 
-/* Wait for the packet of the sequence *next*, *patience* long; the client sends its own again and again. */
+/* Wait for the packet of the sequence *next*, *patience* long; the client resends its own repeatedly. */
 static int dse_udp_await(struct dse_udp *udp, int32_t next, double patience, char *said) {
     const double until = dse_udp_now() + patience;
     double pause = DSE_UDP_FIRST_RESEND, again = DSE_UDP_IS_SERVER ? until : dse_udp_now() + pause;
@@ -154,7 +154,7 @@ static int dse_udp_await(struct dse_udp *udp, int32_t next, double patience, cha
             return dse_udp_fail_silent(udp, patience, said);
         }
         if (now >= again) {
-            if (next == 0 && udp->former) { /* it may be what the other side is busy with */
+            if (next == 0 && udp->former) { /* it may be the session that the other side is busy with */
                 dse_udp_send_other(udp, &udp->peer, udp->former, 0, DSE_UDP_END);
             }
             dse_udp_send(udp, &udp->peer);
@@ -168,7 +168,7 @@ static int dse_udp_await(struct dse_udp *udp, int32_t next, double patience, cha
     }
 }
 
-/* Wait for the wall clock to reach the end of the step, then take the newest that has come. */
+/* Wait for the wall clock to reach the end of the step, then take the newest received packet. */
 static int dse_udp_keep_time(struct dse_udp *udp, double time, double step, char *said) {
     struct dse_udp_packet packet;
     int meaning = DSE_UDP_GO_ON;
@@ -203,15 +203,15 @@ static int dse_udp_keep_time(struct dse_udp *udp, double time, double step, char
     return meaning == DSE_UDP_OVER ? DSE_UDP_ENDED : DSE_UDP_DONE;
 }
 
-/* ---- what the component asks ---- */
+/* ---- functions for the component ---- */
 
-/* Begin a session at *time*. The initialization may ask more than once: a client whose values have changed begins
- * another one, whose answer is of these values; a server gives what it has heard. */
+/* Begin a session at *time*. The initialization may call this repeatedly: a client whose values have changed begins
+ * another session, whose answer is for these values; a server returns the received values. */
 static int dse_udp_start(struct dse_udp *udp, double time, const double *sent, char *said) {
     if (DSE_UDP_IS_SERVER) {
         if (!udp->session) {
             dse_udp_set_head(udp, 0, 0, 0);
-            dse_udp_set_values(udp, time, sent); /* for who asks with another layout */
+            dse_udp_set_values(udp, time, sent); /* for a client with another layout */
         }
         return udp->session ? DSE_UDP_DONE : dse_udp_await(udp, 0, DSE_UDP_WAIT, said);
     }
@@ -242,8 +242,8 @@ static int dse_udp_step(struct dse_udp *udp, double time, double step, const dou
     return dse_udp_await(udp, udp->sequence + DSE_UDP_IS_SERVER, DSE_UDP_TIMEOUT, said);
 }
 
-/* What the component asks for at *time*, a start for a *step* of 0: *values* are what was heard, then what is counted.
- * If it fails *said* tells why. */
+/* Exchange at *time*, a start for a *step* of 0: *values* are the received values, then the counts. On failure *said*
+ * has the reason. */
 static int dse_udp_ask(struct dse_udp *udp, double time, double step, const double *sent, double *values,
                        char said[DSE_UDP_LONGEST + 1]) {
     const char *reason = dse_udp_open(udp);

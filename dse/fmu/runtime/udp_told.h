@@ -1,4 +1,4 @@
-/* What a component of the kind udp says of its packets: at the end of a run, and when one fails. */
+/* Messages of a component of the kind udp about its packets: at the end of a run, and after a failure. */
 #ifndef DSE_UDP_TOLD_H
 #define DSE_UDP_TOLD_H
 
@@ -50,7 +50,7 @@ static void dse_udp_add_ignored(const struct dse_udp *udp, struct dse_udp_text *
     }
 }
 
-/* Whether something came that nobody in good order sends, or a deadline was missed: then *said* tells it. */
+/* Whether there were invalid packets or a missed deadline: then *said* has a message. */
 static bool dse_udp_tell_trouble(const struct dse_udp *udp, char said[DSE_UDP_LONGEST + 1]) {
     struct dse_udp_text text = {said, 0};
     const bool has_ignored = dse_udp_count_ignored(udp, DSE_UDP_WRONG_SEQUENCE) > 0.0;

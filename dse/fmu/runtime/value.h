@@ -1,5 +1,5 @@
-/* Reading and writing an instance's variables. Doubles go straight through; everything else is converted with a check,
- * so that no number is ever cut to fit.
+/* Reading and writing an instance's variables. Doubles are copied directly; all other values are converted with a
+ * check, so that no number is ever truncated.
  */
 #ifndef DSE_VALUE_H
 #define DSE_VALUE_H
@@ -22,7 +22,7 @@
 #endif
 #endif
 
-/* How many values a reference stands for: in FMI 3.0 those of an array, which are slots one after another. */
+/* The number of values of a reference: in FMI 3.0 those of an array, which are consecutive slots. */
 #ifdef DSE_ARRAYS
 #define DSE_COUNT(reference) ((reference) < DSE_SLOT_COUNT ? dse_slots[reference].count : 1u)
 #else
@@ -47,7 +47,7 @@ static const char *dse_kind_name(int kinds) {
                                  : "enumeration";
 }
 
-/* The slot of *reference*, or NULL after telling why it is not one of *kinds*. */
+/* The slot of *reference*, or NULL after reporting that it is not one of *kinds*. */
 static DSE_APART const struct dse_slot *dse_find(
     struct dse_instance *instance, const char *function, uint32_t reference, int kinds) {
     if (DSE_UNLIKELY(reference >= DSE_SLOT_COUNT)) {
@@ -74,7 +74,7 @@ static DSE_APART const struct dse_slot *dse_find_settable(
     return slot;
 }
 
-/* To be called before any variable is read. */
+/* Call before any variable is read. */
 static inline bool dse_begin_get(struct dse_instance *instance, const char *function) {
     if (DSE_UNLIKELY(!dse_is_allowed(instance, function, DSE_VALUES_KNOWN))) {
         return false;
@@ -82,7 +82,7 @@ static inline bool dse_begin_get(struct dse_instance *instance, const char *func
     return DSE_LIKELY(!instance->at.is_stale) || dse_refresh(instance, function);
 }
 
-/* To be called before any variable is written. */
+/* Call before any variable is written. */
 static inline bool dse_begin_set(struct dse_instance *instance, const char *function) {
     if (DSE_UNLIKELY(!dse_is_allowed(instance, function, DSE_INPUT))) {
         return false;
@@ -103,7 +103,7 @@ static DSE_APART bool dse_refuse_nan(struct dse_instance *instance, const char *
 }
 #endif
 
-/* The way for all that is not a double of the component; refuses what is not real. */
+/* Access to all variables except doubles of the component; refuses those that are not real. */
 static DSE_APART bool dse_get_float(
     struct dse_instance *instance, const char *function, uint32_t reference, double *value) {
     const struct dse_slot *slot;
@@ -202,7 +202,7 @@ static inline bool dse_set_reals(struct dse_instance *instance, const char *func
         return;                                                                                                        \
     }
 
-/* False if the number is beyond what an int64_t can say. */
+/* False if the number is beyond the range of int64_t. */
 static inline bool dse_load(const char *from, int type, int64_t *value) {
     switch (type) {
         DSE_LOAD(DSE_BOOL, bool)
@@ -245,7 +245,7 @@ static inline void dse_store(char *to, int type, int64_t value) {
     }
 }
 
-/* One integer, truth value or number of an enumeration's item, which must lie in *lowest* … *highest* as well. */
+/* One integer, Boolean or item number of an enumeration, which must be within *lowest* … *highest* as well. */
 static DSE_APART bool dse_get_whole(struct dse_instance *instance, const char *function, uint32_t reference, int kinds,
     int64_t lowest, int64_t highest, int64_t *value) {
     const struct dse_slot *slot = dse_find(instance, function, reference, kinds);

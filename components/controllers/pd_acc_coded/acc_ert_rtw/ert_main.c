@@ -9,7 +9,7 @@
 
 #include "acc.h"
 
-/* Shows how a main program of a target calls the model; it is no part of it. */
+/* Shows how a main program of a target calls the model; it is not part of the model. */
 static RT_MODEL_acc_T acc_M_;
 static RT_MODEL_acc_T *const acc_MPtr = &acc_M_;
 static DW_acc_T acc_DW;
