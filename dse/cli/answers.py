@@ -25,7 +25,7 @@ from dse import __version__
 from dse.cli import streams
 from dse.places import cache_path, workspace_around
 
-_COMMANDS = {("check",), ("components",), ("enumerate",)} | {
+_COMMANDS = {("check",), ("components",), ("enumerate",), ("list",)} | {
     ("space", name) for name in ("best", "choices", "compare", "conflict", "constraints", "count", "explain", "pareto")
 }
 _WRITES = ("-o", "--output", "-i", "--interactive")
@@ -37,6 +37,8 @@ _KNOWN = ("facts", "numerics", "trusted", "compilers")
 """Folders of the cache that say what is known of FMUs and workspaces."""
 FOLDER = "answers"
 """Where answers are in the cache."""
+RESULTS = "out"
+"""The folder of a workspace that only ``dse list`` depends on."""
 _MOST_FILES = 20_000
 _SETTLED = 2_000_000_000
 """Nanoseconds after which a file that changes has other times than before."""
@@ -55,13 +57,14 @@ class _Question:
         if os.name != "posix" or os.environ.get("DSE_ANSWERS") == "0" or not (is_help or _is_reading(arguments)):
             raise _UnfitError
         self.roots = () if is_help else _roots(arguments)
+        self.has_results = arguments[0] == "list"
         folder = cache_path()
         self.file = os.path.join(folder, FOLDER, _digest(*_circumstances(arguments, folder)))
         self.stamp, self.newest = "", 0
 
     def look(self, named: tuple[str, ...]) -> None:
         """Stamp the workspace and what it has *named* elsewhere."""
-        lines, self.newest = _stamps((*self.roots, *named))
+        lines, self.newest = _stamps((*self.roots, *named), has_results=self.has_results)
         self.stamp = _digest(*lines)
 
 
@@ -155,7 +158,7 @@ def _shown(found: os.stat_result) -> str:
     return f" {found.st_size} {found.st_mtime_ns} {found.st_ctime_ns} {found.st_ino}"
 
 
-def _stamps(places: tuple[str, ...]) -> tuple[list[str], int]:
+def _stamps(places: tuple[str, ...], *, has_results: bool = False) -> tuple[list[str], int]:
     """A line for each file at or below *places*, and when the newest of them changed (ns since 1970)."""
     lines: list[str] = []
     newest = 0
@@ -175,7 +178,7 @@ def _stamps(places: tuple[str, ...]) -> tuple[list[str], int]:
             if entry.is_dir():
                 if is_link:  # it may lead anywhere
                     raise _UnfitError
-                if not _is_passed_over(entry.name):
+                if not _is_passed_over(entry.name) or (has_results and entry.name == RESULTS):
                     pending.append(entry.path)
                 continue
             state = entry.stat(follow_symlinks=is_link)
@@ -188,7 +191,7 @@ def _stamps(places: tuple[str, ...]) -> tuple[list[str], int]:
 
 def _is_passed_over(name: str) -> bool:
     """What a workspace has beside its files; what these name in it is stamped by itself."""
-    return name.startswith(".") or name in ("out", "node_modules", "__pycache__")
+    return name.startswith(".") or name in (RESULTS, "node_modules", "__pycache__")
 
 
 def _named_elsewhere(roots: tuple[str, ...]) -> tuple[str, ...]:

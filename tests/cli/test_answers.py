@@ -13,8 +13,10 @@ import pytest
 from command_line import run_dse
 from workspaces import written
 
+from dse.api.contents import ListedResults, Listing
 from dse.cache import CacheWarning
 from dse.cli import answers, streams
+from dse.cli.commands import list_
 from dse.loading import paths
 
 COUNT = ["enumerate", "d", "--count"]
@@ -102,6 +104,24 @@ def test_a_file_that_the_workspace_names_in_a_folder_of_results_counts(root, cap
     assert asked(capsysbinary) != b""
     table.write_text("t,v\n0,2\n")
     assert asked(capsysbinary) == b""
+
+
+def test_a_list_depends_on_results(root, capsysbinary):
+    results = root / "out/study"
+    results.mkdir(parents=True)
+    assert asked(capsysbinary, ["list"]) == b""
+    assert asked(capsysbinary, ["list"]) != b""
+    (results / "study.sqlite").touch()
+    assert asked(capsysbinary, ["list"]) == b""
+
+
+def test_a_list_of_a_running_study_is_not_kept(root, monkeypatch):
+    verdicts = dict.fromkeys(("pass", "fail", "not exercised", "failed to run"), 0)
+    running = ListedResults(root / "out/study", "study", "running", 1, 0, verdicts)
+    monkeypatch.setattr("dse.api.listing", lambda _: Listing((), (), (), (running,)))
+    streams.record.content = bytearray()
+    list_.list_(root)
+    assert streams.record.content is None
 
 
 def test_what_changes_while_a_command_runs_is_not_taken_for_what_it_read(root, capsysbinary):

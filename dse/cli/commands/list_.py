@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dse.cli import streams
 from dse.cli.app import app
 from dse.cli.arguments import Format, Output
 from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table, status_line
@@ -35,6 +36,8 @@ def list_(
     with status_line() as tell:
         tell("reading results")
         found = listing(Workspace.around(workspace))
+    if any(each.state == "running" for each in found.results):
+        streams.record.content = None  # that ends without a trace in a file
     if output is Output.JSON:
         kinds = {"designs": found.designs, "benches": found.benches, "studies": found.studies}
         files = {kind: [_data(each) for each in listed] for kind, listed in kinds.items()}
