@@ -129,7 +129,7 @@ def _model(content: bytes) -> Any:
     return _kept_model(content, cache_folder())
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=64)
 def _kept_model(content: bytes, _cache: Path) -> Any:
     return pickle.loads(content)  # noqa: S301  # part of what is being loaded
 
