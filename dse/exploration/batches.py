@@ -31,9 +31,8 @@ class Numbers(AbstractSet[int]):
         new = np.fromiter(numbers, np.int64)
         if len(new):
             missing = int(new.max()) + 1 - len(self._has)
-            # Half as much again, so that numbers which come one by one are not copied each time.
-            grown = max(missing, len(self._has) // 2) if missing > 0 else 0
-            self._has = np.concatenate([self._has, np.zeros(grown, np.bool_)])
+            if missing > 0:  # half as much again, so that numbers which come one by one are not copied each time
+                self._has = np.concatenate([self._has, np.zeros(max(missing, len(self._has) // 2), np.bool_)])
             self._has[new] = True
 
     def __contains__(self, number: object) -> bool:
