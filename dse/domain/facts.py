@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from math import nan
 
-PROBE_VERSION = 3
+PROBE_VERSION = 4
 """Of the experiments: facts found by another version are not comparable."""
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from dse.cosim.binding.library import load
+from dse.cosim.binding.library import load, unload
 from dse.cosim.simulator import Simulator
 from dse.errors import DseError, FreshProcessNeeded
 from dse.fmu.toolchain.compiler import find_compiler
@@ -77,3 +77,14 @@ def test_a_library_is_loaded_once_unless_its_file_is_another(shelf, tmp_path):
     (tmp_path / "fmu.so").unlink()
     with pytest.raises(DseError, match="gone since"):
         load(models[1])
+
+
+def test_a_library_that_is_unloaded_is_gone_and_can_be_loaded_again(shelf, tmp_path):
+    library = tmp_path / "fmu.so"
+    shutil.copy(shelf.fmu("gain").library, library)
+    model = replace(shelf.fmu("gain"), library=library)
+    before = last(shelf, model)
+    unload(load(model))
+    assert str(library) not in Path("/proc/self/maps").read_text()
+    assert last(shelf, model) == before
+    assert str(library) in Path("/proc/self/maps").read_text()

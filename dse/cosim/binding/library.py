@@ -1,4 +1,4 @@
-"""FMU libraries in this process: loaded once, never unloaded (some FMUs crash when they are)."""
+"""FMU libraries in this process: loaded once, never unloaded in a simulation (some FMUs crash when they are)."""
 
 from __future__ import annotations
 
@@ -71,6 +71,21 @@ def _newly_loaded(model: FmuModel) -> ctypes.CDLL:
     except OSError as error:
         reason = str(error).replace(f"{model.folder.resolve()}{os.sep}", "")
         raise fail(f"{model.identifier}: the FMU's library cannot be loaded: {reason}") from error
+
+
+def unload(library: ctypes.CDLL) -> None:
+    """Have the system unload *library*, of which nothing may be used any more; only to try whether an FMU bears it."""
+    for key in [key for key, loaded in _loaded.items() if loaded is library]:
+        del _loaded[key]
+    handle = library._handle  # noqa: SLF001  # ctypes offers no other way
+    if sys.platform == "win32":
+        from _ctypes import FreeLibrary
+
+        FreeLibrary(handle)
+    else:
+        from _ctypes import dlclose
+
+        dlclose(handle)
 
 
 class _Bridge(ctypes.CDLL):

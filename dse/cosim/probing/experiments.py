@@ -6,11 +6,10 @@ instances are in play the other one is driven by other inputs (*other*): equal o
 
 from __future__ import annotations
 
-import sys
 import time
-from ctypes import CDLL
 from itertools import islice
 
+from dse.cosim.binding.library import unload
 from dse.cosim.probing.excitation import Excitation
 from dse.cosim.probing.journal import Journal
 from dse.cosim.probing.subject import Row, Subject, Trajectory, difference
@@ -127,19 +126,7 @@ def load_again_and_again(journal: Journal, model: FmuModel, seconds: float) -> N
         with Subject(model, journal) as subject:
             library = subject.library
         journal.note("unloading the library")
-        _unload(library)
+        unload(library)
         journal.count(number)
         if time.monotonic() > end:
             return
-
-
-def _unload(library: CDLL) -> None:
-    handle = library._handle  # noqa: SLF001  # ctypes offers no other way
-    if sys.platform == "win32":
-        from _ctypes import FreeLibrary
-
-        FreeLibrary(handle)
-    else:
-        from _ctypes import dlclose
-
-        dlclose(handle)
