@@ -5,6 +5,9 @@ from __future__ import annotations
 import os
 import stat
 
+OUT = "out"
+"""The folder of a workspace for results, unless the user names another."""
+
 
 def cache_path() -> str:
     """``$DSE_CACHE``, else the user's cache folder; it need not exist yet."""

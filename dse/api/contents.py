@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.lookup import OUT
 from dse.errors import DseError
+from dse.places import OUT
 
 if TYPE_CHECKING:
     from collections.abc import Callable

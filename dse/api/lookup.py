@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.errors import DseError, Location, fail
+from dse.places import OUT
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
@@ -14,9 +15,6 @@ if TYPE_CHECKING:
     from dse.domain.expression import Expression
     from dse.loading import Workspace
     from dse.space import OpenedSpace
-
-OUT = "out"
-"""The folder of a workspace in which results lie if nobody says where."""
 
 _NO_YAML = {
     ".fmu": ("an FMU", "'dse import fmu {0}' makes a component of it; 'dse probe {0}' finds out what it does"),

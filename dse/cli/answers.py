@@ -23,7 +23,7 @@ import sys
 
 from dse import __version__
 from dse.cli import streams
-from dse.places import cache_path, workspace_around
+from dse.places import OUT, cache_path, workspace_around
 
 _COMMANDS = {("check",), ("components",), ("enumerate",), ("list",)} | {
     ("space", name) for name in ("best", "choices", "compare", "conflict", "constraints", "count", "explain", "pareto")
@@ -37,8 +37,6 @@ _KNOWN = ("facts", "numerics", "trusted", "compilers")
 """Folders of the cache that say what is known of FMUs and workspaces."""
 FOLDER = "answers"
 """Where answers are in the cache."""
-RESULTS = "out"
-"""The folder of a workspace that only ``dse list`` depends on."""
 _MOST_FILES = 20_000
 _SETTLED = 2_000_000_000
 """Nanoseconds after which a file that changes has other times than before."""
@@ -178,7 +176,7 @@ def _stamps(places: tuple[str, ...], *, has_results: bool = False) -> tuple[list
             if entry.is_dir():
                 if is_link:  # it may lead anywhere
                     raise _UnfitError
-                if not _is_passed_over(entry.name) or (has_results and entry.name == RESULTS):
+                if not _is_passed_over(entry.name) or (has_results and entry.name == OUT):
                     pending.append(entry.path)
                 continue
             state = entry.stat(follow_symlinks=is_link)
@@ -191,7 +189,7 @@ def _stamps(places: tuple[str, ...], *, has_results: bool = False) -> tuple[list
 
 def _is_passed_over(name: str) -> bool:
     """What a workspace has beside its files; what these name in it is stamped by itself."""
-    return name.startswith(".") or name in (RESULTS, "node_modules", "__pycache__")
+    return name.startswith(".") or name in (OUT, "node_modules", "__pycache__")
 
 
 def _named_elsewhere(roots: tuple[str, ...]) -> tuple[str, ...]:

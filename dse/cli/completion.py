@@ -48,8 +48,8 @@ def components(incomplete: str) -> list[str]:
 
 def folders(incomplete: str) -> list[str]:
     """Folders in the workspace's ``out/``, by their names; a shell offers other folders itself if none fits."""
-    from dse.api import OUT
     from dse.loading import find_root
+    from dse.places import OUT
 
     root = find_root(Path())
     place = root / OUT if root else None

@@ -46,27 +46,24 @@ class Packer:
         self._models: dict[int, tuple[FmuModel, PackedConfiguration]] = {}
         self._owners: dict[int, tuple[FmuModel, str]] = {}
 
-    def pack(self, configuration: Runnable) -> PackedConfiguration:
-        """*configuration*, ready to be sent."""
-        return self._packed(configuration)
+    def pack(self, noun: Runnable | FmuModel) -> PackedConfiguration:
+        """A configuration, or a model for one, ready to be sent."""
+        stream = io.BytesIO()
+        pickler = _Pickler(stream, self, noun)
+        pickler.dump(noun)
+        return PackedConfiguration(stream.getvalue(), tuple(sorted(pickler.entries)), tuple(pickler.elsewhere))
 
     def model(self, model: FmuModel) -> PackedConfiguration:
         """*model* as it is put into configurations."""
         if id(model) not in self._models:
             # Only messages name its file once the FMU is unpacked.
-            self._models[id(model)] = model, self._packed(replace(model, archive=Path(model.archive.name), ignored=()))
+            self._models[id(model)] = model, self.pack(replace(model, archive=Path(model.archive.name), ignored=()))
             self._owners |= {id(variable): (model, name) for name, variable in model.variables.items()}
         return self._models[id(model)][1]
 
     def owner(self, variable: Variable) -> tuple[FmuModel, str] | None:
         """The model that *variable* belongs to, and its name there; None for one that has not been packed."""
         return self._owners.get(id(variable))
-
-    def _packed(self, noun: object) -> PackedConfiguration:
-        stream = io.BytesIO()
-        pickler = _Pickler(stream, self, noun)
-        pickler.dump(noun)
-        return PackedConfiguration(stream.getvalue(), tuple(sorted(pickler.entries)), tuple(pickler.elsewhere))
 
 
 def unpacked(content: bytes, places: Mapping[str, Path]) -> Any:

@@ -156,7 +156,7 @@ static side side_of(const base *box, double turn) {
         double mx = box->position[X] + out * nx, my = box->position[Y] + out * ny;
         double ax = mx - half * ny, ay = my + half * nx, bx = mx + half * ny, by = my - half * nx;
         double fills = fabs(atan2(ax * by - ay * bx, ax * bx + ay * by));
-        if (!(nx * mx + ny * my < 0 && fills > told.angle)) continue; /* it faces away, or another side fills more */
+        if (!(nx * mx + ny * my < 0 && fills > told.angle)) continue; /* it faces away, or another side covers more */
         side found = {mx, my, fills, fmax(fabs(nx * cos(turn) - ny * sin(turn)), LEAST_ACROSS)};
         told = found;
     }

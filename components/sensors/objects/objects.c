@@ -101,7 +101,7 @@ static objects_detection detected(const objects *self, const objects_actor *acto
     return told;
 }
 
-/* The image of an object in the rail, as a detection; not valid if there is none. */
+/* The reflection of an object in the guard rail, as a detection; not valid if there is none. */
 static objects_detection mirrored(const objects *self, const objects_actor *actor, view_part part, double loss) {
     objects_detection told = {false, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     double turned = self->in.lane.heading, nx = sin(turned), ny = cos(turned); /* to the left of the lane */

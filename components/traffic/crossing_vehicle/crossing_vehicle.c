@@ -47,7 +47,7 @@ static double due(const crossing_vehicle *self, double now) {
     return speed > 0 && ahead >= 0 ? now + ahead / speed + self->par.delay - lead : HUGE_VAL;
 }
 
-/* Distance of its front to the nearest place where it has to stop; infinite if there is none. */
+/* Distance from the front of the vehicle to the nearest stop position; infinite if there is none. */
 static double room(const crossing_vehicle *self, double station) {
     double front = station + 0.5 * self->par.length, least = HUGE_VAL;
     bool host_is_past = self->in.lane.station - self->par.host_rear > self->host_exit;

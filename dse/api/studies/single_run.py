@@ -33,10 +33,10 @@ if TYPE_CHECKING:
 
 
 Tell = Callable[[str], None]
-"""Is told what is going on while things are built."""
+"""Takes messages about the progress of a build."""
 
 OnChanged = Callable[[tuple[str, ...]], object]
-"""Is called with what has changed since a study was made, before anything is simulated; it may raise."""
+"""Takes what has changed since a study was made, before anything is simulated; it may raise."""
 
 
 def simulate_once(

@@ -123,7 +123,8 @@ def figure(
 
 
 def _draw_road(road: Path, target: Path | None, kind: PictureFormat, driven: list[tuple[Path, int]]) -> None:
-    from dse.api import OUT, picture_of
+    from dse.api import picture_of
+    from dse.places import OUT
     from dse.report import draw_road, save_drawing
 
     place = target or Path(OUT) / "figures"

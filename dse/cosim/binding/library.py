@@ -74,7 +74,7 @@ def _newly_loaded(model: FmuModel) -> ctypes.CDLL:
 
 
 def unload(library: ctypes.CDLL) -> None:
-    """Have the system unload *library*, of which nothing may be used any more; only to try whether an FMU bears it."""
+    """Unload *library*, of which nothing may be used afterwards. For `dse probe`: simulations never unload one."""
     for key in [key for key, loaded in _loaded.items() if loaded is library]:
         del _loaded[key]
     handle = library._handle  # noqa: SLF001  # ctypes offers no other way
