@@ -149,7 +149,9 @@ class _Reader:
         self._table, self._designs, self._decided = table, designs, decided
         self._requirements = {entry.name: entry for entry in table.header.definition.requirements}
         unsure = CERTAINTIES.index(Certainty.DOUBTFUL)
-        self._doubtful = {name: table.certainties(name) == unsure for name in self._requirements if table.has_checks}
+        self._doubtful = {
+            name: table.certainties(name) == unsure for name in self._requirements if table.has_certainties
+        }
 
     def of(self, row: int) -> Standing:
         """Design number *row*."""

@@ -128,6 +128,8 @@ def _show_outcome(study: Study, results: Results, summary: Summary, explored: Ex
         for name in summary.verdicts:
             shown.add_row(named[name], *summary.counts(name).values())
         print_table(shown)
+    if summary.draws:
+        screen.print(plain(summary.draws), soft_wrap=True)
     if summary.checked:
         doubtful = sum(sum(counts.values()) for counts in summary.doubtful.values())
         what = f"{doubtful} verdicts doubtful" if doubtful else "no verdict doubtful"

@@ -11,6 +11,7 @@ from dse.domain.component import Component, Type, Value
 from dse.domain.design import Connection, DesignSpace
 from dse.domain.expression import Expression
 from dse.domain.method import PLAIN, Method
+from dse.domain.noise import DRAW
 from dse.errors import Location
 from dse.units import DIMENSIONLESS, Unit
 
@@ -76,9 +77,16 @@ class Metric:
     title: str = ""
 
 
+ALL_BUT_FEW = 0.95
+"""The share of the draws that is to meet a requirement which states none."""
+
+
 @dataclass(frozen=True, slots=True)
 class Requirement:
-    """*metric* at most *at_most* and at least *at_least* (SI), provided the run came to exercise it at all."""
+    """*metric* at most *at_most* and at least *at_least* (SI), provided the run came to exercise it at all.
+
+    A design meets it if it does in a share *met_in* of the draws at least, where runs are made with several.
+    """
 
     name: str
     metric: str
@@ -88,6 +96,7 @@ class Requirement:
     exercised_when: Expression | None = None
     title: str = ""
     where: Location | None = None
+    met_in: float = ALL_BUT_FEW
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +144,11 @@ class TestBench:
     direct: tuple[Connection, ...] = ()
 
     __test__ = False
+
+    @property
+    def draw(self) -> float:
+        """What the seeds of its parts follow from, where a run has no draw of its own (`dse.domain.noise`)."""
+        return float(self.parameters.get(DRAW, 0))
 
 
 class Verdict(StrEnum):

@@ -148,7 +148,10 @@ NO_INTERFACE = Interface("", ())
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A value a simulation can be given. *start*, *minimum* and *maximum* are SI numbers (or bool, or item)."""
+    """A value a simulation can be given. *start*, *minimum* and *maximum* are SI numbers (or bool, or item).
+
+    A *random* one is a seed: each run gives it a value of its own (`dse.domain.noise`) where nobody else does.
+    """
 
     name: str
     type: Type
@@ -158,6 +161,7 @@ class Parameter:
     tunable: bool = True
     title: str = ""
     where: Location | None = None
+    random: bool = False
 
 
 class Source:

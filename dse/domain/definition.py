@@ -106,7 +106,7 @@ class DefinedMetric:
 
 @dataclass(frozen=True, slots=True)
 class DefinedRequirement:
-    """Bounds on a metric, in SI; *unit* is the one it is spoken of in."""
+    """Bounds on a metric, in SI; *unit* is the one it is spoken of in. The rest as `Requirement` has it."""
 
     name: str
     title: str
@@ -115,6 +115,16 @@ class DefinedRequirement:
     at_most: float | None = None
     at_least: float | None = None
     exercised_when: str | None = None
+    met_in: float = 0.95
+
+
+@dataclass(frozen=True, slots=True)
+class DefinedReplicates:
+    """How many draws each run is made with, as `Replicates` has it."""
+
+    at_least: int
+    at_most: int
+    confidence: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +161,7 @@ class DefinedConfiguration:
     """A configuration: *choices* and *components* by path, *totals* by property, *constants* by ``part.parameter``.
 
     *start* are the start values by element, *inside* its texts and conversions, *wires* and *columns* what is
-    connected and recorded.
+    connected and recorded. *streams* are the seeds that follow from a run's draw.
     """
 
     id: str
@@ -163,6 +173,7 @@ class DefinedConfiguration:
     inside: Mapping[str, Json] = field(default_factory=dict)
     wires: tuple[str, ...] = ()
     columns: tuple[str, ...] = ()
+    streams: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,6 +213,7 @@ class StudyDefinition:
     correlations: tuple[DefinedCorrelation, ...] = ()
     space: str = ""
     other_simulations: Mapping[str, DefinedSimulation] = field(default_factory=dict)
+    replicates: DefinedReplicates | None = None
 
     def configuration(self, name: str) -> DefinedConfiguration:
         """The configuration with the id *name*; KeyError if there is none."""
@@ -263,7 +275,8 @@ def _deciding(definition: StudyDefinition) -> dict[str, object]:
 def _sampling(definition: StudyDefinition) -> tuple[object, ...]:
     points = tuple(replace(variable, title="", unit="") for variable in definition.variables)
     rules = definition.constraints, definition.correlations, definition.objectives
-    return points, *rules, definition.sampler, definition.seed, definition.explored, definition.space
+    draws = definition.seed, definition.replicates
+    return points, *rules, definition.sampler, *draws, definition.explored, definition.space
 
 
 def to_json(noun: Any) -> Json:

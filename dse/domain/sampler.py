@@ -34,6 +34,8 @@ class Role(StrEnum):
     DESIGN = "design"
     CONDITION = "condition"
     UNCERTAIN = "uncertain"
+    REPLICATE = "replicate"
+    """The draw of all random numbers, which no sampler sees (`dse.domain.noise`)."""
 
 
 class Placing(StrEnum):

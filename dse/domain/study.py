@@ -65,11 +65,28 @@ SHARD_FOLDER = re.compile(r"shard-([1-9][0-9]*)-of-([1-9][0-9]*)")
 
 
 @dataclass(frozen=True, slots=True)
+class Replicates:
+    """How many draws each run is made with: *at_least* so many, and up to *at_most* while a verdict is open.
+
+    *confidence* is that of intervals of rates, and with which a verdict is certain.
+    """
+
+    at_least: int
+    at_most: int
+    confidence: float = 0.95
+
+    @property
+    def is_sequential(self) -> bool:
+        """Whether how many depends on results."""
+        return self.at_least < self.at_most
+
+
+@dataclass(frozen=True, slots=True)
 class Study:
     """Design variables × sampler on one bench, or on *others* as well, each of which is one more condition.
 
     All have one design space, and the same metrics and requirements. *constraints* are over the names of the
-    variables; *correlations* of uncertain ones by their names.
+    variables; *correlations* of uncertain ones by their names. With *replicates* the last variable is the draw.
     """
 
     name: str
@@ -87,6 +104,17 @@ class Study:
     correlations: Correlations = field(default_factory=dict)
     check_step: CheckStep = CheckStep.NONE
     others: tuple[TestBench, ...] = ()
+    replicates: Replicates | None = None
+
+    @property
+    def sampled(self) -> tuple[DesignVariable, ...]:
+        """The variables that the sampler is asked for values of."""
+        return self.variables if self.replicates is None else self.variables[:-1]
+
+    @property
+    def once(self) -> bool:
+        """Whether its runs do not depend on results: all of them are asked for at once."""
+        return self.sampler.once and not (self.replicates and self.replicates.is_sequential)
 
     @property
     def benches(self) -> tuple[TestBench, ...]:

@@ -24,7 +24,7 @@ from dse.exploration.near_boundary import near_boundary
 from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.variables import unit_of
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage import Attempt, Checks, Measures, RowBlock, RunTable, StudyFolder
+from dse.storage import Attempt, Checks, Measures, RowBlock, RunTable, StudyFolder, over_draws
 from dse.testbench import make_runner
 
 _TELL_EVERY = 0.1
@@ -65,13 +65,13 @@ def check_near_boundary(
 
     Raises DseError as `explore` does, ExplorationInterruptedError on Ctrl-C.
     """
-    table = folder.table()
+    table = over_draws(folder.table())
     can_be_made = frozenset(table.numbers[np.isin(np.array(table.configurations), sorted(explored))].tolist())
     first = (near_boundary(study, table, folder.header.slices) | _nearest(table)) & can_be_made
     checking = _Checking(folder, checkable, executor, make_runner, on_progress)
     try:
         checking.check(first)
-        checking.check(first | (_small(study, folder.table(), first) & can_be_made))
+        checking.check(first | (_small(study, over_draws(folder.table()), first) & can_be_made))
     except KeyboardInterrupt:
         raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
     finally:
@@ -96,7 +96,7 @@ def _small(study: Study, table: RunTable, first: AbstractSet[int]) -> frozenset[
     These are of the same configuration if it has any, and as many as `near_boundary` compares.
     """
     rows = np.searchsorted(table.numbers, sorted(first))
-    nearest = _nearest_of(rows, unit_of(table.coordinates(), study.variables), np.array(table.configurations))
+    nearest = _nearest_of(rows, unit_of(table.coordinates(), study.sampled), np.array(table.configurations))
     found: set[int] = set()
     for requirement in table.header.definition.requirements:
         bars = table.errors(requirement.metric)

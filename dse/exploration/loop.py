@@ -22,7 +22,7 @@ from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.repeat_check import Made, first_differences
 from dse.exploration.scheduler import AskTellScheduler, Prepare
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage import Attempt, DryRun, FileFacts, RowBlock, StudyFolder
+from dse.storage import Attempt, DryRun, FileFacts, RowBlock, StudyFolder, over_draws
 from dse.testbench import make_runner
 
 _TELL_EVERY = 0.1
@@ -159,7 +159,7 @@ def explore(
 
 def _near(study: Study, folder: StudyFolder, prepared: Mapping[str, Runnable]) -> frozenset[int]:
     """Runs near a boundary that can be simulated: an extended study may have some of configurations it left."""
-    table = folder.table()
+    table = over_draws(folder.table())
     here = np.array([name in prepared for name in table.configurations], dtype=np.bool_)
     return near_boundary(study, table, folder.header.slices) & frozenset(table.numbers[here].tolist())
 

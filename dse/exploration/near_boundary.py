@@ -17,9 +17,9 @@ def near_boundary(study: Study, table: RunTable, grid: Grid | None) -> frozenset
     Neighbours belong to the same configuration. On a *grid* they are one level apart in one variable; of points of d
     variables that lie anywhere they are the 2 d nearest, each variable scaled to its range.
     """
-    if not study.variables or not len(table):
+    if not study.sampled or not len(table):
         return frozenset()
-    points = unit_of(table.coordinates(), study.variables)
+    points = unit_of(table.coordinates(), study.sampled)
     kinds = _kinds(table)
     names = np.array(table.configurations)
     near = np.zeros(len(table), dtype=np.bool_)

@@ -18,6 +18,7 @@ from dse.domain.sampler import Architectures, Brief, Candidate, Everywhere, Outc
 from dse.domain.study import Study
 from dse.errors import DseError, Location, fail
 from dse.exploration.one_shot_sampler import require_few
+from dse.exploration.replicates import start_search
 from dse.exploration.variables import allowing, conditions_of, once_each
 from dse.storage import RunTable, StudyFolder
 from dse.testbench import with_composites
@@ -49,7 +50,7 @@ class AskTellScheduler:
         self._numbers: dict[tuple[str, Point], int] = {}
         self._made = 0
         self._idle = 0
-        self._is_fresh = study.sampler.once and not header.base
+        self._is_fresh = study.once and not header.base
         # Of a study that is asked once, and as a whole, nothing has to be compared.
         table = folder.table((-1,)) if self._is_fresh else folder.table()
         self._stored = {request.number: request for request in table.requests()}
@@ -58,23 +59,22 @@ class AskTellScheduler:
             point = (request.point.get(name, low) for name, low in zip(header.variables, self._nominal, strict=True))
             self._numbers[request.configuration, tuple(map(float, point))] = number
         self.requests = Requests(header.variables, header.base, there)
-        self._search = study.sampler.start(
-            Brief(
-                study.variables,
-                header.definition.explored,
-                study.seed,
-                self._outcomes(table, [*there]),
-                space if study.sampler.proposes else None,
-                study.objectives,
-                conditions_of(study.variables),
-                study.correlations,
-                allowing(study.constraints, study.variables),
-            )
+        brief = Brief(
+            study.variables,
+            header.definition.explored,
+            study.seed,
+            self._outcomes(table, [*there]),
+            space if study.sampler.proposes else None,
+            study.objectives,
+            conditions_of(study.variables),
+            study.correlations,
+            allowing(study.constraints, study.sampled),
         )
+        self._search = start_search(study, brief, header.definition)
 
     def ask(self) -> bool:
         """Ask once more; False if the study is complete. DseError if the sampler asks for what no study can have."""
-        if self._study.sampler.once and self._made:
+        if self._study.once and self._made:
             return False
         candidates = self._search.ask()
         if not len(candidates):
@@ -95,7 +95,7 @@ class AskTellScheduler:
 
     def tell(self) -> None:
         """Tell the sampler what came of its last ask, all of whose runs are stored."""
-        if not self._study.sampler.once:
+        if not self._study.once:
             self._search.tell(self._outcomes(self._folder.table(sorted(set(self.asked))), self.asked))
 
     def _outcomes(self, table: RunTable, numbers: Sequence[int]) -> Outcomes:

@@ -66,6 +66,8 @@ def write_parameter(parameter: Parameter, *others: Parameter) -> str:
             entries["type"] = str(kind)
     if not parameter.tunable:
         entries["tunable"] = "false"
+    if parameter.random:
+        entries["random"] = "true"
     if parameter.title:
         entries["title"] = write_text(parameter.title)
     return write_flow(entries)

@@ -17,6 +17,14 @@ from .difference import (
     changed_study as changed_study,
 )
 from .disk import UnreadableError as UnreadableError
+from .draws import (
+    Rates as Rates,
+    draws_sentence as draws_sentence,
+    groups_of as groups_of,
+    outcomes_over_draws as outcomes_over_draws,
+    over_draws as over_draws,
+    shares_of as shares_of,
+)
 from .drives import (
     drive_id as drive_id,
     driver_name as driver_name,

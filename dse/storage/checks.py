@@ -45,6 +45,13 @@ class Checks:
     def __len__(self) -> int:
         return len(self.numbers)
 
+    def of(self, numbers: NDArray[np.int64]) -> Checks:
+        """Those of the runs *numbers*."""
+        rows = np.isin(self.numbers, numbers)
+        there = set(self.numbers[rows].tolist())
+        problems = {number: text for number, text in self.problems.items() if number in there}
+        return Checks(self.numbers[rows], self.errors[rows], self.verdicts[rows], problems)
+
 
 NO_CHECKS = Checks(np.zeros(0, np.int64), np.zeros((0, 0)), np.zeros((0, 0), np.int64), {})
 """Of a study without any; it has no columns either."""

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from dse.domain.definition import StudyDefinition
+from dse.domain.noise import DRAW
 from dse.domain.run import Outcome, Run, Waveforms
 
 _SECTIONS = {
@@ -59,7 +60,8 @@ def changed_inputs(stored: StudyDefinition, again: StudyDefinition, run: Run) ->
     found += [
         f"{key} of the configuration" for key in ("components", "wires") if getattr(was, key) != getattr(now, key)
     ]
-    free = [name for name in _names(was.constants, now.constants) if name not in run.request.point]
+    varied = {*run.request.point, *now.streams} if DRAW in run.request.point else {*run.request.point}
+    free = [name for name in _names(was.constants, now.constants) if name not in varied]
     return found + [name for name in free if not _same_at(name, was.constants, now.constants)]
 
 

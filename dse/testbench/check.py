@@ -20,6 +20,7 @@ from dse.fmu import in_parallel
 from dse.loading import Workspace, kind_of
 from dse.metrics import compile_rule
 from dse.space import check_space, open_space
+from dse.testbench.multi_bench import shared_settings
 from dse.testbench.prepare import check_bench, prepare_bench
 from dse.testbench.prepared_bench import Setting
 from dse.testbench.selection import one_configuration, proposing, selected
@@ -153,8 +154,7 @@ def _study(workspace: Workspace, path: str) -> None:
     settings: dict[str, Mapping[str, Setting]] = {}
     lacking = {variable.name for variable in study.variables}
     for configuration in few:
-        wired = [wire_bench(bench, configuration).settings for bench in study.benches]
-        shared = {name: setting for name, setting in wired[0].items() if all(name in other for other in wired)}
+        shared = shared_settings([wire_bench(bench, configuration).settings for bench in study.benches])
         settings[configuration.id] = shared
         lacking -= {*shared, TESTBENCH}
         if len(settings) == 1 and study.bench.derived:

@@ -19,6 +19,7 @@ from dse.domain.definition import (
     DefinedFigure,
     DefinedMetric,
     DefinedObjective,
+    DefinedReplicates,
     DefinedRequirement,
     DefinedSampler,
     DefinedSimulation,
@@ -44,7 +45,7 @@ def define(study: Study, prepared: Mapping[str, Prepared], space: str = "") -> S
 
     Of a sampler that proposes configurations *space* is what names the design space, and *prepared* is what there is.
     """
-    bench, benches = study.bench, study.benches
+    bench, benches, draws = study.bench, study.benches, study.replicates
     figures = {figure.name: figure for bench in benches for figure in bench.figures}
     metrics = _metrics(benches, prepared)
     return StudyDefinition(
@@ -71,6 +72,7 @@ def define(study: Study, prepared: Mapping[str, Prepared], space: str = "") -> S
         derived={each.name: each.expression.text for each in bench.derived},
         constraints=tuple(constraint.text for constraint in study.constraints),
         correlations=tuple(DefinedCorrelation(*pair, value) for pair, value in sorted(study.correlations.items())),
+        replicates=DefinedReplicates(draws.at_least, draws.at_most, draws.confidence) if draws else None,
     )
 
 
@@ -118,7 +120,7 @@ def _variable(variable: DesignVariable) -> DefinedVariable:
 
 def _grid(study: Study, prepared: Iterable[Prepared]) -> Grid | None:
     """The sampler's grid, each slice at every condition; none where points of it are missing, or not everywhere."""
-    grid, names = study.sampler.grid, {variable.name for variable in study.variables}
+    grid, names = study.sampler.grid, {variable.name for variable in study.sampled}
     if grid is None or study.constraints or not all(names <= each.settings.keys() for each in prepared):
         return None
     conditions = tuple(variable.name for variable in study.variables if variable.role is Role.CONDITION)
@@ -143,6 +145,7 @@ def configuration_of(prepared: Prepared, study: Study) -> DefinedConfiguration:
         wires=tuple(wires),
         columns=tuple(dict.fromkeys(name for bench in benches for name in bench.recording.columns)),
         constants=dict(sorted(prepared.constants.items())),
+        streams=tuple(f"{at}{s.name}" for at, bench in zip(before, benches, strict=True) for s in bench.streams),
     )
 
 
@@ -236,6 +239,7 @@ def _requirement(requirement: Requirement, metrics: Sequence[DefinedMetric]) -> 
         requirement.at_most,
         requirement.at_least,
         requirement.exercised_when.text if requirement.exercised_when else None,
+        requirement.met_in,
     )
 
 

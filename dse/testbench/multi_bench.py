@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from dse.domain.component import Kind, Type
 from dse.domain.design import Configuration
+from dse.domain.noise import DRAW
 from dse.domain.run import TESTBENCH, Run, RunRequest, Waveforms
 from dse.testbench.prepared_bench import PreparedBench, Setting
 from dse.testbench.runner import Runner
@@ -37,8 +38,7 @@ class PreparedBenches:
     @property
     def settings(self) -> dict[str, Setting]:
         """What a point may set: what can be set on every bench, and which one it is. Values are the first one's."""
-        first, *others = (bench.settings for bench in self.benches)
-        shared = {name: setting for name, setting in first.items() if all(name in other for other in others)}
+        shared = shared_settings([bench.settings for bench in self.benches])
         return {**shared, TESTBENCH: Setting("", Type(Kind.ENUMERATION, items=self.names), 0.0)}
 
     @property
@@ -83,6 +83,14 @@ class PreparedBenches:
 Prepared = PreparedBench | PreparedBenches
 
 
+def shared_settings(settings: Sequence[Mapping[str, Setting]]) -> dict[str, Setting]:
+    """What can be set on every bench, of which *settings* are; the draw if it means something on one of them."""
+    first, *others = settings
+    shared = {name: setting for name, setting in first.items() if all(name in other for other in others)}
+    draws = [each[DRAW] for each in settings if DRAW in each]
+    return {**shared, DRAW: draws[0]} if draws else shared
+
+
 def together(benches: Sequence[PreparedBench], names: Sequence[str]) -> Prepared:
     """One configuration on *benches*: the bench itself where there is one only."""
     return benches[0] if len(benches) == 1 else PreparedBenches(tuple(benches), tuple(names))
@@ -119,7 +127,8 @@ class SeveralRunner(AbstractContextManager["SeveralRunner"]):
         if self._progress is not None:
             self._progress[_MARK] = number
         self._made += 1
-        point = {name: value for name, value in request.point.items() if name != TESTBENCH}
+        unused = {TESTBENCH} if DRAW in self.prepared.benches[number].settings else {TESTBENCH, DRAW}
+        point = {name: value for name, value in request.point.items() if name not in unused}
         made = self._runner(number).run(replace(request, point=point), keep=keep)
         return replace(made, request=request, waveforms=made.waveforms and self._all_columns(made.waveforms))
 

@@ -14,6 +14,7 @@ from dse.domain.design import Configuration, split_path, walk
 from dse.domain.fmu import FmuModel
 from dse.domain.labels import is_part, tightened
 from dse.domain.method import BONDS, Algorithm
+from dse.domain.noise import DRAW
 from dse.domain.system import SystemStructure
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.fmu import build_all, in_parallel, open_component
@@ -59,6 +60,8 @@ class CheckedBench:
         if self.halves is None:
             return self.wired.settings, {}
         settings, far = self.halves.wired.settings, {n for n in self.halves.wired.settings if in_world(self.halves, n)}
+        if far & {stream.name for stream in self.halves.wired.streams}:
+            far.add(DRAW)  # a run here does not set the seeds there
         return {n: s for n, s in settings.items() if n not in far}, {n: settings[n].value for n in far}
 
 
@@ -218,6 +221,7 @@ def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], known: Know
         settings=settings,
         fixed=fixed,
         derived=checked.derived,
+        streams=wired.streams,
     )
     return with_facts(prepared, parts, simulation.where, known)
 

@@ -11,6 +11,7 @@ from dse.domain.component import Type
 from dse.domain.design import Configuration
 from dse.domain.facts import FmuFacts
 from dse.domain.fused import FusedLibrary
+from dse.domain.noise import NoiseStream
 from dse.domain.system import SystemStructure
 from dse.metrics import MetricProgram, RowProgram
 from dse.testbench.variations import Checks
@@ -44,7 +45,8 @@ class PreparedBench:
     *simulation* is the bench's, its method in names of the system. *settings* is everything a point may set. *facts*
     tells what is known of elements; *thread_safe*, that all are known to bear being simulated several times at once in
     threads. *fused* is the library made of the whole system, if there is one. *checks* are what error bars are made of.
-    *derived* settings are computed from others in every run, in their order. *fixed* are values that metrics use and no
+    *derived* settings are computed from others in every run, in their order; *streams* are the seeds that follow from a
+    run's draw. *fixed* are values that metrics use and no
     run can change, as they belong to the other half of a bench in two.
     """
 
@@ -60,6 +62,7 @@ class PreparedBench:
     fused: FusedLibrary | None = None
     checks: Checks = field(default_factory=Checks)
     derived: Mapping[str, RowProgram] = field(default_factory=dict)
+    streams: tuple[NoiseStream, ...] = ()
     fixed: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from dse.cosim import RunFailed, Simulator
 from dse.domain.component import as_number
+from dse.domain.noise import DRAW
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.metrics import judge_failed
 from dse.testbench.comparison import Comparison
@@ -51,8 +52,13 @@ class Runner(AbstractContextManager["Runner"]):
         start = {}
         constants = dict(self._constants)
         for name, value in request.point.items():
-            setting = prepared.settings[name]
-            start[setting.target] = constants[name] = as_number(value, setting.type)
+            constants[name] = as_number(value, prepared.settings[name].type)
+            start[prepared.settings[name].target] = constants[name]
+        if DRAW in request.point:
+            del start[prepared.settings[DRAW].target]
+            for stream in prepared.streams:
+                if stream.name not in request.point:
+                    start[prepared.settings[stream.name].target] = stream.seed(constants[DRAW])
         for name, follows in prepared.derived.items():
             value = float(follows.rows({given: np.array([constants[given]]) for given in follows.names})[0])
             if not math.isfinite(value):

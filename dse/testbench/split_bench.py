@@ -152,6 +152,7 @@ def _half(halves: Halves, source: UdpSource, *, is_near: bool) -> WiredBench:
         values={end: value for end, value in wired.values.items() if _part_of(wired, end) in mine},
         faces={face: end for face, end in wired.faces.items() if _part_of(wired, end) in mine},
         order=order,
+        streams=tuple(stream for stream in wired.streams if _part_of(wired, stream.name) in mine),
     )
 
 

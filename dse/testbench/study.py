@@ -13,6 +13,7 @@ from dse.domain.component import Kind, Type, Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.design import Configuration
 from dse.domain.expression import Call, Name, Node
+from dse.domain.noise import DRAW, HIGHEST_DRAW
 from dse.domain.run import TESTBENCH
 from dse.domain.sampler import Architectures, Nominal, Objective, Outcomes
 from dse.domain.study import Keep, Selection, Study
@@ -185,11 +186,24 @@ def with_settings(bench: TestBench, settings: Mapping[str, Raw], configuration: 
     for name, raw in settings.items():
         here = Location(f"--set {name}={raw}")
         try:
+            if name == DRAW:
+                values[name] = _read_draw(raw, here)
+                continue
             values[name] = read_setting(name, raw, components, here, here)
         except DseError as error:
             problems += error.problems
     raise_if_any(problems)
     return with_values(bench, values)
+
+
+def _read_draw(raw: Raw, here: Location) -> int:
+    try:
+        draw = int(str(raw))
+    except ValueError:
+        draw = -1
+    if not 0 <= draw < HIGHEST_DRAW:
+        raise fail(f"the draw must be 0 … {int(HIGHEST_DRAW) - 1}, not {raw}", here, "draw=1")
+    return draw
 
 
 def with_values(bench: TestBench, values: Mapping[str, Value]) -> TestBench:
@@ -202,6 +216,11 @@ def require_variables(study: Study, settings: Mapping[str, Mapping[str, Setting]
     problems = []
     for variable in study.variables:
         if variable.name != TESTBENCH and not any(variable.name in known for known in settings.values()):
+            if variable.name == DRAW:
+                what, hint = "no part has noise: all replicates would be the same", "leave 'replicates' out"
+                hint += ", or say which parameter is a seed: 'random: true' in component.yaml"
+                problems.append(Problem(what, variable.where, hint))
+                continue
             what = f"none of {len(settings)} configurations can vary '{variable.name}', as {next(iter(settings))}"
             hint = "vary a parameter, or an input nothing is connected to, that some chosen configuration has"
             hint += " on each of the benches" if study.others else ""

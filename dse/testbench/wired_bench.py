@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from dse.domain.bench import TestBench
-from dse.domain.component import Causality, Component, Type, Value, as_number
+from dse.domain.component import Causality, Component, Kind, Type, Value, as_number
 from dse.domain.design import Configuration, split_path
+from dse.domain.noise import DRAW, MOST_SEED, NoiseStream
 from dse.space import architecture_outputs, wire
 from dse.system import WiredParts
 from dse.testbench.prepared_bench import Setting
@@ -15,11 +16,15 @@ from dse.testbench.prepared_bench import Setting
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WiredBench(WiredParts):
-    """All components on a bench, every connection between single ports; *faces*: what `architecture_outputs` gives."""
+    """All components on a bench, every connection between single ports; *faces*: what `architecture_outputs` gives.
+
+    *streams* are the seeds that nobody gives a value: they follow from the draw.
+    """
 
     bench: TestBench
     configuration: Configuration
     faces: Mapping[str, str]
+    streams: tuple[NoiseStream, ...] = ()
 
     @property
     def signals(self) -> dict[str, Type]:
@@ -56,6 +61,8 @@ class WiredBench(WiredParts):
                 name = f"{path}.{own}"
                 value = as_number(values.get(name, start), type_)
                 found[name] = Setting(f"{path}.{component.variable(own)}", type_, value)
+        if self.streams:
+            found[DRAW] = Setting("", Type(Kind.INTEGER), self.bench.draw)
         return found
 
 
@@ -65,10 +72,19 @@ def wire_bench(bench: TestBench, configuration: Configuration) -> WiredBench:
     connections = wire(bench.design, configuration.choices, test_parts, bench.connections)
     parts = {**configuration.parts, **test_parts}
     taken = {connection.target for connection in bench.direct}
+    values = {name: value for name, value in _values(bench, parts).items() if name not in taken}
+    given = {*values, *taken, *(c.target for c in connections), *(each.name for each in bench.derived)}
+    streams = tuple(
+        NoiseStream(f"{path}.{p.name}", int(p.minimum or 0), int(MOST_SEED if p.maximum is None else p.maximum))
+        for path, component in parts.items()
+        for p in component.parameters
+        if p.random and f"{path}.{p.name}" not in given
+    )
     return WiredBench(
         parts=parts,
         connections=(*connections, *bench.direct),
-        values={name: value for name, value in _values(bench, parts).items() if name not in taken},
+        values=values | {stream.name: stream.seed(bench.draw) for stream in streams},
+        streams=streams,
         where=bench.where,
         bench=bench,
         configuration=configuration,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from dse.api.presentation.quantities import quantity, units_called
 from dse.domain.bench import VERDICTS, Verdict
 from dse.errors import fail
-from dse.storage import RunTable, Scale, StudyFolder, changed_study, scales_of
+from dse.storage import RunTable, Scale, StudyFolder, changed_study, over_draws, scales_of
 
 if TYPE_CHECKING:
     from dse.domain.component import Value
@@ -59,7 +59,7 @@ def compare(folders: Sequence[str | Path]) -> tuple[Compared, ...]:
     for folder in map(Path, folders):
         with StudyFolder.snapshot(folder) as store:
             store.require_definition()
-            table = store.table()
+            table = over_draws(store.table())
         first = first or table
         found.append(_compared(folder, first, table))
     return tuple(found)

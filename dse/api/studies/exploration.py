@@ -110,7 +110,7 @@ def explore_into(
     is told what will be done before it is. Earlier results stay in the cache.
     Raises DseError, and ExplorationInterruptedError on Ctrl-C; what was finished is stored then.
     """
-    if options.shard and not study.sampler.once:
+    if options.shard and not study.once:
         what = f"the sampler '{study.sampler.name}' looks at results before it asks for more runs: it has no shards"
         raise fail(what, study.where, "leave out --shard; 'executor: dask' has other machines make its runs")
     executor = executor_of(study, options)

@@ -167,7 +167,7 @@ def plan(
         missing=missing.total(),
         simulated=len(missing),
         again=len(todo) - missing.total(),
-        open_ended=bool(todo) and not planned.study.sampler.once,
+        open_ended=bool(todo) and not planned.study.once,
         changes=changes,
         seconds=_seconds(Counter(todo.values()), known, before, _at_once(planned.study, workers)),
     )
@@ -194,7 +194,7 @@ class _Counter:
     def __init__(self, study: Study) -> None:
         self.requests: dict[int, str] = {}
         self.retried = 0
-        self._once = study.sampler.once
+        self._once = study.once
 
     @contextmanager
     def open(self, _work: Work, _sink: Sink) -> Iterator[_Counter]:

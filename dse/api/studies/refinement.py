@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from dse.api.lookup import workspace_of
 from dse.errors import fail
-from dse.storage import StudyFolder
+from dse.storage import StudyFolder, over_draws
 
 if TYPE_CHECKING:
     from dse.analysis import Narrowing
@@ -37,7 +37,7 @@ def refine(folder: Path, name: str, towards: Towards, *, run: int = 0, share: fl
     """
     with StudyFolder.open(folder) as stored:
         definition = stored.require_definition()
-        narrowing = _narrowing(stored.table(), towards, run, share, number)
+        narrowing = _narrowing(over_draws(stored.table()), towards, run, share, number)
     if not definition.variables:
         raise fail("the study has no variables to narrow", hint="write a study (*.pet.yaml) of its bench")
     if towards is not Towards.BAND and narrowing.is_whole(definition):
@@ -82,7 +82,7 @@ def _sampler(study: Study, towards: Towards, narrowing: Narrowing) -> Mapping[st
     if towards is Towards.BAND:
         return {"boundary": {"samples": _SAMPLES}}
     lists = study.sampler.proposes and bool(narrowing.ids)
-    points = study.sampler.name == "csv" or not study.sampler.once
+    points = study.sampler.name == "csv" or not study.once
     return {"latin_hypercube": {"samples": _SAMPLES}} if lists or points else None
 
 

@@ -55,9 +55,12 @@ class Summary:
     checked: int = 0
     """How many runs were repeated with finer numerics (``check_step``)."""
     doubtful: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
-    """How many of *verdicts* finer numerics may change, counted likewise: those are not certain."""
+    """How many of *verdicts* finer numerics or more draws may change, counted likewise: those are not certain."""
     remarks: Mapping[int, str] = field(default_factory=dict)
     """What the repetitions of runs have to say, by number: above all why nobody can tell how exact one is."""
+
+    draws: str = ""
+    """How many draws of the noise the verdicts rest on, in words; "" without noise."""
 
     def counts(self, requirement: str) -> dict[str, str]:
         """How many runs came to each verdict, in words: ``612 (9 doubtful)``."""
@@ -112,13 +115,13 @@ class Results:
         tell, and why. Some of it needs the extra ``analysis``. *tell* hears what is looked for next."""
         from dse.analysis import findings
 
-        return findings(self._read(lambda store: store.table()), tell or (lambda _: None))
+        return findings(self._read(judged), tell or (lambda _: None))
 
     def essentials(self) -> tuple[Finding, ...]:
         """The findings about requirements that are computed quickly."""
         from dse.analysis import essentials
 
-        return essentials(self._read(lambda store: store.table()))
+        return essentials(self._read(judged))
 
     def export(self, kind: str, units: str = "shown") -> bytes:
         """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``; *units* as in `to_pandas`."""
@@ -166,7 +169,7 @@ class Results:
 
         from dse.domain.bench import VERDICTS, Verdict
 
-        table = self._read(lambda store: store.table())
+        table = self._read(judged)
         done = np.flatnonzero(table.done)
         if which == "failed":
             code = VERDICTS.index(Verdict.FAIL)
@@ -282,7 +285,7 @@ class Results:
 
         def answer(folder: StudyFolder) -> Ranking:
             wanted = objectives_of(folder.header.definition, minimize, maximize)
-            return ranked(folder.table(), wanted, number)
+            return ranked(judged(folder), wanted, number)
 
         return self._read(answer)
 
@@ -296,7 +299,7 @@ class Results:
 
         space = open_space(study.bench.design, where=study.selection.where) if study else None
         bounds = [static_bound(space, each) if space else None for each in ranking.objectives]
-        table = self._read(lambda store: store.table())
+        table = self._read(judged)
         said = [strength(ranking, len(table), bounds, self.definition)]
         if len(ranking.objectives) < 2:
             return tuple(said)
@@ -347,6 +350,13 @@ class Results:
             return question(store)
 
 
+def judged(store: StudyFolder) -> RunTable:
+    """The runs of *store*, with one row for those that differ in their draw alone."""
+    from dse.storage import over_draws
+
+    return over_draws(store.table())
+
+
 def _run(store: StudyFolder, number: int, definition: StudyDefinition) -> Run:
     from dse.storage import CERTAINTIES
 
@@ -359,12 +369,12 @@ def _run(store: StudyFolder, number: int, definition: StudyDefinition) -> Run:
 
 
 def _summary(runs: RunTable, causes: Mapping[int, str]) -> Summary:
-    from dse.storage import CERTAINTIES, Certainty
+    from dse.storage import CERTAINTIES, Certainty, draws_sentence, over_draws
 
-    names = runs.header.requirements
+    names, points = runs.header.requirements, over_draws(runs)
     doubtful = CERTAINTIES.index(Certainty.DOUBTFUL)
-    verdicts = {name: _counted(runs.verdicts(name)) for name in names}
-    doubts = {name: _counted(runs.verdicts(name)[runs.certainties(name) == doubtful]) for name in names}
+    verdicts = {name: _counted(points.verdicts(name)) for name in names}
+    doubts = {name: _counted(points.verdicts(name)[points.certainties(name) == doubtful]) for name in names}
     problems = {n: problem for n, problem in zip(runs.numbers.tolist(), runs.problems, strict=True) if problem}
     failures = frozenset(runs.numbers[~runs.done].tolist())
     checked = int(runs.done.sum()) if runs.are_all_checked else len(runs.checks)
@@ -377,8 +387,9 @@ def _summary(runs: RunTable, causes: Mapping[int, str]) -> Summary:
         failures,
         causes,
         checked,
-        doubts if checked else {},
+        doubts if points.has_certainties else {},
         runs.checks.problems,
+        draws_sentence(runs.header.definition, len(points)),
     )
 
 

@@ -77,11 +77,12 @@ def _place(where: Location | None) -> Location:
 
 def _values(definition: StudyDefinition, configuration: str, point: Mapping[str, float]) -> dict[str, Value]:
     """*point* in SI, each value of its variable's kind. DseError with all problems."""
+    tells = any(each.constants for each in definition.configurations)
     try:
         constants = definition.configuration(configuration).constants
     except KeyError:
         raise fail(f"the study has no configuration '{configuration}'") from None
-    variables = {each.name: each for each in definition.variables if not constants or each.name in constants}
+    variables = {each.name: each for each in definition.variables if not tells or each.name in constants}
     problems = [
         Problem(f"'{name}' is not a design variable of configuration {configuration}", None, closest(name, variables))
         for name in point

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from math import prod
 from pathlib import Path
 
-from dse.domain.bench import Figure, Metric, Requirement, TestBench, TestComponent
+from dse.domain.bench import ALL_BUT_FEW, Figure, Metric, Requirement, TestBench, TestComponent
 from dse.domain.component import Component, Value
 from dse.domain.design import DesignSpace
 from dse.domain.labels import array_of, element_names, is_part, shapes, spelled, tightened
@@ -22,7 +22,7 @@ from dse.loading.design.tree import FindComponent
 from dse.loading.include import read_document
 from dse.loading.names import check_name
 from dse.loading.sections import Plain, Section, read_section
-from dse.loading.values import Elements, Raw, read_elements, read_quantity, read_unit, read_value
+from dse.loading.values import Elements, Raw, read_elements, read_number, read_quantity, read_unit, read_value
 from dse.units import DIMENSIONLESS, Unit
 
 FindDesign = Callable[[str, Location], DesignSpace]
@@ -52,6 +52,7 @@ class RequirementSection(Section):
     at_most: Plain | None = None
     at_least: Plain | None = None
     exercised_when: str | None = None
+    met_in: Plain = ALL_BUT_FEW
 
 
 class FigureSection(Section):
@@ -210,6 +211,11 @@ def _requirement(entry: Entry, section: RequirementSection, metrics: set[str]) -
     condition = None
     if section.exercised_when is not None:
         condition = parse_expression(section.exercised_when, entry["exercised_when"].origin)
+    share = read_number(section.met_in, DIMENSIONLESS, entry["met_in"].where)
+    if not 0 < share <= 1:
+        problems.add(
+            f"met_in must be more than 0 and at most 100 %, not {section.met_in}", entry["met_in"].where, "95 %"
+        )
     raise_if_any(problems)
     return Requirement(
         name,
@@ -220,6 +226,7 @@ def _requirement(entry: Entry, section: RequirementSection, metrics: set[str]) -
         condition,
         section.title,
         entry.key,
+        share,
     )
 
 

@@ -13,9 +13,10 @@ from pydantic import Field
 from dse.domain.bench import Derived, Figure, Metric, TestBench
 from dse.domain.design import candidates
 from dse.domain.expression import Call, Name
+from dse.domain.noise import DRAW, HIGHEST_DRAW, MOST_REPLICATES
 from dse.domain.run import TESTBENCH
 from dse.domain.sampler import DesignVariable, Objective, Role, Sampler
-from dse.domain.study import CheckStep, ExecutorChoice, Keep, Selection, Study
+from dse.domain.study import CheckStep, ExecutorChoice, Keep, Replicates, Selection, Study
 from dse.errors import DseError, Location, Problems, closest, fail
 from dse.expression import descend, parse_expression
 from dse.formats import Entry
@@ -24,7 +25,8 @@ from dse.loading.bench.uncertainty import UncertainSection, read_correlations, r
 from dse.loading.bench.variables import Place, VariableSection, read_derived, read_variable
 from dse.loading.extensions import EXECUTORS, SAMPLERS, Surroundings, read_extension
 from dse.loading.include import read_document
-from dse.loading.sections import Section, read_section
+from dse.loading.sections import Plain, Section, read_section
+from dse.loading.values import read_number
 from dse.units import DIMENSIONLESS
 
 FindBench = Callable[[str, Location], TestBench]
@@ -39,6 +41,14 @@ class SelectionSection(Section):
     later: ClassVar[frozenset[str]] = frozenset({"sample"})
 
     where: str
+
+
+class ReplicatesSection(Section):
+    """How many draws each run is made with, more while a verdict is open."""
+
+    at_least: int = 5
+    at_most: int
+    confidence: Plain = 0.95
 
 
 class StudyFile(Section):
@@ -59,6 +69,7 @@ class StudyFile(Section):
     keep_waveforms: str = "near_boundary"
     check_step: str = "none"
     seed: int = 0
+    replicates: int | ReplicatesSection | None = None
 
 
 def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
@@ -88,9 +99,10 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
             read_extension(entry["sampler"], file.sampler, SAMPLERS)
         raise DseError(*error.problems, *problems) from None
     bench = benches[0]
-    variables, derived = _varied(entry, file, bench, problems)
-    if len(benches) > 1:
-        variables.append(bench_variable(benches, entry["testbench"].key))
+    variables, derived = _varied(entry, file, benches, problems)
+    replicates = None
+    with problems:
+        replicates = _replicates(entry["replicates"], file.replicates)
     objectives = []
     for number, written in enumerate(file.objectives):
         with problems:
@@ -111,6 +123,8 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
         problems.add(what, where, "leave it out here, or there to have only runs near a boundary repeated")
     if problems or sampler is None:
         raise DseError(*problems)
+    if replicates is not None:
+        variables.append(draw_variable(entry["replicates"].key))
     first, *others = (replace(each, derived=tuple(derived)) if derived else each for each in benches)
     return Study(
         file.study,
@@ -128,7 +142,32 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
         correlations,
         CheckStep(file.check_step),
         tuple(others),
+        replicates,
     )
+
+
+def _replicates(entry: Entry, given: int | ReplicatesSection | None) -> Replicates | None:
+    """Raises DseError."""
+    if given is None:
+        return None
+    if isinstance(given, int):
+        found = Replicates(given, given)
+    else:
+        share = read_number(given.confidence, DIMENSIONLESS, entry["confidence"].where)
+        if not 0.5 <= share < 1:
+            raise fail("the confidence must be at least 50 % and less than 100 %", entry["confidence"].where, "95 %")
+        found = Replicates(given.at_least, given.at_most, share)
+    if not 1 <= found.at_least <= found.at_most <= MOST_REPLICATES:
+        what = f"there must be 1 … {MOST_REPLICATES:,} replicates"
+        what += "" if isinstance(given, int) else ", and at_least no more than at_most"
+        raise fail(what, entry.where, "replicates: 20, or {at_least: 5, at_most: 100}")
+    return found
+
+
+def draw_variable(where: Location | None) -> DesignVariable:
+    """The draw of all random numbers, as one more variable of a study with replicates."""
+    title = "draw of the random numbers"
+    return DesignVariable(DRAW, 0.0, HIGHEST_DRAW, 0, 0.0, DIMENSIONLESS, title, where, role=Role.REPLICATE)
 
 
 def _benches(entry: Entry, named: str | list[str], find_bench: FindBench) -> tuple[TestBench, ...]:
@@ -150,9 +189,10 @@ def _benches(entry: Entry, named: str | list[str], find_bench: FindBench) -> tup
 
 
 def _varied(
-    entry: Entry, file: StudyFile, bench: TestBench, problems: Problems
+    entry: Entry, file: StudyFile, benches: Sequence[TestBench], problems: Problems
 ) -> tuple[list[DesignVariable], list[Derived]]:
     """What the file varies, and what follows from it."""
+    bench = benches[0]
     components = bench_candidates(bench.design, bench.test_components)
     variables: list[DesignVariable] = []
     derived: list[Derived] = []
@@ -177,6 +217,8 @@ def _varied(
                 problems.add(what, entry[other][name].key, "a parameter is varied for one reason")
     if not (file.design_variables or file.conditions or file.uncertain or isinstance(file.testbench, list)):
         problems.add("no design variable", entry["design_variables"].key, "use 'dse run' for a bench without any")
+    if len(benches) > 1:
+        variables.append(bench_variable(benches, entry["testbench"].key))
     return variables, derived
 
 
@@ -262,7 +304,9 @@ def differences(one: TestBench, other: TestBench) -> Iterator[str]:
     for name in sorted({*mine} & {*theirs}):
         if mine[name] != theirs[name]:
             yield f"the metric '{name}' has another unit in '{other.name}': {theirs[name][1]}, not {mine[name][1]}"
-    bounds = [{r.name: (r.metric, r.at_most, r.at_least) for r in bench.requirements} for bench in (one, other)]
+    bounds = [
+        {r.name: (r.metric, r.at_most, r.at_least, r.met_in) for r in bench.requirements} for bench in (one, other)
+    ]
     for name in sorted({*bounds[0]} | {*bounds[1]}):
         if bounds[0].get(name) != bounds[1].get(name):
             yield f"the requirement '{name}' is not the same in '{one.name}' and '{other.name}'"

@@ -38,6 +38,7 @@ class ParameterSection(Section):
     enum: list[str] | None = None
     type: str | None = None
     tunable: bool = True
+    random: bool = False
     title: str = ""
 
 
@@ -171,6 +172,8 @@ def _parameter(entry: Entry, section: ParameterSection, interface: Interface) ->
             raise fail(f"'{key}' makes no sense for {type_}", entry[key].key, "remove it")
         bounds.append(None if raw is None else read_number(raw, type_.unit, entry[key].where))
     low, high = bounds
+    if section.random and type_.kind is not Kind.INTEGER:
+        raise fail(f"'random' makes no sense for {type_}", entry["random"].key, "a seed is an integer: type: int")
     if low is not None and high is not None and low > high:
         raise fail(f"the range of '{name}' is empty: min {section.min} > max {section.max}", entry["min"].where)
     for label, (raw, place) in zip(element_names(name, shape), starts, strict=True):
@@ -179,7 +182,7 @@ def _parameter(entry: Entry, section: ParameterSection, interface: Interface) ->
         if number is not None and not ((low is None or low <= number) and (high is None or number <= high)):
             what = f"start of '{label}' is outside its range {section.min} … {section.max}"
             raise fail(what, place, "widen min and max or change start")
-        yield Parameter(label, type_, start, low, high, section.tunable, section.title, where)
+        yield Parameter(label, type_, start, low, high, section.tunable, section.title, where, section.random)
 
 
 _TYPES = {"int": Kind.INTEGER, "bool": Kind.BOOLEAN, "real": Kind.REAL, "string": Kind.TEXT}

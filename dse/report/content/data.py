@@ -74,6 +74,8 @@ class RequirementRow:
     """Bounds on *metric*, in its unit; *exercised* says for each run whether the requirement came into play.
 
     *unsettled*: finer numerics may change the verdict, whatever the margin. Where it is absent, that was not looked at.
+    *draws*, (4, n): how many met it, of how many, and between which rates that leaves it, of which *met_in* is asked
+    for; absent where no run was made with several.
     """
 
     name: str
@@ -83,6 +85,8 @@ class RequirementRow:
     at_least: float | None
     exercised: Flags
     unsettled: Flags | None = None
+    draws: Floats | None = None
+    met_in: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -46,6 +46,8 @@ from dse.storage import (
     StudyHeader,
     UnreadableError,
     damaged_study,
+    draws_sentence,
+    over_draws,
     read_chosen_waveforms,
 )
 from dse.units import Unit, parse_unit
@@ -91,6 +93,8 @@ def _read(folder: StudyFolder, most: int) -> ReportContent:
     kept = sorted(number for number, file in files.items() if file and number not in lost)
     chosen = kept if len(kept) <= most else [kept[i] for i in np.linspace(0, len(kept) - 1, most).astype(int)]
     strangers = set(kept) - set(table.numbers.tolist())
+    table = over_draws(table)
+    chosen = [number for number in chosen if number in set(table.numbers.tolist())]
     if strangers:
         raise damaged_study(folder.path, f"waveforms were kept of run {min(strangers)}, which is not there")
     waveforms = _waveforms(folder, files, chosen) if folder.header.definition.figures else None
@@ -104,7 +108,7 @@ def _read(folder: StudyFolder, most: int) -> ReportContent:
 
 def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Waveforms], told: str) -> ReportContent:
     """ValueError if the parts of the study do not fit each other."""
-    definition = folder.header.definition
+    definition = table.header.definition
     units = {metric.name: parse_unit(metric.unit) for metric in definition.metrics}
     constants = {entry.id: entry.constants for entry in definition.configurations}
     rows = _Rows(table.numbers, table.configurations, table.points, constants, _bench_labels(definition))
@@ -112,15 +116,15 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
     checked = np.isin(table.numbers, table.checks.numbers) if len(table.checks) else None
     return ReportContent(
         definition.title,
-        _layout(folder.header.slices),
+        _layout(table.header.slices),
         folder.path.as_posix(),
         Runs(table.numbers, table.configurations, table.done, table.problems, checked),
         tuple(_configuration(entry, definition) for entry in definition.configurations),
-        tuple(map(_variable, definition.variables, table.coordinates().T, lacking(folder.header))),
+        tuple(map(_variable, definition.variables, table.coordinates().T, lacking(table.header))),
         tuple(_metric(m, table) for m in definition.metrics if not m.error_of),
         tuple(_requirement(entry, table, units[entry.metric]) for entry in definition.requirements),
         figures,
-        folder.header.slices or (),
+        table.header.slices or (),
         _facts(folder, table, told),
         objectives=objectives_of(definition),
         composites=composites_of(definition, table),
@@ -212,10 +216,19 @@ def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> Requ
     low, high = _bound(entry.at_least, unit), _bound(entry.at_most, unit)
     unsettled = None
     if len(table.checks):
-        doubtful = table.certainties(entry.name) == CERTAINTIES.index(Certainty.DOUBTFUL)
+        doubtful = replace(table, rates=None).certainties(entry.name) == CERTAINTIES.index(Certainty.DOUBTFUL)
         told = np.abs(table.margins(entry.name)) <= table.errors(entry.metric)
         unsettled = doubtful & ~(told & exercised)
-    return RequirementRow(entry.name, entry.title, entry.metric, high, low, exercised, unsettled)
+    draws = _draws(table, table.header.requirements.index(entry.name))
+    return RequirementRow(entry.name, entry.title, entry.metric, high, low, exercised, unsettled, draws, entry.met_in)
+
+
+def _draws(table: RunTable, column: int) -> Floats | None:
+    """How many draws met a requirement, of how many, and between which rates that leaves it, (4, n)."""
+    rates = table.rates
+    if rates is None:
+        return None
+    return np.array([rates.met[:, column], rates.judged[:, column], *rates.interval(column)], dtype=np.float64)
 
 
 def _figures(definition: StudyDefinition, rows: _Rows, waveforms: Mapping[int, Waveforms]) -> tuple[FigureSpec, ...]:
@@ -311,11 +324,12 @@ def _facts(folder: StudyFolder, table: RunTable, waveforms: str) -> tuple[tuple[
         ("test bench", definition.bench.name),
         ("design space", definition.design.name),
         ("configurations", str(len(definition.configurations))),
-        ("runs", f"{len(table)} of {header.runs}{extended}"),
+        ("runs", f"{folder.count()} of {header.runs}{extended}"),
         ("failed runs", str(int(np.count_nonzero(~table.done)))),
         ("checked runs", _checked(table)),
         ("sampler", definition.sampler.kind.replace("_", " ")),
         ("seed", str(definition.seed)),
+        ("noise", draws_sentence(folder.header.definition, len(table))),
         ("simulation", f"{simulation.stop:g} s in steps of {simulation.step:g} s"),
         ("waveforms", waveforms),
         ("fingerprint", header.fingerprint),

@@ -31,7 +31,7 @@ from dse.report.insight.naming import Naming
 from dse.report.insight.probability_maps import chances_of
 from dse.report.insight.responses import part_of
 from dse.report.insight.sample import part_of_table
-from dse.storage import RunTable, StudyFolder
+from dse.storage import RunTable, StudyFolder, over_draws
 from dse.units import parse_unit
 
 MOST_RUNS = 20_000
@@ -47,7 +47,7 @@ def read_insight(path: Path) -> Insight:
     """What the study at *path* asked and what its runs tell. DseError if the folder is damaged."""
     with StudyFolder.open(path) as folder:
         folder.require_definition()
-        return insight_of(folder.table())
+        return insight_of(over_draws(folder.table()))
 
 
 def insight_of(table: RunTable) -> Insight:

@@ -18,4 +18,5 @@ def part_of_table(table: RunTable, rows: NDArray[np.intp]) -> RunTable:
         configurations=tuple(table.configurations[row] for row in rows.tolist()),
         points={name: column[rows] for name, column in table.points.items()},
         checks=NO_CHECKS,
+        rates=table.rates and table.rates.part(rows),
     )

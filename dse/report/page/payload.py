@@ -89,6 +89,7 @@ def _document(content: ReportContent) -> Json:
                 "metric": metrics.index(r.metric),
                 "atMost": r.at_most,
                 "atLeast": r.at_least,
+                "metIn": r.met_in,
             }
             for r in content.requirements
         ],
@@ -116,6 +117,8 @@ def _add_runs(content: ReportContent, block: Block) -> None:
         block.add(f"exercised.{index}", "u1", requirement.exercised)
         if requirement.unsettled is not None:
             block.add(f"unsettled.{index}", "u1", requirement.unsettled)
+        if requirement.draws is not None:
+            block.add(f"draws.{index}", "f4", requirement.draws)
 
 
 def _add_figure(figure: FigureSpec, index: int, columns: Block, waveforms: Block) -> Json:

@@ -81,9 +81,11 @@ class StudyHeader:
     @cached_property
     def _variables_by_configuration(self) -> dict[str, NDArray[np.bool_]]:
         # Definitions that tell no constants are of studies whose configurations had all variables.
+        configurations = self.definition.configurations
+        tells = any(each.constants for each in configurations)
         return {
-            each.id: np.array([not each.constants or name in each.constants for name in self.variables], dtype=np.bool_)
-            for each in self.definition.configurations
+            each.id: np.array([not tells or name in each.constants for name in self.variables], dtype=np.bool_)
+            for each in configurations
         }
 
     @property

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +18,15 @@ from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.run import ERROR_BAR, Outcome, Run, RunRequest
 from dse.domain.sampler import Outcomes
-from dse.storage.checks import NO_CHECKS, Checks, certainties, certainties_by_bars
+from dse.storage.checks import CERTAINTIES, NO_CHECKS, Certainty, Checks, certainties, certainties_by_bars
 from dse.storage.database.checks import read_checks
 from dse.storage.database.header import StudyHeader
 from dse.storage.database.row_checksum import Cells, cells_of, row_checksums
 from dse.storage.database.schema import SEALED, columns, quoted, value_of
 from dse.storage.rows import RowBlock
+
+if TYPE_CHECKING:
+    from dse.storage.draws import Rates
 
 _AT_ONCE = 10_000
 
@@ -36,7 +39,8 @@ class RunTable:
 
     *block* holds outcome, metrics, verdicts and margins; *configurations* n ids; *points* one column of n values
     per design variable (float64, NaN where a configuration does not have it, or objects where one is no number).
-    *block.wall* is not read (NaN). *checks* are those of runs of the table.
+    *block.wall* is not read (NaN). *checks* are those of runs of the table. With *rates* a row stands for all draws of
+    its point (`dse.storage.over_draws`).
     """
 
     header: StudyHeader
@@ -44,6 +48,7 @@ class RunTable:
     configurations: tuple[str, ...]
     points: Mapping[str, NDArray[Any]]
     checks: Checks = NO_CHECKS
+    rates: Rates | None = None
 
     def __len__(self) -> int:
         return len(self.block)
@@ -82,8 +87,13 @@ class RunTable:
 
     @property
     def has_checks(self) -> bool:
-        """Whether there is anything that `certainties` can tell."""
+        """Whether there are error bars."""
         return self.are_all_checked or len(self.checks) > 0
+
+    @property
+    def has_certainties(self) -> bool:
+        """Whether there is anything that `certainties` can tell."""
+        return self.has_checks or self.rates is not None
 
     def errors(self, metric: str) -> NDArray[np.float64]:
         """The error bars of *metric*, (n,), NaN where there is none."""
@@ -99,12 +109,15 @@ class RunTable:
         at = self.header.requirements.index(requirement)
         metric = self.header.definition.requirements[at].metric
         verdicts, margins, errors = self.verdicts(requirement), self.margins(requirement), self.errors(metric)
-        if self.are_all_checked:
-            return certainties_by_bars(verdicts, margins, errors)
         found = np.zeros(len(self), dtype=np.uint8)
-        if len(self.checks):
+        if self.are_all_checked:
+            found = certainties_by_bars(verdicts, margins, errors)
+        elif len(self.checks):
             rows = self._checked
             found[rows] = certainties(verdicts[rows], margins[rows], errors[rows], self.checks.verdicts[:, at])
+        if self.rates is not None:
+            share = self.header.definition.requirements[at].met_in
+            found[self.rates.doubtful(at, share)] = CERTAINTIES.index(Certainty.DOUBTFUL)
         return found
 
     @property

@@ -20,6 +20,7 @@ from dse.domain.bench import VERDICTS, overall_verdict
 from dse.domain.run import ERROR_BAR, Run
 from dse.storage.checks import CERTAINTIES
 from dse.storage.database.definition import definition_to_json
+from dse.storage.draws import over_draws
 from dse.storage.export.headings import (
     Scale,
     Units,
@@ -126,7 +127,7 @@ def to_frame(folder: StudyFolder, units: Units = Units.SHOWN) -> pd.DataFrame:
 
 def to_junit(folder: StudyFolder, units: Units = Units.SHOWN) -> bytes:
     """JUnit XML: a test suite per configuration, a test case per requirement and run; see `junit`."""
-    return junit(folder.table(), scales_of(folder.require_definition(), units))
+    return junit(over_draws(folder.table()), scales_of(folder.require_definition(), units))
 
 
 EXPORTS: Mapping[str, Callable[[StudyFolder, Units], bytes]] = {

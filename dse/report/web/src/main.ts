@@ -80,7 +80,7 @@ function initial(study: Study, theme: State["theme"]): State {
 function header(store: Store, stack: () => void): HTMLElement {
   const { study } = store;
   const theme = followTheme(store);
-  const parts = [count(study.size, "run")];
+  const parts = [count(study.size, study.requirements.some(({ draws }) => draws) ? "point" : "run")];
   if (study.configurations.length > 1) parts.push(count(study.configurations.length, "configuration"));
   const ofRole = (role: Variable["role"], noun: string): void => {
     const those = study.variables.filter((variable) => variable.role === role).length;

@@ -58,6 +58,10 @@ export interface Requirement {
   exercised: Uint8Array;
   /** Finer numerics may change the verdict, whatever the margin; null if that was not looked at. */
   unsettled: Uint8Array | null;
+  /** By run, at the study's own bounds: how many draws met it, of how many, and between which rates that leaves it. */
+  draws: { met: Float32Array; judged: Float32Array; low: Float32Array; high: Float32Array } | null;
+  /** The share of the draws that is to meet it. */
+  metIn: number;
 }
 
 export interface Configuration {
@@ -151,7 +155,7 @@ interface Document {
     labels: string[];
   }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
-  requirements: { name: string; title: string; metric: number; atMost: number | null; atLeast: number | null }[];
+  requirements: Pick<Requirement, "name" | "title" | "metric" | "atMost" | "atLeast" | "metIn">[];
   configurations: { id: string; choices: [string, string][] }[];
   properties: { name: string; title: string; unit: string }[];
   composites: { name: string; title: string; unit: string }[];
@@ -218,6 +222,7 @@ export async function readStudy(): Promise<Study> {
       title: shortened(requirement.title, MOST_TITLE),
       exercised: flags(`exercised.${i}`),
       unsettled: arrays.has(`unsettled.${i}`) ? flags(`unsettled.${i}`) : null,
+      draws: drawsOf(arrays.get(`draws.${i}`) as Float32Array | undefined),
     })),
     configurations: source.configurations.map((configuration, i) => ({
       ...configuration,
@@ -274,4 +279,12 @@ function named({ title, unit }: { title: string; unit: string }): { title: strin
 
 function block(id: string): string {
   return document.getElementById(id)!.textContent!;
+}
+
+/** Four rows, one after the other. */
+function drawsOf(rows: Float32Array | undefined): Requirement["draws"] {
+  if (!rows) return null;
+  const size = rows.length / 4;
+  const [met, judged, low, high] = [0, 1, 2, 3].map((row) => rows.subarray(row * size, (row + 1) * size));
+  return { met: met!, judged: judged!, low: low!, high: high! };
 }

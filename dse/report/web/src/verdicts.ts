@@ -15,7 +15,7 @@ export interface Threshold {
 export interface Judgement {
   each: Uint8Array[];
   overall: Uint8Array;
-  /** Which runs have a verdict that finer numerics may change. */
+  /** Which runs have a verdict that finer numerics or more draws may change. */
   doubtful: Uint8Array;
 }
 
@@ -32,9 +32,9 @@ export function judge(study: Study, thresholds: Threshold[]): Judgement {
   for (let run = 0; run < overall.length; run++) if (!study.done[run]) overall[run] = FAILED;
   const doubtful = new Uint8Array(study.size);
   thresholds.forEach((threshold, index) => {
-    const { metric, unsettled } = study.requirements[index]!;
-    // Where nobody has looked, there is nothing to go through a million runs for.
-    if (threshold.off || (!unsettled && !study.metrics[metric]!.error)) return;
+    const { metric, unsettled, draws } = study.requirements[index]!;
+    // Where nothing was checked, there is nothing to go through a million runs for.
+    if (threshold.off || (!unsettled && !draws && !study.metrics[metric]!.error)) return;
     for (let run = 0; run < doubtful.length; run++) if (isDoubtful(study, index, run, threshold)) doubtful[run] = 1;
   });
   return { each, overall, doubtful };
@@ -46,10 +46,25 @@ export function errorOf(study: Study, metric: number, run: number): number | nul
   return isChecked ? (study.metrics[metric]!.error?.[run] ?? null) : null;
 }
 
-/** Whether finer numerics may change the verdict of a run on a requirement; false if nobody has looked. */
+/** What the draws of a run come to, counted at the bounds of *threshold*; null if that is not known. */
+export function drawsAt(study: Study, index: number, run: number, threshold: Threshold) {
+  const { draws, atMost, atLeast } = study.requirements[index]!;
+  if (!draws?.judged[run] || atMost !== threshold.atMost || atLeast !== threshold.atLeast) return null;
+  return { met: draws.met[run]!, judged: draws.judged[run]!, low: draws.low[run]!, high: draws.high[run]! };
+}
+
+/** Whether the draws of a run differ, and do not tell if enough of them meet a requirement. */
+function isOpen(study: Study, index: number, run: number, threshold: Threshold): boolean {
+  const found = drawsAt(study, index, run, threshold);
+  if (!found?.met || found.met === found.judged) return false;
+  const { metIn } = study.requirements[index]!;
+  return found.low < metIn && found.high >= metIn;
+}
+
+/** Whether finer numerics or more draws may change the verdict of a run on a requirement; false if nothing was checked. */
 export function isDoubtful(study: Study, index: number, run: number, threshold: Threshold): boolean {
   const { metric, exercised, unsettled } = study.requirements[index]!;
-  if (unsettled?.[run]) return true;
+  if (unsettled?.[run] || isOpen(study, index, run, threshold)) return true;
   const error = errorOf(study, metric, run);
   if (error === null || !exercised[run]) return false;
   const by = margin(study.metrics[metric]!.values[run]!, threshold);

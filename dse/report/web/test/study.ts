@@ -29,6 +29,8 @@ export function requirement(
     atLeast: bounds.atLeast ?? null,
     exercised: Uint8Array.from({ length: size }, (_, run) => Number(bounds.exercised?.[run] ?? 1)),
     unsettled: null,
+    draws: null,
+    metIn: 0.95,
   };
 }
 

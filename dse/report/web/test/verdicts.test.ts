@@ -5,7 +5,7 @@ import rule from "../../../../tests/verdict_cases.json";
 import { groupingOf } from "../src/grouping";
 import { standingOf, tightened } from "../src/judgement";
 import { conditionsInWords, pointsOf } from "../src/points";
-import { errorOf, isDoubtful, judge, margin, tally } from "../src/verdicts";
+import { drawsAt, errorOf, isDoubtful, judge, margin, tally } from "../src/verdicts";
 import { aggregated } from "../src/views/designs/values";
 import { scaleOf, worstMargin } from "../src/views/shared/margins";
 import { metric, near, requirement, storeOf, studyOf, variable } from "./study";
@@ -243,4 +243,20 @@ test("a design that lacks a condition is undecided, and one that misses a bound 
     ],
   );
   deepEqual([...groupingOf(study).whole], [1, 0, 0]);
+});
+
+test("draws that differ leave a verdict in doubt at the study's own bound, and say nothing of another one", () => {
+  const draws = {
+    met: Float32Array.of(20, 19, 10, 0),
+    judged: Float32Array.of(20, 20, 20, 0),
+    low: Float32Array.of(0.83, 0.75, 0.27, 0),
+    high: Float32Array.of(1, 0.999, 0.73, 1),
+  };
+  const drawn = { ...requirement(4, { atMost: 1 }), draws };
+  const study = studyOf(4, { metrics: [metric("m", [0.5, 0.9, 2, 0.5])], requirements: [drawn] });
+  const own = { atMost: 1, atLeast: null };
+  deepEqual([...judge(study, [own]).doubtful], [0, 1, 0, 0]);
+  deepEqual([...judge(study, [{ ...own, atMost: 0.6 }]).doubtful], [0, 0, 0, 0]);
+  equal(drawsAt(study, 0, 1, own)!.met, 19);
+  equal(drawsAt(study, 0, 3, own), null);
 });

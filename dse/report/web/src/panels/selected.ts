@@ -1,10 +1,10 @@
 // The selected run: its parameters, its metrics against the thresholds, and its parameters as YAML.
 import { el } from "../dom";
-import { checked, count, number, withUnit } from "../format";
+import { checked, count, number, percent, withUnit } from "../format";
 import { copyText } from "../save";
 import type { Store } from "../store";
 import type { Study } from "../study";
-import { CLASSES, errorOf, isDoubtful, margin, SIGNS, type Threshold, WORDS, wordFor } from "../verdicts";
+import { CLASSES, drawsAt, errorOf, isDoubtful, margin, SIGNS, type Threshold, WORDS, wordFor } from "../verdicts";
 import { variablesOf, yamlOf } from "../yaml";
 import { replaying } from "./replay";
 
@@ -84,6 +84,7 @@ function parameters(study: Study, run: number): HTMLElement {
 
 const DOUBT =
   "Finer numerics may change it: the margin is within two error bars, or a repetition gave another verdict or none.";
+const MORE_DRAWS = "More draws may change it: these do not tell whether enough of them meet the requirement.";
 
 function metricsTable(store: Store, run: number): HTMLElement {
   const { study, state } = store;
@@ -105,6 +106,7 @@ function metricsTable(store: Store, run: number): HTMLElement {
       const mark = each[place]![run]!;
       const by = margin(value, threshold);
       const isOpen = isDoubtful(study, place, run, threshold);
+      const draws = drawsAt(study, place, run, threshold);
       body.append(
         el(
           "tr",
@@ -119,8 +121,9 @@ function metricsTable(store: Store, run: number): HTMLElement {
           ),
           el(
             "td",
-            { class: `verdict ${CLASSES[mark]}`, title: isOpen ? DOUBT : "" },
+            { class: `verdict ${CLASSES[mark]}`, title: isOpen ? (draws ? MORE_DRAWS : DOUBT) : "" },
             `${SIGNS[mark]} ${WORDS[mark]}${isOpen ? ", doubtful" : ""}`,
+            draws ? el("small", { class: "draws" }, drawsText(draws)) : "",
           ),
         ),
       );
@@ -136,6 +139,11 @@ function metricsTable(store: Store, run: number): HTMLElement {
       body,
     ),
   );
+}
+
+function drawsText({ met, judged, low, high }: { met: number; judged: number; low: number; high: number }): string {
+  const rate = low === high ? "" : ` (${percent(low, 1)} \u2026 ${percent(high, 1)})`;
+  return `in ${met} of ${judged} draws${rate}`;
 }
 
 export function bounds({ atMost, atLeast }: Threshold, unit: string): string {

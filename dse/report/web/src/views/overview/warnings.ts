@@ -66,6 +66,7 @@ function warnings(store: Store): Warning[] {
     ...retried(study),
     ...notExercised(store),
     ...doubtful(store),
+    ...draws(store.study),
     ...uncertain(study),
     ...atEdge(study),
     ...moved(store),
@@ -159,6 +160,7 @@ function notExercised(store: Store): Warning[] {
 }
 
 function doubtful(store: Store): Warning[] {
+  const { study } = store;
   const { overall, doubtful: marks } = store.judgement();
   const runs = [...marks.keys()].filter((run) => marks[run]);
   if (!runs.length) return [];
@@ -166,10 +168,17 @@ function doubtful(store: Store): Warning[] {
   return [
     {
       level: "warn",
-      text: `The verdict on ${count(runs.length, "run")} is doubtful: finer numerics may change it. ${group(passing)} of them pass.`,
+      text: `The verdict on ${count(runs.length, "run")} is doubtful: ${study.requirements.some(({ draws }) => draws) ? "more draws" : "finer numerics"} may change it. ${group(passing)} of them pass.`,
       run: runs[0]!,
     },
   ];
+}
+
+function draws({ facts, requirements }: Study): Warning[] {
+  const noise = facts.find(([name]) => name === "noise")?.[1];
+  if (!noise || !requirements.length) return [];
+  const level = requirements.some(({ draws: made }) => made) ? "note" : "warn";
+  return [{ level, text: `${noise[0]!.toUpperCase()}${noise.slice(1)}.` }];
 }
 
 function uncertain(study: Study): Warning[] {
@@ -218,7 +227,7 @@ function unchecked(study: Study): Warning[] {
   return [
     {
       level: "note",
-      text: "Numerical error was not checked for these runs. There are no error bars, and doubtful verdicts cannot be flagged.",
+      text: "Numerical error was not checked for these runs. There are no error bars, and verdicts that finer numerics may change are not marked.",
     },
   ];
 }
