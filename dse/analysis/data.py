@@ -22,6 +22,7 @@ ALL = "all requirements"
 """What the verdict on all requirements together is called."""
 
 MET = VERDICTS.index(Verdict.PASS)
+NOT_APPLICABLE = VERDICTS.index(Verdict.NOT_APPLICABLE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +129,17 @@ class StudyData:
         if requirement not in self.verdicts:
             raise fail(f"the study has no requirement '{requirement}'", None, closest(requirement, self.verdicts))
         return self.verdicts[requirement]
+
+    def about(self, requirement: str) -> StudyData:
+        """The rows to which *requirement* applies. DseError if there is none of that name."""
+        rows = self.codes(requirement) != NOT_APPLICABLE
+        if rows.all():
+            return self
+        key = ("about", rows.tobytes())
+        if key not in self.known:
+            self.known[key] = self.part(rows)
+        found: StudyData = self.known[key]
+        return found
 
     def factor(self, name: str) -> int:
         """The position of a factor; DseError if the runs do not differ in *name*."""

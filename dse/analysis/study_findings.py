@@ -52,14 +52,14 @@ def _of_requirements(account: Account, data: StudyData) -> None:
     names = _requirements(data)
     for name in names:
         label = requirement_label(data, name)
-        account.add("how often it is met", name, label, partial(_met, data, name))
+        account.add("how often it is met", name, label, partial(_met, data.about(name), name))
         for factor in data.factors:
             if factor.is_condition:
-                account.add("the worst case", name, label, partial(_worst, data, factor.name, name))
+                account.add("the worst case", name, label, partial(_worst, data.about(name), factor.name, name))
     for name in names[-1:] if len(names) > 1 else names:
         label = requirement_label(data, name)
-        account.add("a box", name, label, partial(_boxes, data, name))
-        account.add("a robust centre", name, label, partial(_centre, data, name))
+        account.add("a box", name, label, partial(_boxes, data.about(name), name))
+        account.add("a robust centre", name, label, partial(_centre, data.about(name), name))
     for metric in dict.fromkeys(entry.metric for entry in data.definition.requirements):
         _dependence(account, data, metric)
 
@@ -70,7 +70,7 @@ def _of_everything(account: Account, data: StudyData) -> None:
     for name in _requirements(data)[:-1]:
         if (data.met(name) == data.met()).all():
             continue
-        account.add("a box", name, requirement_label(data, name), partial(_boxes, data, name))
+        account.add("a box", name, requirement_label(data, name), partial(_boxes, data.about(name), name))
     for metric in data.metrics:
         if metric not in behind:
             _dependence(account, data, metric)

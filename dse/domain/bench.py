@@ -82,6 +82,16 @@ ALL_BUT_FEW = 0.95
 
 
 @dataclass(frozen=True, slots=True)
+class Trace:
+    """Where a requirement comes from, in the user's words; "" for what is not stated."""
+
+    text: str = ""
+    source: str = ""
+    rationale: str = ""
+    severity: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Requirement:
     """*metric* at most *at_most* and at least *at_least* (SI), provided the run came to exercise it at all.
 
@@ -97,6 +107,7 @@ class Requirement:
     title: str = ""
     where: Location | None = None
     met_in: float = ALL_BUT_FEW
+    trace: Trace = Trace()
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,6 +169,8 @@ class Verdict(StrEnum):
     FAIL = "fail"
     NOT_EXERCISED = "not exercised"
     FAILED_TO_RUN = "failed to run"
+    NOT_APPLICABLE = "does not apply"
+    """The requirement is not one of the run's bench: it is not counted."""
 
 
 VERDICTS = tuple(Verdict)
@@ -169,6 +182,8 @@ _WORST = (Verdict.FAILED_TO_RUN, Verdict.FAIL, Verdict.NOT_EXERCISED)
 def overall_verdict(verdicts: Collection[str]) -> Verdict:
     """That on all requirements: one failure fails a run, and without one a gap leaves it open. The same for arrays is
     `dse.metrics.overall_codes`."""
+    if verdicts and all(each == Verdict.NOT_APPLICABLE for each in verdicts):
+        return Verdict.NOT_APPLICABLE
     return next((each for each in _WORST if each in verdicts), Verdict.PASS)
 
 

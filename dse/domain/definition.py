@@ -106,7 +106,10 @@ class DefinedMetric:
 
 @dataclass(frozen=True, slots=True)
 class DefinedRequirement:
-    """Bounds on a metric, in SI; *unit* is the one it is spoken of in. The rest as `Requirement` has it."""
+    """Bounds on a metric, in SI; *unit* is the one it is spoken of in. The rest as `Requirement` has it.
+
+    Of a study on several benches it applies *on* these; () for all.
+    """
 
     name: str
     title: str
@@ -116,6 +119,11 @@ class DefinedRequirement:
     at_least: float | None = None
     exercised_when: str | None = None
     met_in: float = 0.95
+    on: tuple[str, ...] = ()
+    text: str = ""
+    source: str = ""
+    rationale: str = ""
+    severity: str = ""
 
 
 @dataclass(frozen=True, slots=True)

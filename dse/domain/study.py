@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
+from typing import Any, TypeVar
 
-from dse.domain.bench import TestBench
+from dse.domain.bench import Metric, Requirement, TestBench
 from dse.domain.component import Kind, Type
 from dse.domain.distribution import Correlations
 from dse.domain.expression import Expression
@@ -85,7 +85,7 @@ class Replicates:
 class Study:
     """Design variables × sampler on one bench, or on *others* as well, each of which is one more condition.
 
-    All have one design space, and the same metrics and requirements. *constraints* are over the names of the
+    All have one design space; metrics and requirements of one name agree. *constraints* are over the names of the
     variables; *correlations* of uncertain ones by their names. With *replicates* the last variable is the draw.
     """
 
@@ -120,6 +120,26 @@ class Study:
     def benches(self) -> tuple[TestBench, ...]:
         """All benches; the condition `TESTBENCH` counts them from 0."""
         return (self.bench, *self.others)
+
+    @property
+    def metrics(self) -> tuple[Metric, ...]:
+        """Those of all benches, each by the first bench that has it."""
+        return _first_of_each(bench.metrics for bench in self.benches)
+
+    @property
+    def requirements(self) -> tuple[Requirement, ...]:
+        """Those of all benches, each by the first bench that has it."""
+        return _first_of_each(bench.requirements for bench in self.benches)
+
+
+_Named = TypeVar("_Named", Metric, Requirement)
+
+
+def _first_of_each(lists: Iterable[tuple[_Named, ...]]) -> tuple[_Named, ...]:
+    found: dict[str, _Named] = {}
+    for one in (one for each in lists for one in each):
+        found.setdefault(one.name, one)
+    return tuple(found.values())
 
 
 def types_of(variables: Iterable[DesignVariable]) -> dict[str, Type]:

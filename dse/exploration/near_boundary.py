@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.sampler import Grid
 from dse.domain.study import Study
 from dse.exploration.variables import unit_of
 from dse.storage import RunTable
+
+_PASS, _NOT_APPLICABLE = VERDICTS.index(Verdict.PASS), VERDICTS.index(Verdict.NOT_APPLICABLE)
 
 
 def near_boundary(study: Study, table: RunTable, grid: Grid | None) -> frozenset[int]:
@@ -33,8 +36,9 @@ def near_boundary(study: Study, table: RunTable, grid: Grid | None) -> frozenset
 
 
 def _kinds(table: RunTable) -> NDArray[np.intp]:
-    """A number per run that is equal where outcome and all verdicts are."""
-    codes = np.column_stack([table.done, table.block.verdicts])
+    """A number per run that is equal where outcome and all verdicts are; what does not apply is no boundary."""
+    verdicts = np.where(table.block.verdicts == _NOT_APPLICABLE, _PASS, table.block.verdicts)
+    codes = np.column_stack([table.done, verdicts])
     return np.unique(codes, axis=0, return_inverse=True)[1].reshape(len(table))
 
 

@@ -2,7 +2,7 @@
 
 With `at_least` draws fewer than `at_most`, more are made for those runs of which a verdict is open: that a requirement
 is met in the share of the draws that it must be met in can be neither said nor denied with the study's confidence
-(`dse.metrics.rate_interval`). Of 5 draws that all met a requirement of 50 %, none more is made; of a requirement of
+(`dse.domain.rates`). Of 5 draws that all met a requirement of 50 %, none more is made; of a requirement of
 95 %, half as many again at a time, until 100 or so tell.
 """
 
@@ -19,7 +19,7 @@ from dse.domain.definition import StudyDefinition
 from dse.domain.noise import DRAW, draw_of
 from dse.domain.sampler import Brief, Candidate, Everywhere, Outcomes, Role, Search
 from dse.domain.study import Replicates, Study
-from dse.metrics import settled
+from dse.domain.rates import settled
 from dse.storage import groups_of, outcomes_over_draws, shares_of
 
 Points = NDArray[np.float64]

@@ -14,7 +14,6 @@ from .machine import (
     worst_codes as worst_codes,
 )
 from .program import MetricProgram as MetricProgram, compile_metrics as compile_metrics, judge_failed as judge_failed
-from .rates import CONFIDENCE as CONFIDENCE, rate_interval as rate_interval, settled as settled
 from .resolution import between_rows as between_rows
 from .rows import (
     RowProgram as RowProgram,

@@ -164,15 +164,17 @@ def verdict_codes(margin: Any, exercised: Any, done: Any = True) -> Any:
 
 
 def overall_codes(verdicts: Sequence[Codes], done: NDArray[np.bool_]) -> Codes:
-    """The verdict on all requirements: one failure fails a run, and without one a gap leaves it open."""
-    ranks = [np.zeros(len(done), dtype=np.uint8), *(_RANK[codes] for codes in verdicts)]
+    """The verdict on all requirements that apply: one failure fails a run, and without one a gap leaves it open."""
+    least = np.full(len(done), 0 if verdicts else _RANK[_PASS], dtype=np.uint8)
+    ranks = [least, *(_RANK[codes] for codes in verdicts)]
     found: Codes = np.where(done, _BY_RANK[np.maximum.reduce(ranks)], _FAILED).astype(np.uint8)
     return found
 
 
 def worst_codes(codes: Codes, groups: Sequence[NDArray[np.intp]]) -> Codes:
     """The verdict on a requirement of each of *groups* of runs, by their positions: fail if one fails, else failed to
-    run if one did, else pass if one passes: what is exercised at one condition only is met if it is met there."""
+    run if one did, else pass if one passes: what is exercised at one condition only is met if it is met there. Runs to
+    which it does not apply do not count."""
     if not groups:
         return codes[:0]
     ranks = _WORST[codes[np.concatenate(groups)]]
@@ -181,11 +183,18 @@ def worst_codes(codes: Codes, groups: Sequence[NDArray[np.intp]]) -> Codes:
     return found
 
 
-_PASS, _FAIL, _OPEN, _FAILED = (
-    VERDICTS.index(verdict) for verdict in (Verdict.PASS, Verdict.FAIL, Verdict.NOT_EXERCISED, Verdict.FAILED_TO_RUN)
+_PASS, _FAIL, _OPEN, _FAILED, _NONE = (
+    VERDICTS.index(verdict)
+    for verdict in (
+        Verdict.PASS,
+        Verdict.FAIL,
+        Verdict.NOT_EXERCISED,
+        Verdict.FAILED_TO_RUN,
+        Verdict.NOT_APPLICABLE,
+    )
 )
 _BY_CASE = np.array([_FAILED] * 4 + [_OPEN, _OPEN, _FAIL, _PASS], dtype=np.uint8)
-_BY_RANK = np.array([_PASS, _OPEN, _FAIL, _FAILED], dtype=np.uint8)
+_BY_RANK = np.array([_NONE, _PASS, _OPEN, _FAIL, _FAILED], dtype=np.uint8)
 _RANK = np.argsort(_BY_RANK).astype(np.uint8)
-_BY_WORST = np.array([_OPEN, _PASS, _FAILED, _FAIL], dtype=np.uint8)
+_BY_WORST = np.array([_NONE, _OPEN, _PASS, _FAILED, _FAIL], dtype=np.uint8)
 _WORST = np.argsort(_BY_WORST).astype(np.uint8)

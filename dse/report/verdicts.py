@@ -22,6 +22,7 @@ class Mark(IntEnum):
     FAIL = VERDICTS.index(Verdict.FAIL)
     NOT_EXERCISED = VERDICTS.index(Verdict.NOT_EXERCISED)
     FAILED_TO_RUN = VERDICTS.index(Verdict.FAILED_TO_RUN)
+    NOT_APPLICABLE = VERDICTS.index(Verdict.NOT_APPLICABLE)
 
 
 Marks = Codes
@@ -31,6 +32,8 @@ def marks_of(content: ReportContent, requirement: RequirementRow) -> Marks:
     """The mark of every run for one requirement."""
     margin = margins(content.metric(requirement.metric).values, requirement)
     marks: Marks = verdict_codes(margin, requirement.exercised, content.runs.done)
+    if requirement.applies is not None:
+        marks = np.where(requirement.applies, marks, Mark.NOT_APPLICABLE).astype(np.uint8)
     return marks
 
 

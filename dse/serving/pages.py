@@ -43,6 +43,7 @@ CLASSES = {
     Verdict.FAIL: "fail",
     Verdict.NOT_EXERCISED: "open",
     Verdict.FAILED_TO_RUN: "broken",
+    Verdict.NOT_APPLICABLE: "muted",
 }
 """How the style sheet calls the verdicts."""
 

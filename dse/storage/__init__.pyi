@@ -18,7 +18,6 @@ from .difference import (
 )
 from .disk import UnreadableError as UnreadableError
 from .draws import (
-    Rates as Rates,
     draws_sentence as draws_sentence,
     groups_of as groups_of,
     outcomes_over_draws as outcomes_over_draws,

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,44 +17,13 @@ from numpy.typing import NDArray
 from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.definition import StudyDefinition
 from dse.domain.noise import DRAW
+from dse.domain.rates import Rates
 from dse.domain.sampler import Outcomes
-from dse.metrics import CONFIDENCE, rate_interval
 from dse.storage.database.table import RunTable
 from dse.storage.rows import RowBlock
 
-_PASS, _FAIL, _NOT_EXERCISED, _FAILED = (VERDICTS.index(verdict) for verdict in Verdict)
+_PASS, _FAIL, _NOT_EXERCISED, _FAILED, _NOT_APPLICABLE = (VERDICTS.index(verdict) for verdict in Verdict)
 _ROUNDING = 1e-9
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Rates:
-    """How many of the draws of each of n rows *met* each of r requirements, of those that *judged* it, (n, r).
-
-    *random* rows, (n,), depend on the draw; the others have one, and it tells all.
-    """
-
-    met: NDArray[np.int64]
-    judged: NDArray[np.int64]
-    random: NDArray[np.bool_]
-    confidence: float = CONFIDENCE
-    sequential: bool = False
-
-    def interval(self, column: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Between which rates the one of requirement number *column* is, each (n,)."""
-        met, judged = self.met[:, column], self.judged[:, column]
-        low, high = rate_interval(met, judged, self.confidence, sequential=self.sequential)
-        rate = met / np.maximum(judged, 1)
-        return np.where(self.random, low, rate), np.where(self.random, high, rate)
-
-    def doubtful(self, column: int, share: float) -> NDArray[np.bool_]:
-        """Where draws differ in requirement number *column*, and do not tell if the rate is at least *share*, (n,)."""
-        low, high = self.interval(column)
-        met, judged = self.met[:, column], self.judged[:, column]
-        return np.asarray((met > 0) & (met < judged) & (low < share) & (high >= share))
-
-    def part(self, rows: NDArray[Any]) -> Rates:
-        """Those of *rows* only."""
-        return replace(self, met=self.met[rows], judged=self.judged[rows], random=self.random[rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,6 +60,7 @@ def decide(
         missed = judged[:, column] - met[:, column] > most
         rows[:, column] = order[starts + np.minimum(most, np.maximum(judged[:, column] - 1, 0))]
         found[:, column] = np.where(judged[:, column] == 0, _NOT_EXERCISED, np.where(missed, _FAIL, _PASS))
+        found[np.bincount(group, code != _NOT_APPLICABLE, count) == 0, column] = _NOT_APPLICABLE
         found[np.bincount(group, code == _FAILED, count) > 0, column] = _FAILED
     return Decided(found, rows, Rates(met, judged, np.bincount(group, random, count) > 0))
 

@@ -109,10 +109,11 @@ def block_of(runs: Sequence[Run], measures: Measures, wall: Sequence[float] | No
 def numbers_of(run: Run, measures: Measures) -> tuple[list[float], list[float], list[int]]:
     """Metrics, margins and verdicts (positions in `VERDICTS`) of *run*; KeyError if it is finished and lacks one."""
     names = measures.requirements
+    judgements = {judgement.requirement: judgement for judgement in run.judgements}
     if run.outcome is Outcome.FAILED:
         nothing = [math.nan] * len(names)
-        return [math.nan] * len(measures.metrics), nothing, [_CODES[Verdict.FAILED_TO_RUN]] * len(names)
-    judgements = {judgement.requirement: judgement for judgement in run.judgements}
+        given = (judgements[name].verdict if name in judgements else Verdict.FAILED_TO_RUN for name in names)
+        return [math.nan] * len(measures.metrics), nothing, [_CODES[verdict] for verdict in given]
     judged = [judgements[name] for name in names]
     metrics = [run.metrics[name] for name in measures.metrics]
     return metrics, [judgement.margin for judgement in judged], [_CODES[judgement.verdict] for judgement in judged]

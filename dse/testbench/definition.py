@@ -47,7 +47,7 @@ def define(study: Study, prepared: Mapping[str, Prepared], space: str = "") -> S
     """
     bench, benches, draws = study.bench, study.benches, study.replicates
     figures = {figure.name: figure for bench in benches for figure in bench.figures}
-    metrics = _metrics(benches, prepared)
+    metrics = _metrics(study, prepared)
     return StudyDefinition(
         study=study.name,
         title=study.title or bench.title or study.name,
@@ -57,7 +57,7 @@ def define(study: Study, prepared: Mapping[str, Prepared], space: str = "") -> S
         sampler=DefinedSampler(study.sampler.name, study.sampler.options(), _grid(study, prepared.values())),
         seed=study.seed,
         metrics=metrics,
-        requirements=tuple(_requirement(requirement, metrics) for requirement in bench.requirements),
+        requirements=tuple(_requirement(requirement, metrics, benches) for requirement in study.requirements),
         simulation=_simulation(bench.simulation),
         other_simulations={other.name: _simulation(other.simulation) for other in study.others},
         configurations=tuple(configuration_of(each, study) for each in prepared.values()),
@@ -197,20 +197,19 @@ def _method(simulation: Simulation) -> Json:
     return _plain(told if simulation.method == PLAIN else asdict(simulation.method) | told)
 
 
-def _metrics(benches: Sequence[TestBench], prepared: Mapping[str, Prepared]) -> tuple[DefinedMetric, ...]:
-    bench = benches[0]
-    written = {metric.name: _written(metric.name, benches) for metric in bench.metrics}
-    metrics = tuple(_metric(metric, written[metric.name], bench.requirements, prepared) for metric in bench.metrics)
-    if not bench.simulation.check_step:
+def _metrics(study: Study, prepared: Mapping[str, Prepared]) -> tuple[DefinedMetric, ...]:
+    written = {metric.name: _written(metric.name, study.benches) for metric in study.metrics}
+    metrics = tuple(_metric(metric, written[metric.name], study.requirements, prepared) for metric in study.metrics)
+    if not study.bench.simulation.check_step:
         return metrics
     bars = (replace(m, name=f"{m.name}{ERROR_BAR}", title=f"{m.title}, error bar", error_of=m.name) for m in metrics)
     return (*metrics, *bars)
 
 
 def _written(name: str, benches: Sequence[TestBench]) -> str:
-    """The expression of a metric; where benches differ in it, each one's."""
+    """The expression of a metric; where benches differ in it, or some do not have it, each one's."""
     texts = {bench.name: metric.expression.text for bench in benches for metric in bench.metrics if metric.name == name}
-    if len(set(texts.values())) == 1:
+    if len(set(texts.values())) == 1 and len(texts) == len(benches):
         return texts[benches[0].name]
     return "; ".join(f"{bench}: {text}" for bench, text in texts.items())
 
@@ -223,14 +222,18 @@ def _metric(
     if not unit.symbol:
         unit = next((r.unit for r in requirements if r.metric == metric.name and r.unit.symbol), unit)
     if not unit.symbol and prepared:
-        unit = singly(next(iter(prepared.values())))[0].program.units[metric.name]
+        benches = singly(next(iter(prepared.values())))
+        unit = next(b.program.units[metric.name] for b in benches if metric.name in b.program.units)
     title = metric.title or metric.name.replace("_", " ")
     return DefinedMetric(metric.name, title, unit.symbol, written)
 
 
-def _requirement(requirement: Requirement, metrics: Sequence[DefinedMetric]) -> DefinedRequirement:
+def _requirement(
+    requirement: Requirement, metrics: Sequence[DefinedMetric], benches: Sequence[TestBench]
+) -> DefinedRequirement:
     # Bounds and margins are shown in the unit of the values they are compared with.
     unit = next(metric.unit for metric in metrics if metric.name == requirement.metric)
+    on = tuple(bench.name for bench in benches if any(one.name == requirement.name for one in bench.requirements))
     return DefinedRequirement(
         requirement.name,
         requirement.title or requirement.name,
@@ -240,6 +243,8 @@ def _requirement(requirement: Requirement, metrics: Sequence[DefinedMetric]) -> 
         requirement.at_least,
         requirement.exercised_when.text if requirement.exercised_when else None,
         requirement.met_in,
+        () if len(on) == len(benches) else on,
+        **asdict(requirement.trace),
     )
 
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dse.domain.bench import Judgement, Verdict
 from dse.domain.component import Kind, Type
 from dse.domain.design import Configuration
 from dse.domain.noise import DRAW
-from dse.domain.run import TESTBENCH, Run, RunRequest, Waveforms
+from dse.domain.run import ERROR_BAR, TESTBENCH, Outcome, Run, RunRequest, Waveforms
 from dse.testbench.prepared_bench import PreparedBench, Setting
 from dse.testbench.runner import Runner
 
@@ -53,6 +55,18 @@ class PreparedBenches:
     def kept(self) -> tuple[str, ...]:
         """The columns stored as waveforms; those that a bench does not have are NaN there."""
         return tuple(dict.fromkeys(name for bench in self.benches for name in bench.recording.kept))
+
+    def completed(self, run: Run) -> tuple[dict[str, float], tuple[Judgement, ...]]:
+        """What *run* gave, with what only other benches ask for: undefined metrics, requirements that do not apply."""
+        there = {judgement.requirement for judgement in run.judgements}
+        judged = dict.fromkeys(one.name for bench in self.benches for one in bench.requirements)
+        no_judgements = (Judgement(name, Verdict.NOT_APPLICABLE, math.nan) for name in judged if name not in there)
+        if run.outcome is Outcome.FAILED:
+            return {}, (*run.judgements, *no_judgements)
+        names = dict.fromkeys(name for bench in self.benches for name in bench.program.metrics)
+        bars = [f"{name}{ERROR_BAR}" for name in names] if self.benches[0].simulation.check_step else []
+        undefined = dict.fromkeys((name for name in (*names, *bars) if name not in run.metrics), math.nan)
+        return {**run.metrics, **undefined}, (*run.judgements, *no_judgements)
 
     @property
     def timeout(self) -> float:
@@ -130,7 +144,9 @@ class SeveralRunner(AbstractContextManager["SeveralRunner"]):
         unused = {TESTBENCH} if DRAW in self.prepared.benches[number].settings else {TESTBENCH, DRAW}
         point = {name: value for name, value in request.point.items() if name not in unused}
         made = self._runner(number).run(replace(request, point=point), keep=keep)
-        return replace(made, request=request, waveforms=made.waveforms and self._all_columns(made.waveforms))
+        metrics, judgements = self.prepared.completed(made)
+        columns = made.waveforms and self._all_columns(made.waveforms)
+        return replace(made, request=request, metrics=metrics, judgements=judgements, waveforms=columns)
 
     def close(self) -> None:
         """Free the FMU instances."""

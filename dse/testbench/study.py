@@ -153,12 +153,18 @@ def prepare_study(
 def _require_units(study: Study, made: Sequence[Mapping[str, PreparedBench]]) -> None:
     """Raise DseError unless a metric is of the same dimension on every bench, where none of them gives it a unit."""
     problems = []
-    for metric in study.bench.metrics:
-        units = [next(iter(each.values())).program.units[metric.name] for each in made if each]
-        for bench, unit in zip(study.others, units[1:], strict=False):
-            if unit.dimension != units[0].dimension:
-                what = f"the metric '{metric.name}' is in {unit or '1'} on '{bench.name}', and in {units[0] or '1'}"
-                problems.append(Problem(f"{what} on '{study.bench.name}'", study.where, "rename one of them"))
+    programs = [next(iter(each.values())).program for each in made if each]
+    for metric in study.metrics:
+        having = [
+            (bench, program.units[metric.name])
+            for bench, program in zip(study.benches, programs, strict=False)
+            if metric.name in program.units
+        ]
+        for bench, unit in having[1:]:
+            first, theirs = having[0]
+            if unit.dimension != theirs.dimension:
+                what = f"the metric '{metric.name}' is in {unit or '1'} on '{bench.name}', and in {theirs or '1'}"
+                problems.append(Problem(f"{what} on '{first.name}'", study.where, "rename one of them"))
     raise_if_any(problems)
 
 

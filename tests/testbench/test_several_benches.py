@@ -17,7 +17,7 @@ from dse.domain.sampler import Role
 from dse.errors import DseError
 from dse.loading import Workspace
 from dse.report.content.reading import read_content
-from dse.storage import EXPORTS, StudyFolder
+from dse.storage import EXPORTS, StudyFolder, Units
 
 RAMP = {
     "components/interfaces.yaml": "interfaces: {plant: {outputs: {y: m}}}\n",
@@ -188,10 +188,6 @@ def test_a_study_may_vary_nothing_but_the_bench(tmp_path: Path) -> None:
     ("change", "said"),
     [
         (("record_every: 100 ms", "record_every: 200 ms"), "records at other times than 'short'"),
-        (
-            ("reached: 1", "other: final(plant.y), reached: 1"),
-            "'long' has the metric 'other', 'short' has none of that name",
-        ),
         (("at_least: 2 m", "at_least: 3 m"), "the requirement 'R1' is not the same in 'short' and 'long'"),
         (
             ("current: plant.y, target: plant.target", "current: plant.y"),
@@ -247,3 +243,89 @@ def test_a_table_of_points_names_items_by_name(tmp_path: Path) -> None:
     write(root, {"points.csv": "plant.slope [m/s],plant.shape\n1,singel\n"})
     with pytest.raises(DseError, match="'singel' is not a value of"):
         dse.open(root).studies["both"].explore(root / "out", workers=1)
+
+
+# Requirements that belong to some of the benches.
+
+
+ON = {
+    **RAMP,
+    "testbenches/short.yaml": SHORT,
+    "testbenches/long.yaml": LONG.replace(
+        "reached: 1 * final(plant.y)", "reached: 1 * final(plant.y), top: maximum(plant.y)"
+    ).replace(
+        "requirements: {", "requirements: {R2: {metric: top, at_most: 5 m, text: no more than five, severity: major}, "
+    ),
+    "testbenches/both.pet.yaml": STUDY,
+}
+
+
+@pytest.fixture(scope="module")
+def partly(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = write(tmp_path_factory.mktemp("partly"), ON)
+    dse.open(root).studies["both"].explore(root / "out", workers=1)
+    return root / "out"
+
+
+@pytest.mark.thorough
+def test_a_requirement_of_one_bench_is_not_counted_on_another(partly: Path) -> None:
+    found = {
+        (r["plant.slope"], r["plant.shape"], r["testbench"]): (r["R2.verdict"], r["verdict"]) for r in rows(partly)
+    }
+    assert {verdict for (_, _, bench), (verdict, _) in found.items() if bench == "short"} == {"does not apply"}
+    assert found["2.0", "triple", "long"] == ("fail", "fail")
+    assert found["1.0", "single", "long"] == ("pass", "pass")
+    assert found["2.0", "triple", "short"] == ("does not apply", "pass")
+    assert {r["top"] for r in rows(partly) if r["testbench"] == "short"} == {""}
+    summary = dse.Results(partly).summary
+    assert sum(summary.verdicts["R2"].values()) == 4
+    assert "does not apply" not in summary.verdicts["R2"]
+    content = read_content(partly)
+    assert content.requirements[0].applies is None
+    assert content.requirements[1].applies is not None
+    assert content.requirements[1].applies.sum() == 4
+    told = [each.text for each in dse.Results(partly).findings() if each.about == "R2" and " met " in each.text]
+    assert any("1 of 4 designs" in text for text in told), told
+    junit = EXPORTS["junit"](StudyFolder.open(partly)).decode()
+    assert junit.count('name="R2') == 4
+
+
+def test_the_stored_requirement_says_where_it_applies_and_where_it_comes_from(partly: Path) -> None:
+    definition = dse.Results(partly).definition
+    first, second = definition.requirements
+    assert (first.on, second.on) == ((), ("long",))
+    assert (second.text, second.severity) == ("no more than five", "major")
+
+
+def test_a_review_gets_a_table_of_the_requirements(partly: Path) -> None:
+    with StudyFolder.open(partly) as stored:
+        sheet = [*csv.DictReader(io.StringIO(EXPORTS["requirements"](stored, Units.SHOWN).decode()))]
+    first, second = sheet
+    assert (second["id"], second["text"], second["severity"], second["benches"]) == (
+        "R2",
+        "no more than five",
+        "major",
+        "long",
+    )
+    assert (second["verdict"], second["points"], second["pass"], second["fail"]) == ("fail", "4", "1", "3")
+    assert (float(second["least margin"]), second["at most"], second["unit"]) == (pytest.approx(-13.0), "5.0", "m")
+    assert (first["points"], first["met in"]) == ("8", "")
+
+
+def test_on_names_benches_that_there_are(tmp_path: Path) -> None:
+    wrong = SHORT.replace("at_least: 2 m}", "at_least: 2 m, on: [shrt]}")
+    write(tmp_path, {**RAMP, "testbenches/short.yaml": wrong})
+    with pytest.raises(DseError, match=r"unknown test bench 'shrt'.*\n.*short"):
+        Workspace(tmp_path).bench("short")
+
+
+def test_a_requirement_on_other_benches_is_left_out_with_what_it_needs(tmp_path: Path) -> None:
+    shared = SHORT.replace("at_least: 2 m}", "at_least: 2 m}, R9: {metric: not_here, at_most: 1 m, on: long}")
+    write(tmp_path, {**RAMP, "testbenches/short.yaml": shared, "testbenches/long.yaml": LONG})
+    assert [each.name for each in Workspace(tmp_path).bench("short").requirements] == ["R1"]
+
+
+def test_an_objective_is_a_metric_of_every_bench(tmp_path: Path) -> None:
+    write(tmp_path, {**ON, "testbenches/both.pet.yaml": STUDY + "objectives: [minimize top]\n"})
+    with pytest.raises(DseError, match="'top' is not a metric of short"):
+        Workspace(tmp_path).study("both")

@@ -124,7 +124,8 @@ class Results:
         return essentials(self._read(judged))
 
     def export(self, kind: str, units: str = "shown") -> bytes:
-        """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``; *units* as in `to_pandas`."""
+        """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``, or that of ``requirements``; *units* as in
+        `to_pandas`."""
         from dse.errors import closest, fail
         from dse.storage import EXPORTS
 
@@ -394,9 +395,10 @@ def _summary(runs: RunTable, causes: Mapping[int, str]) -> Summary:
 
 
 def _counted(codes: NDArray[np.uint8]) -> dict[str, int]:
-    from dse.domain.bench import VERDICTS
+    from dse.domain.bench import VERDICTS, Verdict
 
-    return {str(verdict): int((codes == code).sum()) for code, verdict in enumerate(VERDICTS)}
+    counted = ((code, verdict) for code, verdict in enumerate(VERDICTS) if verdict is not Verdict.NOT_APPLICABLE)
+    return {str(verdict): int((codes == code).sum()) for code, verdict in counted}
 
 
 def _warn(problems: Sequence[Problem]) -> None:

@@ -226,7 +226,7 @@ def _overall(counts: Mapping[tuple[str, ...], int], finished: int) -> Mapping[Ve
     for verdicts, count in counts.items():
         found[overall_verdict(verdicts)] += count
     found[Verdict.FAILED_TO_RUN] += finished - found.total()  # of a study without requirements
-    return {verdict: found[verdict] for verdict in VERDICTS}
+    return {verdict: found[verdict] for verdict in VERDICTS if verdict is not Verdict.NOT_APPLICABLE}
 
 
 def _changed(path: Path) -> datetime:

@@ -21,6 +21,7 @@ class Table(StrEnum):
     JSON = "json"
     PARQUET = "parquet"
     JUNIT = "junit"
+    REQUIREMENTS = "requirements"
 
 
 TableFile = Annotated[
@@ -31,7 +32,9 @@ TableFile = Annotated[
 @app.command()
 def results(
     folder: Folder,
-    output: Annotated[Table, typer.Option("--format", help="Table format; junit is for CI servers.")] = Table.CSV,
+    output: Annotated[
+        Table, typer.Option("--format", help="Table format; junit is for CI servers, requirements for reviews.")
+    ] = Table.CSV,
     target: TableFile = None,
     si: SI = False,
 ) -> None:

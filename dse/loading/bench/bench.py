@@ -6,7 +6,9 @@ from collections.abc import Callable
 from math import prod
 from pathlib import Path
 
-from dse.domain.bench import ALL_BUT_FEW, Figure, Metric, Requirement, TestBench, TestComponent
+from pydantic import Field
+
+from dse.domain.bench import ALL_BUT_FEW, Figure, Metric, Requirement, TestBench, TestComponent, Trace
 from dse.domain.component import Component, Value
 from dse.domain.design import DesignSpace
 from dse.domain.labels import array_of, element_names, is_part, shapes, spelled, tightened
@@ -53,6 +55,11 @@ class RequirementSection(Section):
     at_least: Plain | None = None
     exercised_when: str | None = None
     met_in: Plain = ALL_BUT_FEW
+    on: str | list[str] = Field(default_factory=list)
+    text: str = ""
+    source: str = ""
+    rationale: str = ""
+    severity: str = ""
 
 
 class FigureSection(Section):
@@ -89,7 +96,8 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
     requirements = []
     for name, section in file.requirements.items():
         with problems:
-            requirements.append(_requirement(entry["requirements"][name], section, set(file.metrics)))
+            if _applies(entry["requirements"][name]["on"], section.on, file.testbench, inside):
+                requirements.append(_requirement(entry["requirements"][name], section, set(file.metrics)))
     connections = read_connections(entry["connections"], file.connections, problems)
     try:
         design = find_design(file.design, entry["design"].where)
@@ -189,6 +197,19 @@ def _metrics(entries: Entry, file: BenchFile, problems: Problems) -> tuple[Metri
     return tuple(metrics)
 
 
+def _applies(entry: Entry, on: str | list[str], bench: str, inside: Path) -> bool:
+    """Whether a requirement *on* some benches is one of this *bench*. DseError for a bench that does not exist."""
+    named = [on] if isinstance(on, str) else on
+    others = [name for name in named if name != bench]
+    if others:
+        known = {path.name.removesuffix(".yaml") for path in (inside / "testbenches").rglob("*.yaml")}
+        for number, name in enumerate(named):
+            if name in others and name not in known:
+                where = entry.where if isinstance(on, str) else entry[number].where
+                raise fail(f"unknown test bench '{name}'", where, closest(name, known))
+    return not named or bench in named
+
+
 def _requirement(entry: Entry, section: RequirementSection, metrics: set[str]) -> Requirement:
     name = entry.name
     problems = Problems()
@@ -227,6 +248,7 @@ def _requirement(entry: Entry, section: RequirementSection, metrics: set[str]) -
         section.title,
         entry.key,
         share,
+        Trace(section.text, section.source, section.rationale, section.severity),
     )
 
 

@@ -98,7 +98,6 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
         with problems:
             read_extension(entry["sampler"], file.sampler, SAMPLERS)
         raise DseError(*error.problems, *problems) from None
-    bench = benches[0]
     variables, derived = _varied(entry, file, benches, problems)
     replicates = None
     with problems:
@@ -106,7 +105,7 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
     objectives = []
     for number, written in enumerate(file.objectives):
         with problems:
-            objectives.append(read_objective(entry["objectives"][number], written, bench))
+            objectives.append(read_objective(entry["objectives"][number], written, benches))
     correlations: Mapping[tuple[str, str], float] = {}
     with problems:
         correlations = read_correlations(entry["correlations"], file.correlations, variables)
@@ -181,8 +180,9 @@ def _benches(entry: Entry, named: str | list[str], find_bench: FindBench) -> tup
         with problems:
             benches.append(find_bench(name, entry[number].where))
     for number, bench in enumerate(benches[1:] if not problems else (), 1):
-        for what in differences(benches[0], bench):
-            problems.add(what, entry[number].where, f"let it be as in '{benches[0].name}', or study them apart")
+        for first in benches[:number]:
+            for what in differences(first, bench):
+                problems.add(what, entry[number].where, f"let it be as in '{first.name}', or study them apart")
     if problems:
         raise DseError(*problems)
     return tuple(benches)
@@ -242,17 +242,17 @@ def _selection(entry: Entry, file: StudyFile) -> Selection:
 _WRITTEN = re.compile(r"(minimize|maximize)\s+(.+)", re.DOTALL)
 
 
-def read_objective(entry: Entry, written: str, bench: TestBench) -> Objective:
-    """``minimize`` or ``maximize`` and a metric, ``sum(PROPERTY)`` over the design, or an expression in both.
-
-    Raises DseError.
-    """
+def read_objective(entry: Entry, written: str, benches: Sequence[TestBench]) -> Objective:
+    """``minimize`` or ``maximize`` and a metric of all *benches*, ``sum(PROPERTY)`` over the design, or an expression
+    in both. Raises DseError."""
+    bench = benches[0]
     match = _WRITTEN.fullmatch(written.strip())
     if not match:
         raise fail(f"expected an objective, found '{written}'", entry.where, "minimize METRIC, or minimize sum(cost)")
     maximize = match[1] == "maximize"
     expression = parse_expression(match[2], entry.where)
-    metrics = [metric.name for metric in bench.metrics]
+    each = [{metric.name for metric in bench.metrics} for bench in benches]
+    metrics = [metric.name for metric in bench.metrics if all(metric.name in names for names in each)]
     match expression.root:
         case Name(path=name) if name in metrics:
             return Objective(name, maximize)
@@ -267,7 +267,8 @@ def read_objective(entry: Entry, written: str, bench: TestBench) -> Objective:
             raise fail(f"no component of the design states '{name}'", entry.where, closest(name, known))
     for node in descend(expression.root):
         if isinstance(node, Name) and node.path not in (*metrics, *found.totals):
-            raise fail(f"'{node.path}' is not a metric of {bench.name}", entry.where, closest(node.path, metrics))
+            of = next(b.name for b, names in zip(benches, each, strict=True) if node.path not in names)
+            raise fail(f"'{node.path}' is not a metric of {of}", entry.where, closest(node.path, metrics))
     return found
 
 
@@ -298,17 +299,14 @@ def differences(one: TestBench, other: TestBench) -> Iterator[str]:
     if one.design != other.design:
         yield f"'{other.name}' is a bench of design space '{other.design.name}', '{one.name}' of '{one.design.name}'"
     mine, theirs = ({metric.name: (_unit(metric), metric.unit.symbol) for metric in b.metrics} for b in (one, other))
-    for name in sorted({*mine} ^ {*theirs}):
-        having, lacking = (one, other) if name in mine else (other, one)
-        yield f"'{having.name}' has the metric '{name}', '{lacking.name}' has none of that name"
     for name in sorted({*mine} & {*theirs}):
         if mine[name] != theirs[name]:
             yield f"the metric '{name}' has another unit in '{other.name}': {theirs[name][1]}, not {mine[name][1]}"
     bounds = [
         {r.name: (r.metric, r.at_most, r.at_least, r.met_in) for r in bench.requirements} for bench in (one, other)
     ]
-    for name in sorted({*bounds[0]} | {*bounds[1]}):
-        if bounds[0].get(name) != bounds[1].get(name):
+    for name in sorted({*bounds[0]} & {*bounds[1]}):
+        if bounds[0][name] != bounds[1][name]:
             yield f"the requirement '{name}' is not the same in '{one.name}' and '{other.name}'"
     drawn = {figure.name: _shown(figure) for figure in one.figures}
     for figure in other.figures:

@@ -75,7 +75,7 @@ class RequirementRow:
 
     *unsettled*: finer numerics may change the verdict, whatever the margin. Where it is absent, that was not looked at.
     *draws*, (4, n): how many met it, of how many, and between which rates that leaves it, of which *met_in* is asked
-    for; absent where no run was made with several.
+    for; absent where no run was made with several. It *applies* to these runs; to all where that is absent.
     """
 
     name: str
@@ -87,6 +87,7 @@ class RequirementRow:
     unsettled: Flags | None = None
     draws: Floats | None = None
     met_in: float = 1.0
+    applies: Flags | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -211,8 +211,8 @@ def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]
 
 
 def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> RequirementRow:
-    skipped = VERDICTS.index(Verdict.NOT_EXERCISED)
-    exercised = table.done & (table.verdicts(entry.name) != skipped)
+    nothing = [VERDICTS.index(verdict) for verdict in (Verdict.NOT_EXERCISED, Verdict.NOT_APPLICABLE)]
+    exercised = table.done & ~np.isin(table.verdicts(entry.name), nothing)
     low, high = _bound(entry.at_least, unit), _bound(entry.at_most, unit)
     unsettled = None
     if len(table.checks):
@@ -220,7 +220,9 @@ def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> Requ
         told = np.abs(table.margins(entry.name)) <= table.errors(entry.metric)
         unsettled = doubtful & ~(told & exercised)
     draws = _draws(table, table.header.requirements.index(entry.name))
-    return RequirementRow(entry.name, entry.title, entry.metric, high, low, exercised, unsettled, draws, entry.met_in)
+    applies = table.verdicts(entry.name) != VERDICTS.index(Verdict.NOT_APPLICABLE) if entry.on else None
+    given = entry.name, entry.title, entry.metric, high, low
+    return RequirementRow(*given, exercised, unsettled, draws, entry.met_in, applies)
 
 
 def _draws(table: RunTable, column: int) -> Floats | None:

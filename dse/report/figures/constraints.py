@@ -49,7 +49,11 @@ def constraint_plot_data(content: ReportContent, x: str, y: str, configuration: 
         y_range=(vertical.low, vertical.high),
         xs=fields[0].xs if fields else np.empty(0),
         ys=fields[0].ys if fields else np.empty(0),
-        layers=tuple(_layer(content, requirement, fields) for requirement in content.requirements if fields),
+        layers=tuple(
+            _layer(content, requirement, fields)
+            for requirement in content.requirements
+            if fields and (requirement.applies is None or any(requirement.applies[r].any() for r in rows))
+        ),
         known=np.min([each.known for each in fields], axis=0) if fields else np.empty((0, 0)),
         points=np.array([[horizontal.values[one[0]], vertical.values[one[0]]] for one in rows]).reshape(-1, 2),
         marks=worst_marks(content, rows, pooled),

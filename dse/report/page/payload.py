@@ -117,6 +117,8 @@ def _add_runs(content: ReportContent, block: Block) -> None:
         block.add(f"exercised.{index}", "u1", requirement.exercised)
         if requirement.unsettled is not None:
             block.add(f"unsettled.{index}", "u1", requirement.unsettled)
+        if requirement.applies is not None:
+            block.add(f"applies.{index}", "u1", requirement.applies)
         if requirement.draws is not None:
             block.add(f"draws.{index}", "f4", requirement.draws)
 

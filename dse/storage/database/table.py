@@ -9,13 +9,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
+from dse.domain.rates import Rates
 from dse.domain.run import ERROR_BAR, Outcome, Run, RunRequest
 from dse.domain.sampler import Outcomes
 from dse.storage.checks import CERTAINTIES, NO_CHECKS, Certainty, Checks, certainties, certainties_by_bars
@@ -24,9 +25,6 @@ from dse.storage.database.header import StudyHeader
 from dse.storage.database.row_checksum import Cells, cells_of, row_checksums
 from dse.storage.database.schema import SEALED, columns, quoted, value_of
 from dse.storage.rows import RowBlock
-
-if TYPE_CHECKING:
-    from dse.storage.draws import Rates
 
 _AT_ONCE = 10_000
 

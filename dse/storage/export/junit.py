@@ -51,12 +51,14 @@ def _cases(run: Run, doubtful: Sequence[bool], scales: Mapping[str, Scale]) -> I
     point = ", ".join(
         f"{key} = {scales[key].point(value)} {scales[key].symbol}".rstrip() for key, value in run.request.point.items()
     )
-    names = [judgement.requirement for judgement in run.judgements]
+    names = [one.requirement for one in run.judgements if one.verdict is not Verdict.NOT_APPLICABLE]
     if run.outcome is Outcome.FAILED:
         yield from (_Case(run, point, name, "error", run.problem) for name in names or ["simulation"])
     elif not names:
         yield _Case(run, point, "simulation", "", "")
     for judgement, doubt in zip(run.judgements, doubtful, strict=True) if run.outcome is Outcome.DONE else ():
+        if judgement.verdict is Verdict.NOT_APPLICABLE:
+            continue
         margin = scales[f"{judgement.requirement}.margin"].text(judgement.margin)
         result = _result(judgement.verdict, f"margin {margin}", ", doubtful" if doubt else "")
         yield _Case(run, point, judgement.requirement, *result)
@@ -71,7 +73,7 @@ def _result(verdict: Verdict, margin: str, doubt: str) -> tuple[str, str]:
             return "failure", f"{margin}{doubt}"
         case Verdict.NOT_EXERCISED:
             return "skipped", f"not exercised{doubt}"
-        case Verdict.FAILED_TO_RUN:
+        case _:
             return "error", "failed to run"
 
 

@@ -31,6 +31,7 @@ from dse.storage.export.headings import (
     verdict_column,
 )
 from dse.storage.export.junit import junit
+from dse.storage.export.requirements import requirement_sheet
 from dse.storage.folder import StudyFolder
 
 if TYPE_CHECKING:
@@ -130,11 +131,17 @@ def to_junit(folder: StudyFolder, units: Units = Units.SHOWN) -> bytes:
     return junit(over_draws(folder.table()), scales_of(folder.require_definition(), units))
 
 
+def to_requirements(folder: StudyFolder, units: Units = Units.SHOWN) -> bytes:
+    """A table of the requirements for a review board; see `requirement_sheet`."""
+    return requirement_sheet(over_draws(folder.table()), scales_of(folder.require_definition(), units))
+
+
 EXPORTS: Mapping[str, Callable[[StudyFolder, Units], bytes]] = {
     "csv": to_csv,
     "json": to_json,
     "parquet": to_parquet,
     "junit": to_junit,
+    "requirements": to_requirements,
 }
 """Every format by its name."""
 

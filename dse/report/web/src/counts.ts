@@ -2,6 +2,7 @@
 import { type Plane, plotted } from "./plane/plane";
 import type { Store } from "./store";
 import type { Study } from "./study";
+import type { Threshold } from "./verdicts";
 
 const joined = new WeakMap<Plane, Int32Array>();
 
@@ -23,7 +24,7 @@ export function shownRuns(store: Store): Int32Array {
 
 /** How many of *runs* (null: every run) that lie *within* (null: all) carry each mark. */
 export function countMarks(marks: Uint8Array, runs: Int32Array | null, within: Uint8Array | null): number[] {
-  const counts = [0, 0, 0, 0];
+  const counts = [0, 0, 0, 0, 0];
   const size = runs ? runs.length : marks.length;
   for (let i = 0; i < size; i++) {
     const run = runs ? runs[i]! : i;
@@ -42,4 +43,13 @@ export function requirementsInWords(store: Store): string {
 /** Positions of the requirements that are not switched off. */
 export function switchedOn({ study, state }: { study: Study; state: Store["state"] }): number[] {
   return study.requirements.map((_, index) => index).filter((index) => !state.thresholds[index]!.off);
+}
+
+/** The thresholds, with those off that apply to no run that is shown. */
+export function thresholdsHere(store: Store): Threshold[] {
+  const runs = shownRuns(store);
+  return store.state.thresholds.map((threshold, index) => {
+    const { applies } = store.study.requirements[index]!;
+    return !applies || runs.some((run) => applies[run]) ? threshold : { ...threshold, off: true };
+  });
 }

@@ -3,11 +3,13 @@ export const PASS = 0;
 export const FAIL = 1;
 export const NOT_EXERCISED = 2;
 export const FAILED = 3;
-export type Mark = typeof PASS | typeof FAIL | typeof NOT_EXERCISED | typeof FAILED;
+/** The requirement is not one of the run's bench: only single requirements have this mark. */
+export const NOT_APPLICABLE = 4;
+export type Mark = typeof PASS | typeof FAIL | typeof NOT_EXERCISED | typeof FAILED | typeof NOT_APPLICABLE;
 
-export const WORDS = ["pass", "fail", "not exercised", "failed to run"] as const;
-export const SIGNS = ["\u2713", "\u2717", "\u25cb", "\u00d7"] as const;
-export const CLASSES = ["pass", "fail", "open", "broken"] as const;
+export const WORDS = ["pass", "fail", "not exercised", "failed to run", "does not apply"] as const;
+export const SIGNS = ["\u2713", "\u2717", "\u25cb", "\u00d7", "\u2013"] as const;
+export const CLASSES = ["pass", "fail", "open", "broken", "muted"] as const;
 
 /** What an overall *mark* is called: a design that is left open may also lack a condition. */
 export function wordFor(mark: number, noun: string): string {

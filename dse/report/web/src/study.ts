@@ -60,6 +60,8 @@ export interface Requirement {
   unsettled: Uint8Array | null;
   /** By run, at the study's own bounds: how many draws met it, of how many, and between which rates that leaves it. */
   draws: { met: Float32Array; judged: Float32Array; low: Float32Array; high: Float32Array } | null;
+  /** The runs that are on one of its benches; null if all are. */
+  applies: Uint8Array | null;
   /** The share of the draws that is to meet it. */
   metIn: number;
 }
@@ -222,6 +224,7 @@ export async function readStudy(): Promise<Study> {
       title: shortened(requirement.title, MOST_TITLE),
       exercised: flags(`exercised.${i}`),
       unsettled: arrays.has(`unsettled.${i}`) ? flags(`unsettled.${i}`) : null,
+      applies: arrays.has(`applies.${i}`) ? flags(`applies.${i}`) : null,
       draws: drawsOf(arrays.get(`draws.${i}`) as Float32Array | undefined),
     })),
     configurations: source.configurations.map((configuration, i) => ({

@@ -1,6 +1,6 @@
 // Verdicts at the thresholds the reader has set; the same rule as dse/metrics/verdicts.py (both are tested with tests/verdict_cases.json).
 
-import { FAIL, FAILED, NOT_EXERCISED, PASS } from "./marks";
+import { FAIL, FAILED, NOT_APPLICABLE, NOT_EXERCISED, PASS } from "./marks";
 import type { Study } from "./study";
 
 export * from "./marks";
@@ -85,7 +85,7 @@ export function tally(
   configuration: number,
   runs: Iterable<number> = marks.keys(),
 ): number[] {
-  const counts = [0, 0, 0, 0];
+  const counts = [0, 0, 0, 0, 0];
   for (const run of runs) {
     if (configuration < 0 || study.configuration[run] === configuration) counts[marks[run]!]!++;
   }
@@ -108,14 +108,15 @@ function marksAt(study: Study, index: number, threshold: Threshold): Uint8Array 
 
 // Comparisons with NaN are false, so that an undefined metric never passes.
 function marksOf(study: Study, index: number, { atMost, atLeast }: Threshold): Uint8Array {
-  const { metric, exercised } = study.requirements[index]!;
+  const { metric, exercised, applies } = study.requirements[index]!;
   const values = study.metrics[metric]!.values;
   const high = atMost ?? Infinity;
   const low = atLeast ?? -Infinity;
   const marks = new Uint8Array(study.size);
   for (let run = 0; run < marks.length; run++) {
     const value = values[run]!;
-    if (!study.done[run]) marks[run] = FAILED;
+    if (applies && !applies[run]) marks[run] = NOT_APPLICABLE;
+    else if (!study.done[run]) marks[run] = FAILED;
     else if (!exercised[run]) marks[run] = NOT_EXERCISED;
     else marks[run] = value <= high && value >= low ? PASS : FAIL;
   }

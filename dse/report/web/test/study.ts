@@ -30,6 +30,7 @@ export function requirement(
     exercised: Uint8Array.from({ length: size }, (_, run) => Number(bounds.exercised?.[run] ?? 1)),
     unsettled: null,
     draws: null,
+    applies: null,
     metIn: 0.95,
   };
 }

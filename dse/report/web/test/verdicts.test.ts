@@ -62,8 +62,8 @@ test("a requirement that is switched off counts only in its own verdict", () => 
   const { each, overall } = judge(study, [{ atMost: 2, atLeast: null, off: true }]);
   deepEqual([...each[0]!], [0, 1]);
   deepEqual([...overall], [0, 0]);
-  deepEqual(tally(study, each[0]!, -1), [1, 1, 0, 0]);
-  deepEqual(tally(study, each[0]!, -1, [1]), [0, 1, 0, 0]);
+  deepEqual(tally(study, each[0]!, -1), [1, 1, 0, 0, 0]);
+  deepEqual(tally(study, each[0]!, -1, [1]), [0, 1, 0, 0, 0]);
 });
 
 test("a verdict is doubtful if the error bar reaches the bound, and only where errors were checked", () => {
@@ -199,8 +199,8 @@ test("a design is judged at the worst of the conditions that are let through", (
     return { noun, counts: tally(study, judgement.overall, -1, runs), store };
   };
   // Empty pass the gains from 3 / 11 on, loaded those from 8 / 11 on.
-  deepEqual([at(NaN).noun, at(NaN).counts], ["design", [36, 72, 0, 0]]);
-  deepEqual([at(0).noun, at(0).counts], ["design", [81, 27, 0, 0]]);
+  deepEqual([at(NaN).noun, at(NaN).counts], ["design", [36, 72, 0, 0, 0]]);
+  deepEqual([at(0).noun, at(0).counts], ["design", [81, 27, 0, 0, 0]]);
   const worst = at(NaN).store;
   // A gain of 5 / 11: empty (run 90) passes, loaded decides.
   equal(worst.judgement().overall[90], 0);
@@ -210,7 +210,7 @@ test("a design is judged at the worst of the conditions that are let through", (
   equal(conditionsInWords(study, at(0).store.state), " at load 0\u202fkg");
   // With the condition on an axis each of its values is a point of its own.
   const axes = pointsOf(worst, { ...worst.state, x: 2, y: 0 });
-  deepEqual([axes.noun, tally(study, axes.judgement.overall, -1, axes.runs)], ["point", [117, 99, 0, 0]]);
+  deepEqual([axes.noun, tally(study, axes.judgement.overall, -1, axes.runs)], ["point", [117, 99, 0, 0, 0]]);
 });
 
 test("a design that lacks a condition is undecided, and one that misses a bound there fails", () => {
@@ -259,4 +259,13 @@ test("draws that differ leave a verdict in doubt at the study's own bound, and s
   deepEqual([...judge(study, [{ ...own, atMost: 0.6 }]).doubtful], [0, 0, 0, 0]);
   equal(drawsAt(study, 0, 1, own)!.met, 19);
   equal(drawsAt(study, 0, 3, own), null);
+});
+
+test("a requirement that does not apply to a run is not counted", () => {
+  const elsewhere = { ...requirement(2, { atMost: 1 }), applies: Uint8Array.of(0, 1) };
+  const study = studyOf(2, { metrics: [metric("m", [5, 5])], requirements: [elsewhere] });
+  const { each, overall } = judge(study, [{ atMost: 1, atLeast: null }]);
+  deepEqual([...each[0]!], [4, 1]);
+  deepEqual([...overall], [0, 1]);
+  deepEqual(tally(study, each[0]!, -1), [0, 1, 0, 0, 1]);
 });

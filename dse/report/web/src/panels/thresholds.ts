@@ -8,7 +8,7 @@ import { colourOf } from "../plot/regions";
 import { type State, type Store, studyThresholds } from "../store";
 import { axisLabel, type Column } from "../study";
 import { palette } from "../theme";
-import { CLASSES, FAIL, margin, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../verdicts";
+import { CLASSES, FAIL, margin, NOT_APPLICABLE, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../verdicts";
 
 type Bound = "atMost" | "atLeast";
 
@@ -149,7 +149,8 @@ function showRow(store: Store, row: Row): void {
   const { judgement, within, noun } = store.points();
   const counted = countMarks(judgement.each[requirement]!, shownRuns(store), within);
   const open = counted[NOT_EXERCISED]!;
-  counts.replaceChildren(el("b", {}, group(counted[PASS]!)), ` of ${group(counted[PASS]! + counted[FAIL]!)} pass`);
+  if (counted[NOT_APPLICABLE] && !counted[PASS] && !counted[FAIL]) counts.replaceChildren("does not apply here");
+  else counts.replaceChildren(el("b", {}, group(counted[PASS]!)), ` of ${group(counted[PASS]! + counted[FAIL]!)} pass`);
   counts.title = open ? `${group(open)} ${noun}s do not exercise it` : `every ${noun} exercises it`;
   showLight(store, row);
 }

@@ -1,5 +1,5 @@
 // What signs and hatches of the constraint plot mean, for pictures that are saved; on the page other panels say it.
-import { countMarks, shownRuns } from "../counts";
+import { countMarks, shownRuns, thresholdsHere } from "../counts";
 import { number, withUnit } from "../format";
 import type { Store } from "../store";
 import { palette } from "../theme";
@@ -19,7 +19,7 @@ export function plotLegend(store: Store, frame: Frame): Entry[] {
   const { fields } = store.plane();
   const seen = new Set(
     fields
-      ? regionsOf(study, fields, state.thresholds, frame)
+      ? regionsOf(study, fields, thresholdsHere(store), frame)
           .sides.filter(({ rings }) => rings.length)
           .map(({ requirement }) => requirement)
       : [],

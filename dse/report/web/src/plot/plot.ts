@@ -1,3 +1,4 @@
+import { thresholdsHere } from "../counts";
 // The constraint plot: regions, runs and labels on one canvas, hover and selection on a second above it.
 import { el } from "../dom";
 import { number, withUnit } from "../format";
@@ -99,7 +100,8 @@ function paintGround({ pen, width, height }: Sheet, store: Store, plane: Plane):
   pen.fillStyle = colours.plot;
   pen.fillRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
   if (plane.fields) {
-    const regions = regionsOf(study, plane.fields, state.thresholds, frame);
+    const thresholds = thresholdsHere(store);
+    const regions = regionsOf(study, plane.fields, thresholds, frame);
     const runs = plane.beside.length ? plane.beside : plane.on;
     const fill = metric
       ? { values: plane.fields.metric(state.fill, wayOf(store, state.fill)), scale: scaleOf(metric.values, runs) }
@@ -108,7 +110,7 @@ function paintGround({ pen, width, height }: Sheet, store: Store, plane: Plane):
     if (metric && fill) drawColourBar(pen, frame, width, metric, fill.scale, colours);
     drawAxes(pen, frame, horizontal, vertical, colours);
     paintPoints(pen, frame, study, plane, points.judgement, points.within, colours);
-    writeLabels(pen, frame, study, plane.fields, state.thresholds, regions, metric === null, colours);
+    writeLabels(pen, frame, study, plane.fields, thresholds, regions, metric === null, colours);
   } else {
     drawAxes(pen, frame, horizontal, vertical, colours);
     paintPoints(pen, frame, study, plane, points.judgement, points.within, colours);

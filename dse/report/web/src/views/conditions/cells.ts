@@ -1,6 +1,6 @@
 // What is in a cell of the verdict matrix: the runs there, how they fare, and the worst of them.
 import type { Store } from "../../store";
-import { FAIL, FAILED, margin, NOT_EXERCISED, PASS } from "../../verdicts";
+import { FAIL, FAILED, margin, NOT_APPLICABLE, NOT_EXERCISED, PASS } from "../../verdicts";
 import { worstMargin } from "../shared/margins";
 import type { Levels } from "./levels";
 
@@ -26,7 +26,7 @@ export function cellsOf(
   const { each, overall } = store.judgement();
   const marks = requirement < 0 ? overall : each[requirement]!;
   const cells = y.labels.map(() =>
-    x.labels.map((): Cell => ({ runs: [], counts: [0, 0, 0, 0], worst: -1, margin: NaN })),
+    x.labels.map((): Cell => ({ runs: [], counts: [0, 0, 0, 0, 0], worst: -1, margin: NaN })),
   );
   for (let run = 0; run < study.size; run++) {
     if (!among(run)) continue;
@@ -52,5 +52,6 @@ export function cellsOf(
 export function markOf({ counts }: Cell): number {
   if (counts[FAILED]) return FAILED;
   if (counts[FAIL]) return FAIL;
-  return counts[NOT_EXERCISED] ? NOT_EXERCISED : PASS;
+  if (counts[NOT_EXERCISED]) return NOT_EXERCISED;
+  return counts[NOT_APPLICABLE] && !counts[PASS] ? NOT_APPLICABLE : PASS;
 }

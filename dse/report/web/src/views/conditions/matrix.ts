@@ -3,7 +3,7 @@ import { el } from "../../dom";
 import { count, group, number, percent, withUnit } from "../../format";
 import type { Store } from "../../store";
 import type { Study } from "../../study";
-import { CLASSES, FAIL, FAILED, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../../verdicts";
+import { CLASSES, FAIL, FAILED, NOT_APPLICABLE, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../../verdicts";
 import { SHARE_OF } from "../shared/margins";
 import { openRun } from "../shared/runs";
 import { type Cell, cellsOf, markOf } from "./cells";
@@ -136,6 +136,7 @@ function passingDesigns(store: Store, cell: Cell, { requirement }: Chosen, desig
   const there = new Set<string>();
   const failing = new Set<string>();
   for (const run of cell.runs) {
+    if (marks[run] === NOT_APPLICABLE) continue;
     there.add(designs[run]!);
     if (marks[run] !== PASS) failing.add(designs[run]!);
   }

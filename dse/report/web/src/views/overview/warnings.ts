@@ -4,7 +4,7 @@ import { count, group, percent } from "../../format";
 import { conditionsInWords, everyCondition } from "../../points";
 import { type Store, studyThresholds } from "../../store";
 import type { Study } from "../../study";
-import { FAILED, NOT_EXERCISED, PASS, tally } from "../../verdicts";
+import { FAILED, NOT_APPLICABLE, NOT_EXERCISED, PASS, tally } from "../../verdicts";
 import { planeName } from "../shared/planes";
 import { positionOf, runButton } from "../shared/runs";
 import { isAsStudied } from "../shared/thresholds";
@@ -153,7 +153,7 @@ function notExercised(store: Store): Warning[] {
     const open = counts[NOT_EXERCISED]!;
     if (!open || state.thresholds[index]!.off) return [];
     const when = study.insight!.asked.exercised[index];
-    const whole = study.size - counts[FAILED]!;
+    const whole = study.size - counts[FAILED]! - counts[NOT_APPLICABLE]!;
     const text = `\u201c${requirement.title}\u201d was not exercised in ${group(open)} of ${count(whole, "run")}${when ? ` (it counts when ${when})` : ""}: they do not pass it.`;
     return [{ level: open === whole ? "bad" : "warn", text, run: each[index]!.indexOf(NOT_EXERCISED) } as Warning];
   });

@@ -20,7 +20,7 @@ export function worstMargin(
   const { each } = judgement();
   let worst = Infinity;
   for (const [index, threshold] of state.thresholds.entries()) {
-    if (threshold.off || each[index]![run] === NOT_EXERCISED) continue;
+    if (threshold.off || each[index]![run]! >= NOT_EXERCISED) continue;
     const here =
       margin(study.metrics[study.requirements[index]!.metric]!.values[run]!, threshold) /
       scaleOf(study, index, threshold);

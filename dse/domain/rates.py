@@ -16,6 +16,9 @@ may be looked at after every draw. That has a price: where 8 of 10 draws met, Cl
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -45,6 +48,37 @@ def settled(
     """Whether *met* of *draws* (n,) tell that the rate is at least *share*, or that it is not."""
     low, high = rate_interval(met, draws, confidence, sequential=sequential)
     return np.asarray((low >= share) | (high < share))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rates:
+    """How many of the draws of each of n rows *met* each of r requirements, of those that *judged* it, (n, r).
+
+    *random* rows, (n,), depend on the draw; the others have one, and it tells all.
+    """
+
+    met: NDArray[np.int64]
+    judged: NDArray[np.int64]
+    random: NDArray[np.bool_]
+    confidence: float = CONFIDENCE
+    sequential: bool = False
+
+    def interval(self, column: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Between which rates the one of requirement number *column* is, each (n,)."""
+        met, judged = self.met[:, column], self.judged[:, column]
+        low, high = rate_interval(met, judged, self.confidence, sequential=self.sequential)
+        rate = met / np.maximum(judged, 1)
+        return np.where(self.random, low, rate), np.where(self.random, high, rate)
+
+    def doubtful(self, column: int, share: float) -> NDArray[np.bool_]:
+        """Where draws differ in requirement number *column*, and do not tell if the rate is at least *share*, (n,)."""
+        low, high = self.interval(column)
+        met, judged = self.met[:, column], self.judged[:, column]
+        return np.asarray((met > 0) & (met < judged) & (low < share) & (high >= share))
+
+    def part(self, rows: NDArray[Any]) -> Rates:
+        """Those of *rows* only."""
+        return replace(self, met=self.met[rows], judged=self.judged[rows], random=self.random[rows])
 
 
 def _exact(met: Floats, draws: Floats, error: float) -> Floats:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import binomtest
 
-from dse.metrics import rate_interval, settled
+from dse.domain.rates import rate_interval, settled
 
 RATES = (0.001, 0.02, 0.1, 0.5)
 
