@@ -209,7 +209,7 @@ def _metrics(benches: Sequence[TestBench], prepared: Mapping[str, Prepared]) -> 
 
 def _written(name: str, benches: Sequence[TestBench]) -> str:
     """The expression of a metric; where benches differ in it, each one's."""
-    texts = {bench.name: metric.expression.text for bench in benches for metric in bench.metrics if metric.name == name}
+    texts = {bench.name: metric.text for bench in benches for metric in bench.metrics if metric.name == name}
     if len(set(texts.values())) == 1:
         return texts[benches[0].name]
     return "; ".join(f"{bench}: {text}" for bench, text in texts.items())
