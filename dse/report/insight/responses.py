@@ -27,7 +27,18 @@ from dse.analysis import (
 )
 from dse.errors import DseError, fail
 from dse.report.content.data import Floats
-from dse.report.content.insight import Bar, Effect, Estimate, FactorAxis, Pair, Part, Profile, Response, Together
+from dse.report.content.insight import (
+    ALIASED,
+    Bar,
+    Effect,
+    Estimate,
+    FactorAxis,
+    Pair,
+    Part,
+    Profile,
+    Response,
+    Together,
+)
 from dse.report.insight.naming import Naming
 from dse.units import Unit, parse_unit
 
@@ -124,7 +135,7 @@ def _response(data: StudyData, name: str, fits: _Fits, naming: Naming) -> Respon
     shares = _or_reason(lambda: model_first_order_shares(data, name), "what explains it", name, withheld)
     effects = _or_reason(lambda: main_effects(data, name), "means along factors", name, withheld)
     if effects is not None:
-        withheld += [f"effects of single factors: {each}" for each in aliases_told(data.evenly(name, 1), name)]
+        withheld += [f"{ALIASED}: {each}" for each in aliases_told(data.evenly(name, 1), name)]
     profile = None
     if name in fits.found:
         profile = _profile(fits, name, unit)

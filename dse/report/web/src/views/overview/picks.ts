@@ -112,8 +112,10 @@ function byMargin(store: Store): Choice[] {
   } = store.designs();
   let [best, near] = [-1, -1];
   let [most, least] = [-Infinity, Infinity];
+  let passing = 0;
   for (const first of runs) {
     if (overall[first] !== PASS) continue;
+    passing++;
     const run = deciding(first);
     const here = worstMargin(store, run);
     if (here > most) [most, best] = [here, run];
@@ -121,6 +123,15 @@ function byMargin(store: Store): Choice[] {
   }
   if (best < 0) return [];
   const told = (share: number): string => `its least margin is ${percent(share, 1)} ${SHARE_OF.split(";")[0]!}`;
+  // Where none has more to spare than another there is one pick, and no difference to show.
+  if (most === least)
+    return [
+      {
+        name: passing === 1 ? "The only one that passes" : "All that pass are equally near",
+        run: best,
+        why: told(most),
+      },
+    ];
   return [
     { name: "Most to spare", run: best, why: told(most) },
     { name: "Nearest to the boundary", run: near, why: told(least) },
