@@ -81,7 +81,7 @@ export function createProfiler(store: Store, part: Part, response: Response): HT
       el(
         "p",
         { class: "hint" },
-        `${part.factors.length - order.length} factors that matter less stay as in the selected run.`,
+        `${part.factors.length - order.length} factors that ${aliasedOf(part, response).size ? "always change together, or matter less," : "matter less"} stay as in the selected run.`,
       ),
     el(
       "p",
@@ -105,13 +105,23 @@ function quality(part: Part, { error, explained, runs, power }: Profile, plane: 
   return `${poor}The curves are a formula (radial functions, power ${power}), not simulations. Of ${group(runs)} runs that were left out in turn it predicts ${Math.max(0, Math.round(1000 * explained) / 10)}\u202f% of the variance, with a root mean square error of ${number(error, 2)}: the band.${held}${together}`;
 }
 
-function shownFactors(part: Part, { bars }: Response): number[] {
+/** Factors that always change together have no effects of their own, and a formula would invent the runs between. */
+function aliasedOf(part: Part, { effects, withheld }: Response): Set<number> {
+  if (!withheld.some((text) => text.startsWith("effects of single factors"))) return new Set();
+  const separate = new Set(effects.map(({ factor }) => factor));
+  return new Set([...part.factors.keys()].filter((factor) => !separate.has(factor)));
+}
+
+function shownFactors(part: Part, response: Response): number[] {
+  const { bars } = response;
+  const aliased = aliasedOf(part, response);
   const share = (factor: number): number => bars.find((bar) => bar.factor === factor)?.share[0] ?? 0;
   const strongest = part.factors
     .map((_, index) => index)
+    .filter((factor) => !aliased.has(factor))
     .sort((a, b) => share(b) - share(a))
     .slice(0, MOST_FACTORS);
-  return part.factors.length > MOST_FACTORS ? strongest : part.factors.map((_, index) => index);
+  return part.factors.length > MOST_FACTORS ? strongest : strongest.sort((a, b) => a - b);
 }
 
 function curve(
