@@ -23,6 +23,8 @@ from .effects import (
 from .finding import Finding as Finding, Topic as Topic
 from .first_order import (
     Share as Share,
+    aliased as aliased,
+    aliases_told as aliases_told,
     courses as courses,
     going_together as going_together,
 )
@@ -65,6 +67,6 @@ from .sensitivity_indices import (
     morris_effects as morris_effects,
     sobol_indices as sobol_indices,
 )
-from .slack import slack_of_runs as slack_of_runs
+from .slack import is_at_zero as is_at_zero, slack_of_runs as slack_of_runs
 from .study_findings import essentials as essentials, findings as findings
 from .study_reader import planes as planes, study_data as study_data

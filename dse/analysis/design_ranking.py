@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.analysis.data import Rows
-from dse.analysis.slack import slack_of_runs
+from dse.analysis.slack import scale_of, slack_of_runs
 from dse.domain.definition import DefinedRequirement, StudyDefinition
 from dse.domain.sampler import Objective, Role
 from dse.errors import closest, fail
@@ -42,7 +42,9 @@ class Standing:
     worst run that exercised it; *runs* are the numbers of its runs, of which *failed* failed to run. It *is_whole* if
     it was run at all conditions. Verdicts on the requirements *doubtful* may be others with finer
     numerics, in some run. *slack* is the least of the margins as a share of its scale (`dse.analysis.slack`): infinite
-    where no requirement was exercised.
+    where no requirement was exercised; *tightest* is the requirement that has it, "" where there is none. *at* are, for
+    each objective, the conditions (SI) where it is worst; none of a sum of properties, and where all
+    are alike.
     """
 
     configuration: str
@@ -55,6 +57,8 @@ class Standing:
     is_whole: bool = True
     doubtful: tuple[str, ...] = ()
     slack: float = np.inf
+    tightest: str = ""
+    at: tuple[Mapping[str, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,6 +124,10 @@ def ranked(table: RunTable, objectives: Sequence[Objective], number: int) -> Ran
     by_one = values[:, 0] if objectives else -least
     chosen = _front(values, feasible) if len(objectives) > 1 else _first(by_one, feasible, number)
     standing = _Reader(table, designs, [v.name for v in variables if v.role is Role.DESIGN])
+    standing.measured = [
+        None if each.is_total else sign * np.asarray(outcomes.metrics[each.name])
+        for sign, each in zip(signs.tolist(), objectives, strict=True)
+    ]
     best = tuple(replace(standing.of(row), slack=float(least[row])) for row in chosen)
     ahead = chosen if objectives else []
     rivals = ~is_open & (designs.failed == 0) & ~np.isnan(values).any(axis=1)
@@ -148,6 +156,11 @@ class _Reader:
     def __init__(self, table: RunTable, designs: Designs, decided: Sequence[str]) -> None:
         self._table, self._designs, self._decided = table, designs, decided
         self._requirements = {entry.name: entry for entry in table.header.definition.requirements}
+        self._scales = [scale_of(each, table.metric(each.metric)) for each in self._requirements.values()]
+        variables = table.header.definition.variables
+        self._conditions = [n for n, variable in enumerate(variables) if variable.role == Role.CONDITION]
+        self.measured: list[NDArray[np.float64] | None] = []
+        """Each objective of every run, to be minimized; None for a sum of properties."""
         unsure = CERTAINTIES.index(Certainty.DOUBTFUL)
         self._doubtful = {
             name: table.certainties(name) == unsure for name in self._requirements if table.has_certainties
@@ -168,7 +181,24 @@ class _Reader:
             tuple(self._missed(row)),
             int(designs.failed[row]),
             doubtful=tuple(name for name, unsure in self._doubtful.items() if unsure[designs.rows[row]].any()),
+            tightest=self._tightest(row),
+            at=tuple({} if each is None else self._worst_conditions(each, designs.rows[row]) for each in self.measured),
         )
+
+    def _tightest(self, row: int) -> str:
+        shares = self._designs.margins[row] / self._scales
+        return "" if np.isnan(shares).all() else list(self._requirements)[int(np.nanargmin(shares))]
+
+    def _worst_conditions(self, values: NDArray[np.float64], rows: NDArray[np.intp]) -> dict[str, float]:
+        """Where the mean of *values*, over what is uncertain, is largest."""
+        places = self._table.coordinates()[rows][:, self._conditions]
+        groups = equal_rows(places)
+        means = [float(values[rows[group]].mean()) for group in groups]
+        if min(means) == max(means):
+            return {}
+        worst = groups[int(np.argmax(means))]
+        names = [self._table.header.variables[n] for n in self._conditions]
+        return dict(zip(names, places[worst[0]].tolist(), strict=True))
 
     def _missed(self, row: int) -> Iterator[Missed]:
         designs = self._designs

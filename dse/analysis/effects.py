@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from dse.analysis.bins import binned
 from dse.analysis.data import StudyData
+from dse.analysis.first_order import aliased
 from dse.analysis.probability import CONFIDENCE, Interval
 
 if TYPE_CHECKING:
@@ -31,10 +32,15 @@ class MainEffect:
 
 
 def main_effects(data: StudyData, metric: str) -> tuple[MainEffect, ...]:
-    """Of every factor, over the runs in which the metric is defined and the factor present. Raises DseError."""
+    """Of every factor, over the runs in which the metric is defined and the factor present; not of `aliased` ones.
+    Raises DseError.
+    """
     there, values = data.evenly(metric, _LEAST_EVEN).response(metric, _LEAST)
+    left_out = {name for group in aliased(there) for name in group}
     effects = []
     for k, factor in enumerate(there.factors):
+        if factor.name in left_out:
+            continue
         rows, bins = binned(there.places[:, k], factor, _MOST_BINS)
         kinds = range(int(bins.max()) + 1) if len(bins) else ()
         inside = [values[rows][bins == b] for b in kinds]

@@ -16,6 +16,7 @@ from dse.analysis.bins import binned
 from dse.analysis.cells import effective
 from dse.analysis.data import Floats, Rows, StudyData
 from dse.analysis.memoize import memoized
+from dse.analysis.phrases import listed
 from dse.analysis.probability import Interval
 
 LEAST = 40
@@ -47,12 +48,15 @@ def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
 
     Shares add up to 1 at most where factors are independent; what they leave is due to several factors together, or to
     bins that are too wide for few runs. Intervals are 1.96 standard deviations to either side, by the jackknife.
-    A factor of which fewer than 40 runs have a value is left out. Raises DseError, as `StudyData.response` does, and
-    `StudyData.evenly`.
+    A factor of which fewer than 40 runs have a value is left out, and so are `aliased` ones. Raises DseError, as
+    `StudyData.response` does, and `StudyData.evenly`.
     """
     there, values = data.evenly(metric, LEAST).response(metric, LEAST)
+    left_out = {name for group in aliased(there) for name in group}
     found = []
     for k, factor in enumerate(there.factors):
+        if factor.name in left_out:
+            continue
         rows, bins = _best_bins(_binnings(there, k), values, there.weights)
         y, weights = values[rows], there.weights[rows]
         if len(y) < LEAST or not bins.any() or not np.ptp(y):
@@ -106,6 +110,46 @@ def _legs(means: Floats, variances: Floats) -> tuple[int, ...]:
         leg = way * means[start : end + 1]
         back = max(back, float((np.maximum.accumulate(leg) - leg).max()))
     return tuple(legs) if back <= _DOUBTED * most else ()
+
+
+@memoized
+def aliased(data: StudyData) -> tuple[tuple[str, ...], ...]:
+    """Groups of factors that always change together in these runs, so that no effect can be attributed to one of them.
+
+    Each value of one goes with one value of the other. Of two numbers, also the order of the values has to agree: in a
+    random sample each value occurs once, with one value of every other variable.
+    """
+    columns = [np.unique(column, return_inverse=True)[1].reshape(-1) for column in data.places.T]
+    groups: list[list[int]] = []
+    for k, column in enumerate(columns):
+        if len(data) and column.any():
+            same = (group for group in groups if _goes_with(data, columns, group[0], k))
+            group = next(same, None)
+            if group is None:
+                groups.append([k])
+            else:
+                group.append(k)
+    return tuple(tuple(data.factors[k].name for k in group) for group in groups if len(group) > 1)
+
+
+def aliases_told(data: StudyData, metric: str) -> tuple[str, ...]:
+    """For each group of `aliased` factors of the runs that define *metric*, why nothing is said of them."""
+    there = data.response(metric, 1)[0]
+    return tuple(
+        f"{listed(group)} always change together in these runs, so their effects cannot be separated"
+        for group in aliased(there)
+    )
+
+
+def _goes_with(data: StudyData, columns: Sequence[NDArray[np.intp]], one: int, other: int) -> bool:
+    """Whether the values of two factors, by their ranks, determine each other."""
+    pairs = np.unique(np.stack([columns[one], columns[other]]), axis=1)
+    if not pairs.shape[1] == pairs[0].max() + 1 == pairs[1].max() + 1:
+        return False
+    slopes = np.diff(pairs[1])  # the first row ascends
+    return (
+        data.factors[one].is_choice or data.factors[other].is_choice or bool((slopes > 0).all() or (slopes < 0).all())
+    )
 
 
 @memoized

@@ -78,6 +78,15 @@ class Importances:
         """The model with what it explains: ``polynomial chaos that explains 96 % of it in held-out runs``."""
         return f"{self.model} that explains {percent(self.explained)} of it in held-out runs"
 
+    @property
+    def joint(self) -> tuple[str, ...]:
+        """What factors that depend on each other in these runs have in all: they have no totals of their own."""
+        several = [each for each in self.factors if len(each.factors) > 1]
+        return tuple(
+            f"{listed(each.factors)} depend on each other in these runs, and have {percent(each.share.value)} in all"
+            for each in several
+        )
+
 
 @memoized
 def importances(data: StudyData, metric: str) -> Importances:

@@ -47,14 +47,23 @@ def slack_of_runs(table: RunTable) -> Floats:
 def scale_of(requirement: DefinedRequirement, values: Floats) -> float:
     """What a share of margin is a share of, SI: the bound; of a band, half its width; of a bound at 0, the metric's
     median size."""
-    unit, low, high = parse_unit(requirement.unit), requirement.at_least, requirement.at_most
+    unit, scale = parse_unit(requirement.unit), _size_of_bound(requirement)
     factor = abs(float(unit.factor))
-    if low is not None and high is not None:
-        scale = (high - low) / 2
-    else:
-        scale = abs(unit.from_si(high if high is not None else low or 0.0)) * factor
     if scale > 0:
-        return float(scale)
+        return scale
     sizes = np.sort(np.abs((values - float(unit.offset)) / float(unit.factor)))
     sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
     return float(sizes[len(sizes) // 2]) * factor if len(sizes) else factor
+
+
+def is_at_zero(requirement: DefinedRequirement) -> bool:
+    """Whether the bound is 0, so that no margin is a share of it: what `scale_of` gives then only serves to compare."""
+    return not _size_of_bound(requirement) > 0
+
+
+def _size_of_bound(requirement: DefinedRequirement) -> float:
+    low, high = requirement.at_least, requirement.at_most
+    if low is not None and high is not None:
+        return (high - low) / 2
+    unit = parse_unit(requirement.unit)
+    return float(abs(unit.from_si(high if high is not None else low or 0.0)) * abs(float(unit.factor)))

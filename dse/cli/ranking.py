@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from dse.cli.terminal import plain_table, print_line, print_table
 from dse.domain.sampler import Role
 
 if TYPE_CHECKING:
-    from dse.analysis import Ranking
+    from dse.analysis import Ranking, Standing
     from dse.api import Results
     from dse.domain.definition import StudyDefinition
     from dse.domain.study import Study
@@ -60,7 +61,7 @@ def _print_table(results: Results, found: Ranking) -> None:
             mark,
             each.configuration,
             *(quantity(value, unit_of_objective(definition, objective)) for value, objective in values),
-            *([] if headings else ["–" if each.slack == float("inf") else quantity(each.slack, "%")]),
+            *([] if headings else [_least(each, definition)]),
             *(quantity(each.point[name], units[name]) if name in each.point else "–" for name in varied),
             *(choices[place].get(path, "–") for path in shown),
             *(
@@ -70,8 +71,42 @@ def _print_table(results: Results, found: Ranking) -> None:
             ", ".join(map(str, each.runs[:_RUNS])) + (", …" if len(each.runs) > _RUNS else ""),
         )
     print_table(table)
+    for line in _worst_conditions(found, definition):
+        print_line(f"  {line}")
     if len(differing) > len(shown):
         print_line(f"they differ in {len(differing) - len(shown)} more places; --format json lists all")
+
+
+def _least(each: Standing, definition: StudyDefinition) -> str:
+    """The least margin of a design: as a share of the bound, but of a bound at 0 in its unit."""
+    from dse.analysis import is_at_zero
+    from dse.api import difference, quantity
+
+    tightest = next((entry for entry in definition.requirements if entry.name == each.tightest), None)
+    if tightest is not None and is_at_zero(tightest):
+        return difference(each.margins[tightest.name], tightest.unit)
+    return "–" if each.slack == float("inf") else quantity(each.slack, "%")
+
+
+def _worst_conditions(found: Ranking, definition: StudyDefinition) -> Iterator[str]:
+    """At which conditions each objective has the values of the table, and in which of its rows."""
+    from dse.api import quantity
+
+    variables = {each.name: each for each in definition.variables}
+
+    def told_of(name: str, value: float) -> str:
+        variable = variables[name]
+        return f"{name} = {variable.label(value) if variable.labels else quantity(value, variable.unit)}"
+
+    for number, objective in enumerate(found.objectives):
+        rows: dict[str, list[int]] = {}
+        for place, each in enumerate(found.best, start=1):
+            told = ", ".join(told_of(name, value) for name, value in each.at[number].items())
+            rows.setdefault(told, []).append(place)
+        for told, places in rows.items():
+            where = f" ({', '.join(f'{place}.' for place in places)})" if len(rows) > 1 else ""
+            if told:
+                yield f"worst condition of {objective.name}: {told}{where}"
 
 
 def _aggregations(definition: StudyDefinition) -> tuple[str, str]:

@@ -69,12 +69,20 @@ def is_multiple(whole: float, part: float) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Metric:
-    """A number computed from a run's waveforms."""
+    """A number computed from a run's waveforms; of their rows *over* a window alone, in seconds, if there is one."""
 
     name: str
     expression: Expression
     unit: Unit = DIMENSIONLESS
     title: str = ""
+    over: tuple[float, float] | None = None
+
+    @property
+    def text(self) -> str:
+        """The expression, and its window."""
+        if self.over is None:
+            return self.expression.text
+        return f"{self.expression.text} over [{self.over[0]:.15g} s, {self.over[1]:.15g} s]"
 
 
 ALL_BUT_FEW = 0.95

@@ -45,7 +45,8 @@ class Wants(StrEnum):
 class Argument:
     """An argument of a function that is what it *wants*.
 
-    Its unit is *unit*, "" for a plain number; without one it is that of the first argument, or with *any_unit* any.
+    Its unit is *unit*, "" for a plain number; without one it is that of the first argument, or with *any_unit* any. As
+    a *share* it is between 0 and 1.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Argument:
     unit: str | None = None
     default: float | None = None
     any_unit: bool = False
+    share: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +139,10 @@ def _undershoot(emit: Emit, x: Register, target: Register) -> Register:
     return emit(functions.relative_shortfall, emit(functions.minimum, x), target)
 
 
+def _percentile(emit: Emit, x: Register, q: Register) -> Register:
+    return emit(functions.percentile, x, emit(functions.row_widths, TIME), q)
+
+
 FUNCTIONS: Mapping[str, Function] = {
     "overshoot": Function((_X, _TARGET), _ratio, _overshoot),
     "undershoot": Function((_X, _TARGET), _ratio, _undershoot),
@@ -152,6 +158,10 @@ FUNCTIONS: Mapping[str, Function] = {
     "mean": Function((_X,), same, _over_rows(functions.average)),
     "rms": Function((_X,), same, _over_rows(functions.root_average_square)),
     "integral": Function((_X,), _times_seconds, _over_rows(functions.weighted_sum)),
+    "percentile": Function((_X, Argument("q", Wants.CONSTANT, "", share=True)), same, _percentile),
+    "rolling_mean": Function(
+        (_X, Argument("window", Wants.CONSTANT, "s")), same, _over_time(functions.rolling_mean), varies=True
+    ),
     "duration": Function((_CONDITION,), _seconds, _over_rows(functions.time_held)),
     "time_to_collision": Function(
         (Argument("gap", Wants.WAVEFORM, "m"), Argument("closing_speed", Wants.WAVEFORM, "m/s")),

@@ -1,13 +1,15 @@
 """Expressions over waveforms → instructions.
 
 Waveforms combine with each other and with numbers row by row (``world.speed - world.lead_speed``, also
-comparisons, for `duration`); the functions of `dse.metrics.catalogue` turn them into numbers. An item of an
-enumeration is compared by its name, ``mode == speed``. A comparison with NaN is false, also ``!=``.
+comparisons, for `duration`), as does ``time``, in seconds; the functions of `dse.metrics.catalogue` turn them into
+numbers. An item of an enumeration is compared by its name, ``mode == speed``. A comparison with NaN is
+false, also ``!=``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from fractions import Fraction
 from typing import Any
 
@@ -40,11 +42,15 @@ from dse.expression import (
     require_truth,
     unary_sort,
 )
+from dse.metrics import functions
 from dse.metrics.catalogue import FUNCTIONS, OFFERED, RELATIVE_TO_TARGET, ROWWISE, Argument, Function, Wants
 from dse.metrics.machine import TIME, Instruction, Register
 from dse.units import Dimension, describe, parse_unit, power, si_unit
 
 Typed = tuple[Sort, Register]
+
+CLOCK = "time"
+"""The simulation time, in expressions of metrics."""
 
 
 class FollowUpError(Exception):
@@ -60,17 +66,36 @@ class MetricCompiler:
         signals: frozenset[str],
         names: Sequence[str],
         functions: Mapping[str, Function] = FUNCTIONS,
+        *,
+        timed: bool = False,
     ) -> None:
         self.types = types
         self.signals = signals
         self.names = names
         self.functions = functions
+        self.timed = timed
+        self.rows: Register | None = None
+        self.varies = False
         self.reached: set[str] = set()
         self.metrics: dict[str, Typed] = {}
         self.size = TIME + 1
         self.inputs: dict[str, Register] = {}
         self.literals: dict[float, Register] = {}
         self.instructions: dict[tuple[Callable[..., Any], tuple[Register, ...]], Instruction] = {}
+
+    @contextmanager
+    def window(self, over: tuple[float, float]) -> Iterator[None]:
+        """Waveforms, and the time, are those of the rows *over* so many seconds; `varies` then says if any is used."""
+        self.rows = self._add(functions.rows_within, TIME, *map(self._literal, over))
+        self.varies = False
+        try:
+            yield
+        finally:
+            self.rows = None
+
+    def of_window(self, value: Register) -> Register:
+        """*value* as a result of the window: undefined where the run has no row of it."""
+        return value if self.rows is None else self._add(functions.of_rows, value, self.rows)
 
     def compile(self, expression: Expression, node: Node) -> Typed:
         """The sort of *node* and the register its value will be in. Raises DseError or FollowUpError."""
@@ -108,6 +133,8 @@ class MetricCompiler:
         name = node.path
         if name in self.metrics:
             return self.metrics[name]
+        if name == CLOCK and self.timed:
+            return Sort(Form.NUMBER, parse_unit("s").dimension, True), self._in_window(TIME)
         if name not in self.types:
             if name in self.reached:
                 raise FollowUpError
@@ -118,6 +145,8 @@ class MetricCompiler:
         if name not in self.inputs:
             self.inputs[name] = self._register()
         type_, register, varies = self.types[name], self.inputs[name], name in self.signals
+        if varies:
+            register = self._in_window(register)
         match type_.kind:
             case Kind.BOOLEAN:
                 return Sort(Form.TRUTH, (), varies), self._emit(is_true, register)
@@ -202,6 +231,11 @@ class MetricCompiler:
             what = f"'{argument.name}' of {node.function} must be {argument.wants}; '{shown}' "
             advice = "take its final value or mean" if sort.varies else "connect or choose a port that varies in time"
             raise error_in(expression, given.span, what + ("varies" if sort.varies else "does not vary"), advice)
+        if argument.share and isinstance(given, Number) and not 0 <= given.si <= 1:
+            what = (
+                f"'{argument.name}' of {node.function} must be between 0 % and 100 %, found {float(given.si * 100):g} %"
+            )
+            raise error_in(expression, given.span, what, "write a share, as 95 % or 0.95")
         if argument.wants is Wants.CONDITION or argument.any_unit:
             return
         dimension = first if argument.unit is None else parse_unit(argument.unit).dimension
@@ -233,7 +267,14 @@ class MetricCompiler:
             dimension = power(dimension, Fraction(1, 2))
         return Sort(Form.NUMBER, dimension, any(sort.varies for sort, _ in compiled)), result
 
+    def _in_window(self, waveform: Register) -> Register:
+        self.varies = True
+        return waveform if self.rows is None else self._add(functions.within, waveform, self.rows)
+
     def _emit(self, function: Callable[..., Any], *arguments: Register) -> Register:
+        return self._add(function, *[self._in_window(TIME) if each == TIME else each for each in arguments])
+
+    def _add(self, function: Callable[..., Any], *arguments: Register) -> Register:
         key = function, arguments
         if key not in self.instructions:
             self.instructions[key] = Instruction(function, arguments, self._register())

@@ -122,6 +122,22 @@ def row_widths(time: Waveform) -> Waveform:
     return widths
 
 
+def rows_within(time: Waveform, start: float, end: float) -> slice:
+    """The rows from *start* to *end* seconds, both included however their times were rounded."""
+    slack = 1e-9 * max(abs(start), abs(end), abs(time.item(-1)))
+    return slice(int(np.searchsorted(time, start - slack)), int(np.searchsorted(time, end + slack, "right")))
+
+
+def within(x: Waveform, rows: slice) -> Waveform:
+    """*x* in *rows*; where there are none its first row, of which `of_rows` makes nothing."""
+    return x[rows] if rows.start < rows.stop else x[:1]
+
+
+def of_rows(value: float, rows: slice) -> float:
+    """*value*, which was computed from *rows*; NaN if there are none."""
+    return value if rows.start < rows.stop else math.nan
+
+
 def weighted_sum(x: Waveform, widths: Waveform) -> float:
     """∫ x dt by the trapezoidal rule over rows of these widths, in x's unit times seconds."""
     # Not a dot product: BLAS may split and order the sum differently from machine to machine.
@@ -137,6 +153,43 @@ def average(x: Waveform, widths: Waveform) -> float:
 def root_average_square(x: Waveform, widths: Waveform) -> float:
     """Root of the time average of x² over rows of these widths; NaN for a single row."""
     return math.sqrt(average(x * x, widths))
+
+
+def percentile(x: Waveform, widths: Waveform, q: float) -> float:
+    """The smallest recorded value that x does not exceed for the share *q* of the time, in x's unit.
+
+    Each row stands for its width, so that the spacing of rows does not count. 0 gives the minimum, 1 the maximum. NaN
+    for a single row, for another *q*, and if x has a NaN. Definition 1 of R. J. Hyndman, Y. Fan, Sample quantiles in
+    statistical packages, 1996, with weights.
+    """
+    if not (0.0 <= q <= 1.0 and widths.any()) or np.isnan(x).any():
+        return math.nan
+    return float(np.quantile(x, q, weights=widths, method="inverted_cdf"))
+
+
+def rolling_mean(time: Waveform, x: Waveform, window: float) -> Waveform:
+    """In each row the time average of x over the last *window* seconds, in x's unit, exact for x straight between rows.
+
+    Rows before the first whole window have the average of that one, so that extremes are those of whole windows. NaN
+    where x is not finite within the window, and everywhere if the run is shorter or *window* is not above zero.
+    """
+    slack = 1e-9 * max(abs(time.item(-1)), window)
+    if not window > 0 or time.item(-1) - time.item(0) < window - slack:
+        return np.full_like(x, math.nan)
+    undefined = ~np.isfinite(x)
+    flat = np.where(undefined, 0.0, x)
+    steps = np.diff(time)
+    area = np.concatenate(([0.0], np.cumsum(0.5 * (flat[1:] + flat[:-1]) * steps)))
+    starts = np.maximum(time - window, time.item(0))
+    first = np.clip(np.searchsorted(time, starts + slack, "right") - 1, 0, time.size - 2)
+    past = starts - time[first]
+    slope = np.divide(flat[first + 1] - flat[first], steps[first], out=np.zeros_like(x), where=steps[first] > 0)
+    before = area[first] + past * (flat[first] + 0.5 * slope * past)
+    holes = np.concatenate(([0], np.cumsum(undefined)))
+    means = np.where(holes[1:] > holes[first], math.nan, (area - before) / window)
+    whole = int(np.searchsorted(time, time.item(0) + window - slack))
+    means[:whole] = means[whole]
+    return means
 
 
 def time_held(condition: ConditionArray, widths: Waveform) -> float:

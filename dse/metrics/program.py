@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 
 from dse.domain.bench import Metric, Requirement
 from dse.domain.component import Type
@@ -31,7 +31,7 @@ def compile_metrics(
     *signals* are those of them that are waveforms, the others keep one value for a run. *functions* can be used besides
     those of installed packages. Raises DseError with every unknown name, wrong unit and misused function, located.
     """
-    compiler = MetricCompiler(types, signals, [metric.name for metric in metrics], functions)
+    compiler = MetricCompiler(types, signals, [metric.name for metric in metrics], functions, timed=True)
     problems = Problems()
     checks: list[RequirementCheck] = []
     for metric in metrics:
@@ -67,7 +67,12 @@ def _program(
 
 def _compile_metric(compiler: MetricCompiler, metric: Metric) -> None:
     expression = metric.expression
-    sort, register = compiler.compile(expression, expression.root)
+    with compiler.window(metric.over) if metric.over else nullcontext():
+        sort, register = compiler.compile(expression, expression.root)
+        register = compiler.of_window(register)
+    if metric.over and not compiler.varies:
+        what, advice = f"'over' has no effect: '{metric.name}' uses no waveform", "move it to the metrics that it uses"
+        raise error_in(expression, expression.root.span, what, advice)
     require_number(expression, expression.root, sort)
     if sort.varies:
         what, advice = "a metric is one number, this is a waveform", "take its minimum, maximum, final or mean"

@@ -130,11 +130,20 @@ def _of_two_crossings(step: float, value: float, *_: object) -> float:
     return 2.0 * _of_crossing(step, value)
 
 
+def _of_percentile(_step: float, value: float, x: Waveform, widths: Waveform, q: float) -> float:
+    """How much the value changes where the time below it is off by the widest row."""
+    if math.isnan(value):
+        return 0.0
+    off = widths.max() / widths.sum()
+    return max(abs(functions.percentile(x, widths, share) - value) for share in (max(q - off, 0.0), min(q + off, 1.0)))
+
+
 _MISSES: Mapping[Callable[..., Any], Callable[..., float]] = {
     functions.maximum: _of_maximum,
     functions.minimum: _of_minimum,
     functions.time_held: _of_duration,
     functions.at_first: _of_at_first,
+    functions.percentile: _of_percentile,
     functions.reach_time: _of_crossing,
     functions.settling_time: _of_crossing,
     functions.rise_time: _of_two_crossings,

@@ -208,7 +208,7 @@ def _metrics(study: Study, prepared: Mapping[str, Prepared]) -> tuple[DefinedMet
 
 def _written(name: str, benches: Sequence[TestBench]) -> str:
     """The expression of a metric; where benches differ in it, or some do not have it, each one's."""
-    texts = {bench.name: metric.expression.text for bench in benches for metric in bench.metrics if metric.name == name}
+    texts = {bench.name: metric.text for bench in benches for metric in bench.metrics if metric.name == name}
     if len(set(texts.values())) == 1 and len(texts) == len(benches):
         return texts[benches[0].name]
     return "; ".join(f"{bench}: {text}" for bench, text in texts.items())

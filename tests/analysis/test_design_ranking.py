@@ -12,6 +12,7 @@ from dse.analysis import (
     around_designs,
     best_boxes,
     claim,
+    is_at_zero,
     objectives_of,
     of_box,
     ranked,
@@ -208,3 +209,23 @@ def test_an_objective_is_an_expression_in_metrics_and_sums_too():
     assert unit_of_objective(priced.header.definition, found) == "EUR"
     with pytest.raises(DseError, match="cannot add currency and a plain number"):
         objectives_of(priced.header.definition, ("sum(cost) + use",), ())
+
+
+def test_each_objective_is_told_with_the_conditions_where_it_is_worst():
+    """Use is worst on the slope, 1; its largest value is best there where it is least, 0. A sum has no condition."""
+    assert [each.at for each in ranked(_table(*RUNS), [USE], 5).best] == [({"slope": 1.0},)] * 2
+    largest = ranked(_table(*RUNS), [Objective("use", maximize=True)], 5)
+    assert [each.at for each in largest.best] == [({"slope": 0.0},)] * 2
+    priced = ranked(_priced(_table(*RUNS), {"small": 10.0, "large": 30.0}), [COST, USE], 5)
+    assert [each.at for each in priced.best] == [({}, {"slope": 1.0})]
+    level = _table(("small", 0.2, 0, 5.0, 0.1), ("small", 0.2, 1, 5.0, 0.2), ("small", 0.3, 0, 6.0, 0.2))
+    assert ranked(level, [USE], 5).best[0].at == ({},)
+
+
+def test_the_requirement_with_the_least_margin_is_named_and_a_bound_at_0_has_no_share():
+    (first, *_) = ranked(_table(*RUNS), [], 5).best
+    assert first.tightest == "R1"
+    requirement = _table(*RUNS).header.definition.requirements[0]
+    assert not is_at_zero(requirement)
+    assert is_at_zero(replace(requirement, at_most=0.0))
+    assert not is_at_zero(replace(requirement, at_most=0.0, at_least=-1.0))

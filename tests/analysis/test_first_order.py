@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from known_functions import ISHIGAMI, even, g_function, g_indices, ishigami, study, variable
 
-from dse.analysis import going_together, model_first_order_shares, study_data
+from dse.analysis import aliased, going_together, main_effects, model_first_order_shares, study_data
+from dse.analysis.dependence import shares
 from dse.errors import DseError
 
 
@@ -118,3 +119,47 @@ def test_factors_that_go_together_are_told():
     points = even(300, 3)
     points[:, 1] = np.clip(points[:, 0] + 0.1 * points[:, 1], 0, 1)
     assert going_together(study_data(study(points, {}))) == (("x1", "x2"),)
+
+
+def _twins(y, numbers=None):
+    """Of two sensors that always have the same tracker, and a brake that has either."""
+    kinds = np.arange(80) % 2, np.arange(80) // 2 % 2
+    choices = [
+        {"sensor": "ab"[kind], "tracker": "xy"[kind], "brake": "no"[brake]} for kind, brake in zip(*kinds, strict=True)
+    ]
+    return study_data(study(np.zeros((80, 0)) if numbers is None else numbers, {"y": y(*kinds)}, choices=choices))
+
+
+def test_factors_that_always_change_together_have_no_shares_and_no_means():
+    data = _twins(lambda kind, brake: 2.0 * kind + brake)
+    assert aliased(data) == (("sensor", "tracker"),)
+    assert [each.factor for each in model_first_order_shares(data, "y")] == ["brake"]
+    assert [each.factor for each in main_effects(data, "y")] == ["brake"]
+
+
+def test_the_finding_names_the_factors_that_cannot_be_separated():
+    (finding,) = shares(_twins(lambda kind, brake: 2.0 * kind + brake), "y")
+    assert "; sensor and tracker always change together in these runs" in finding.text
+    assert "interactions or noise" not in finding.text
+
+
+def test_where_all_factors_change_together_the_reason_is_given_instead():
+    choices = [{"sensor": "ab"[at % 2], "tracker": "xy"[at % 2]} for at in range(80)]
+    data = study_data(study(np.zeros((80, 0)), {"y": np.arange(80) % 2.0}, choices=choices))
+    with pytest.raises(DseError, match="y: sensor and tracker always change together"):
+        list(shares(data, "y"))
+
+
+def test_one_at_a_time_and_a_half_fraction_confound_only_what_they_do():
+    # A 2^(4-1) fraction with D = ABC: no two main effects agree; with D = -A two do.
+    a, b, c = (np.array(np.meshgrid([0.0, 1], [0.0, 1], [0.0, 1])).reshape(3, -1)).repeat(10, axis=1)
+    fraction = np.stack([a, b, c, (a + b + c) % 2], axis=1)
+    assert aliased(study_data(study(fraction, {"y": a}))) == ()
+    assert aliased(study_data(study(np.stack([a, b, c, 1 - a], axis=1), {"y": a}))) == (("x1", "x4"),)
+    single = 0.5 + 0.3 * np.concatenate([np.zeros((1, 3)), np.eye(3)]).repeat(10, axis=0)
+    assert aliased(study_data(study(single, {"y": single[:, 0]}))) == ()
+
+
+def test_random_samples_at_several_conditions_are_not_aliased():
+    points = np.concatenate([even(30, 2).repeat(2, axis=0), np.tile([[0.0], [1.0]], (30, 1))], axis=1)
+    assert aliased(study_data(study(points, {"y": points[:, 0]}))) == ()

@@ -128,6 +128,15 @@ CASES = [
     ("points that are not in the workspace", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {csv: {file: points.csv}}", "testbenches/gains.pet.yaml:5:23", "points.csv cannot be read: No such file or directory", "check its name"),
     ("executor of a wrong shape", "testbenches/gains.pet.yaml", "sampler:", "executor: {dask: [8786]}\nsampler:", "testbenches/gains.pet.yaml:5:18", "'executor.dask': expected its options", "executor: {dask: {workers: 2}}"),
     ("executor nobody has", "testbenches/gains.pet.yaml", "sampler:", "executor: lokal\nsampler:", "testbenches/gains.pet.yaml:5:11", "unknown executor 'lokal'", "did you mean 'local'"),
+    # windows of metrics
+    ("window after the run", "testbenches/following.yaml", "metrics:\n", "metrics:\n  late: {expression: final(world.gap), over: [2 s, 20 s]}\n", "testbenches/following.yaml:11:46", "the window [2 s, 20 s] is not within the run, which is from 0 s to 10 s", "'end'"),
+    ("window before the run", "testbenches/following.yaml", "metrics:\n", "metrics:\n  late: {expression: final(world.gap), over: [-1 s, 2 s]}\n", "testbenches/following.yaml:11:46", "the window [-1 s, 2 s] is not within the run", "'end'"),
+    ("window reversed", "testbenches/following.yaml", "metrics:\n", "metrics:\n  late: {expression: final(world.gap), over: [4 s, 2 s]}\n", "testbenches/following.yaml:11:46", "the window [4 s, 2 s] does not end after its start", "[10 s, 40 s]"),
+    ("window of no length", "testbenches/following.yaml", "metrics:\n", "metrics:\n  late: {expression: final(world.gap), over: [end, end]}\n", "testbenches/following.yaml:11:46", "the window [end, end] does not end after its start", "[10 s, 40 s]"),
+    ("window with one end", "testbenches/following.yaml", "metrics:\n", "metrics:\n  late: {expression: final(world.gap), over: [4 s]}\n", "testbenches/following.yaml:11:46", "'over' needs a start and an end", "[10 s, end]"),
+    ("window in metres", "testbenches/following.yaml", "metrics:\n", "metrics:\n  late: {expression: final(world.gap), over: [4 m, end]}\n", "testbenches/following.yaml:11:47", "wrong unit in '4 m': expected time, found length", "write it in s"),
+    ("window that is no list", "testbenches/following.yaml", "metrics:\n", "metrics:\n  late: {expression: final(world.gap), over: 4 s}\n", "testbenches/following.yaml:11:46", "'over' needs a start and an end", "[10 s, end]"),
+    ("metric called time", "testbenches/following.yaml", "metrics:\n", "metrics:\n  time: final(world.gap)\n", "testbenches/following.yaml:11:3", "in metrics 'time' is the simulation time", "rename"),
     # names
     ("part called and", "designs/car.yaml", "    controller: pd\n", "    controller: pd\n    and: {optional: pd}\n", "designs/car.yaml:6:5", "'and' is a word of the expression language", "another name"),
     ("metric called if", "testbenches/following.yaml", "metrics:\n", "metrics:\n  if: final(world.gap)\n", "testbenches/following.yaml:11:3", "'if' is a word of the expression language", "another name"),

@@ -188,3 +188,59 @@ def test_settling_time_is_the_end_of_the_last_excursion(x, target, band):
 def test_overshoot_is_positive_exactly_when_the_target_is_passed(x, target):
     assert (value("overshoot", x, target) > 0) == bool((x > target).any())
     assert (value("undershoot", x, target) > 0) == bool((x < target).any())
+
+
+@given(
+    st.lists(st.tuples(st.floats(0.01, 2), st.floats(-1e3, 1e3)), min_size=2, max_size=30),
+    st.floats(0.05, 4),
+)
+def test_a_rolling_mean_is_the_integral_over_the_last_window(rows, window):
+    time, x = np.cumsum([step for step, _ in rows]), np.array([level for _, level in rows])
+    means = value("rolling_mean", x, window, time=time)
+    whole = [row for row in range(time.size) if time[row] - time[0] >= window]
+    if not whole:
+        assert np.isnan(means).all()
+        return
+    for row in whole:
+        kinks = np.concatenate(([time[row] - window], time[(time > time[row] - window) & (time <= time[row])]))
+        exact = np.trapezoid(np.interp(kinks, time, x), kinks) / window
+        assert means[row] == pytest.approx(exact, rel=1e-9, abs=1e-9 * 1e3 * time[-1] / window)
+    assert (means[: whole[0]] == means[whole[0]]).all()
+
+
+def test_the_rolling_mean_of_a_ramp_lags_by_half_the_window():
+    assert value("rolling_mean", 3 * TIME, 2.0)[-1] == pytest.approx(3 * (20 - 1), rel=1e-12)
+
+
+def test_a_rolling_mean_is_undefined_only_while_the_hole_is_in_its_window():
+    x = np.ones_like(TIME)
+    x[1500] = math.nan
+    means = value("rolling_mean", x, 1.0)
+    assert np.isnan(means[1500:2501]).all()
+    assert (np.abs(means[2502:] - 1) < 1e-12).all()
+    assert means[1499] == pytest.approx(1)
+
+
+def test_a_mean_that_rolls_over_a_window_without_length_is_undefined():
+    assert np.isnan(value("rolling_mean", TIME, 0.0)).all()
+    assert np.isnan(value("rolling_mean", TIME, -1.0)).all()
+
+
+@pytest.mark.parametrize("q", [0.0, 0.05, 0.5, 0.95, 1.0])
+def test_a_percentile_of_even_rows_is_that_of_numpy(q):
+    # Each row stands for 1/20000 of the time, in which a sine changes by at most ω·A·h, as from row to row.
+    x = np.sin(0.1 * math.pi * TIME)
+    assert value("percentile", x, q) == pytest.approx(float(np.quantile(x, q)), abs=2 * STEP * 0.1 * math.pi)
+
+
+@pytest.mark.parametrize("q", [0.1, 0.5, 0.9])
+def test_a_percentile_does_not_depend_on_where_rows_are_dense(q):
+    # x = t on [0, 20]: below 20 q for the share q of the time. Rows are up to 0.02 s apart.
+    time = np.concatenate((np.linspace(0, 2, 2000, endpoint=False), np.linspace(2, 20, 901)))
+    assert value("percentile", time, q, time=time) == pytest.approx(20 * q, abs=0.02)
+    assert abs(float(np.quantile(time, 0.5)) - 10) > 5  # rows counted alike are not the time
+
+
+@pytest.mark.parametrize("q", [-0.1, 1.1, math.nan])
+def test_a_percentile_that_there_is_not_is_undefined(q):
+    assert math.isnan(value("percentile", TIME, q))

@@ -49,8 +49,8 @@ COLUMNS = {
 CONSTANTS = {"controller.set_speed": 20.0, "controller.set_gap": 40.0, "controller.active": 1.0, "controller.gain": 2.0}
 
 
-def metric(text, name="m", unit=DIMENSIONLESS):
-    return Metric(name, parse_expression(text, HERE), unit)
+def metric(text, name="m", unit=DIMENSIONLESS, over=None):
+    return Metric(name, parse_expression(text, HERE), unit, over=over)
 
 
 def compiled(*metrics, requirements=()):
@@ -105,10 +105,64 @@ def value(text):
         ("1 / (controller.gain - 2)", math.inf),
         ("-1 / (controller.gain - 2)", -math.inf),
         ("minimum(world.gap) / (initial(world.gap) - initial(world.gap))", math.inf),
+        ("final(time)", 3.0),
+        ("at_first(time, world.detected)", 2.0),
+        ("maximum(if time > 2 s then world.speed else 0 m/s)", 20.0),
+        ("percentile(world.gap, 50 %)", 40.0),
+        ("maximum(rolling_mean(world.speed, window = 2 s))", (16 + 21) / 2),
     ],
 )
 def test_a_metric_is_the_si_number_its_expression_says(text, expected):
     assert value(text) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "over", "expected"),
+    [
+        ("maximum(world.gap)", (1, 3), 100.0),
+        ("maximum(world.gap)", (1.5, 3), 40.0),
+        ("initial(world.speed)", (2, 3), 22.0),
+        ("initial(time)", (2, 3), 2.0),
+        ("mean(world.speed)", (1, 2), 16.0),
+        ("integral(world.speed)", (0, 2), 21.0),
+        ("duration(world.detected)", (2, 3), 1.0),
+        ("reach_time(world.speed, target = 22 m/s, band = 0)", (1, 3), 1.0),
+        ("overshoot(world.speed, target = controller.set_speed)", (0, 1), -0.5),
+        ("final(world.gap)", (0, 3 - 1e-12), 40.0),
+        ("maximum(rolling_mean(world.speed, window = 1 s))", (0, 2), 16.0),
+        ("maximum(world.gap) - whole", (2, 3), 40.0 - 150.0),
+    ],
+)
+def test_a_window_hides_the_rows_outside_it(text, over, expected):
+    whole = metric("maximum(world.gap)", "whole")
+    program = compiled(whole, metric(text, over=over), metric("maximum(world.gap)", "after"))
+    values, _ = program.evaluate(TIME, COLUMNS, CONSTANTS)
+    assert values["m"] == pytest.approx(expected, rel=1e-12)
+    assert values["after"] == values["whole"] == 150.0
+
+
+@pytest.mark.parametrize(
+    ("at_most", "exercised", "verdict"),
+    [(99.0, None, Verdict.NOT_EXERCISED), (99.0, "m > 3 m", Verdict.NOT_EXERCISED), (99.0, "1 > 0", Verdict.FAIL)],
+)
+def test_a_window_without_rows_gives_nothing_that_a_verdict_could_rest_on(at_most, exercised, verdict):
+    requirement = Requirement(
+        "R", "m", at_most, unit=parse_unit("m"), exercised_when=exercised and parse_expression(exercised)
+    )
+    program = compiled(metric("minimum(world.gap)", over=(3.1, 9)), requirements=[requirement])
+    values, (judgement,) = program.evaluate(TIME, COLUMNS, CONSTANTS)
+    assert math.isnan(values["m"])
+    assert judgement.verdict is verdict
+
+
+def test_a_metric_is_stored_with_its_window_so_that_another_window_is_another_study():
+    assert metric("maximum(world.gap)", over=(0.1, 30.0)).text == "maximum(world.gap) over [0.1 s, 30 s]"
+
+
+def test_a_window_on_a_metric_without_waveforms_is_refused():
+    with pytest.raises(DseError, match="'over' has no effect: 'm' uses no waveform") as caught:
+        compiled(metric("maximum(world.gap)", "a"), metric("a / 2", over=(1.0, 2.0)))
+    assert caught.value.problems[0].where == HERE
 
 
 @pytest.mark.parametrize(
@@ -179,6 +233,10 @@ REFUSED = [
     ("floor(2 m)", 0, "floor takes a plain number", "divide"),
     ("max(1 m, 1 s)", 9, "cannot compare", "same unit"),
     ("later", 0, "metric 'later' is defined further down", "move it up"),
+    ("percentile(world.gap, 95)", 22, "'q' of percentile must be between 0 % and 100 %, found 9500 %", "as 95 %"),
+    ("rolling_mean(world.gap, 2 s)", 0, "this is a waveform", "minimum"),
+    ("time", 0, "this is a waveform", "minimum"),
+    ("maximum(time) + 1 m", 16, "cannot add", "same unit"),
 ]
 
 

@@ -36,6 +36,8 @@ def off(text: str, x: list[float], step: float = 1.0) -> float:
         ("maximum(x)", [1, 2, 3, 4], 0.0),
         ("maximum(x)", [5, 5, 5, 5], 0.0),
         ("maximum(x)", [7], 0.0),
+        ("percentile(x, 100 %)", [1, 2, 4, 8], 4.0),  # of 3 s, a row stands for 1 s at most: a third lower is 4
+        ("percentile(x, 50 %)", [5, 5, 5, 5], 0.0),
         ("minimum(1 / x)", [0, 1, 2, 0], 0.0),  # beside what is infinite
     ],
 )

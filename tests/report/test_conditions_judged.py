@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from chromium import rest
@@ -19,6 +21,8 @@ from dse.report.content.data import (
     Runs,
     SamplerKind,
 )
+from dse.report.content.reading import _variable
+from dse.report.drawing.constraint_plot import draw_constraint_plot
 from dse.report.figures.constraints import axis_pairs, constraint_plot_data
 from dse.report.figures.margins import Margins
 from dse.report.insight.naming import Naming
@@ -242,7 +246,7 @@ def test_scattered_designs_are_counted_once_and_without_objectives_there_is_no_s
     assert page.inner_text("#feasible-designs") == "25 of 100 designs meet every requirement."
     margins = page.locator("#leaders tbody tr:not(.gap) td:nth-child(4)").all_inner_texts()
     # Least margins of x1 = 0.005, 0.015, …, at worst 0.245 of 0.65 and 0.01 less each.
-    assert [float(text) for text in margins[:3]] == pytest.approx([37.7, 36.2, 34.6], abs=0.06)
+    assert [float(text.removesuffix("\u202f%")) for text in margins[:3]] == pytest.approx([37.7, 36.2, 34.6], abs=0.06)
 
 
 @pytest.mark.thorough
@@ -257,3 +261,32 @@ def test_designs_that_do_not_exercise_a_requirement_do_not_stretch_the_axes(open
     page = open_report(content)
     open_tab(page, "designs")
     assert "10 designs, 1 that do not exercise every requirement beyond the axes" in page.inner_text("#cloud-note")
+
+
+@pytest.mark.parametrize("sampler", [SamplerKind.FULL_FACTORIAL, SamplerKind.SCATTERED])
+def test_between_values_that_are_apart_nothing_is_interpolated(sampler):
+    content = pairs()
+    gain, rate, load = content.variables
+    wide = dataclasses.replace(rate, apart=(0.0, 0.5, 1.0))
+    drawn = dataclasses.replace(content, variables=(gain, wide, load), sampler=sampler)
+    data = constraint_plot_data(drawn, "gain", "rate", "c")
+    assert data.layers == ()
+    assert data.note == "Nothing is known between the values of rate: only the runs are shown, no boundaries."
+    assert (data.x_apart, data.y_apart) == ({}, {0.0: "0", 0.5: "0.5", 1.0: "1"})
+    assert constraint_plot_data(content, "gain", "rate", "c").layers
+    assert draw_constraint_plot(data).axes[0].yaxis.get_majorticklocs().tolist() == [0.0, 0.5, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("values", "apart"),
+    [
+        ((0.3, 0.5, 0.6), True),
+        ((0.2, 0.3, 0.4, 0.5), False),
+        ((0.05, 0.1, 0.15, 1.0), True),  # a factor of more than 3
+        ((0.0, 0.1, 0.2, 0.3), False),
+        ((), False),
+    ],
+)
+def test_few_listed_values_and_wide_gaps_are_apart(values, apart):
+    listed = variable("x", values=values, low=min(values, default=0.0), high=max(values, default=1.0))
+    assert _variable(listed, np.array(values or (0.0, 1.0)), ()).apart == (values if apart else ())

@@ -17,6 +17,7 @@ from dse.domain.definition import DefinedObjective
 from dse.report import insight_of
 from dse.report.content.data import (
     ReportContent,
+    SamplerKind,
 )
 from dse.storage import RunTable
 
@@ -359,3 +360,38 @@ def test_choosing_another_metric_leaves_nothing_behind(open_report: Open) -> Non
     few = nodes(2)
     # What still listens to the page is kept, with all the elements it would draw.
     assert nodes(8) < few + 20
+
+
+@pytest.mark.thorough
+def test_one_run_is_not_picked_as_two(open_report: Open) -> None:
+    """y = x1 + x2 / 4 is to be at most 0.2: of two runs one passes, of three two do."""
+    points = np.array([[0.1, 0.2], [0.9, 0.2], [0.15, 0.1]])
+    y = points[:, 0] + points[:, 1] / 4
+
+    def names(count: int) -> list[str]:
+        content = content_of(study(points[:count], {"y": y[:count]}, {"y": 0.2}))
+        page = opened(open_report(content), "overview")
+        return page.locator(".pick b").all_inner_texts()
+
+    assert names(2) == ["The only one that passes"]
+    assert names(3) == ["Most to spare", "Nearest to the boundary"]
+
+
+@pytest.mark.thorough
+def test_names_and_values_that_are_apart_are_chosen(open_report: Open) -> None:
+    """x1 and x2 on a grid, at two kinds of road and at three visibilities, which are chosen by the designer here."""
+    axes = np.linspace(0, 1, 4), np.linspace(0, 1, 4), [0.0, 1.0], [0.03, 0.05, 1.0]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 4)
+    content = content_of(study(points, {"y": points[:, 0]}, {"y": 0.5}))
+    *others, road, visibility = content.variables
+    road = dataclasses.replace(road, labels=("gravel", "asphalt"), apart=(0.0, 1.0))
+    visibility = dataclasses.replace(visibility, apart=(0.03, 0.05, 1.0))
+    gridded = dataclasses.replace(content, variables=(*others, road, visibility), sampler=SamplerKind.FULL_FACTORIAL)
+    page = opened(open_report(gridded), "plot")
+    kinds = [page.locator(f"#fixed-{index}") for index in (2, 3)]
+    assert [kind.evaluate("each => each.tagName") for kind in kinds] == ["SELECT", "SELECT"]
+    assert kinds[0].locator("option").all_inner_texts() == ["gravel", "asphalt"]
+    assert kinds[1].locator("option").all_inner_texts() == ["0.030", "0.050", "1.000"]
+    kinds[0].select_option(label="asphalt")
+    settle(page)
+    assert kinds[0].input_value() == "1"

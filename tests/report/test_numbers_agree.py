@@ -149,6 +149,7 @@ def test_the_terminal_shows_the_numbers_of_the_table(study: Path, capsys: pytest
     show_ranking(results, found)
     told = capsys.readouterr().out
     assert "worst condition: use" in told
+    assert f"worst condition of use: {MASS} = " in told
     ranking = ranking_as_data(found, DEFINITION)
     for best in ranking["best"]:
         runs = [rows[number] for number in best["runs"]]

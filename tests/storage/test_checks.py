@@ -119,4 +119,4 @@ def test_of_error_bars_alone_nothing_is_known_of_verdicts_that_no_margin_decides
     words = [CERTAINTIES[code] for code in certainties_by_bars(verdicts, margins, bars)]
     certain, doubtful, unchecked = Certainty.CERTAIN, Certainty.DOUBTFUL, Certainty.UNCHECKED
     assert words == [certain, doubtful, doubtful, certain, doubtful, unchecked, unchecked]
-    assert len(VERDICTS) == 4
+    assert len(VERDICTS) == 5

@@ -132,3 +132,21 @@ def test_heavier_slower_and_thirstier_is_what_one_expects(runs: list[tuple[Confi
     assert 1.3 * base["consumption"] < by["separate_braking"]["consumption"]
     assert base["driving_range"] < by["nmc_77kwh"]["driving_range"]
     assert 1.5 * base["following_jerk"] < by["camera_mono"]["following_jerk"]
+
+
+@pytest.mark.thorough
+def test_a_drive_cycle_takes_the_energy_of_its_phases_and_less_with_recuperation(space: OpenedSpace) -> None:
+    wanted = [chosen(space, {**BASE, "blending": name}) for name in ("separate_braking", "blended_braking")]
+    prepared = prepare_bench(WORKSPACE.bench("electric_acc_cycle"), wanted)
+    metres = {"low": 3095, "medium": 4756, "high": 7162, "extra_high": 8254}
+    used = []
+    for configuration in wanted:
+        with Runner(prepared[configuration.id]) as runner:
+            run = runner.run(RunRequest(0, configuration.id, {}), keep=False)
+        assert run.problem == ""
+        assert [judgement.verdict for judgement in run.judgements] == ["pass", "pass"]
+        assert run.metrics["distance"] == pytest.approx(23267, rel=0.002)  # of the cycle, which the car only tracks
+        shares = [run.metrics[f"energy_{name}"] * distance for name, distance in metres.items()]
+        assert sum(shares) == pytest.approx(run.metrics["energy"] * 23267, rel=0.003)
+        used.append(run.metrics["energy"])
+    assert 0.75 * used[0] < used[1] < 0.97 * used[0]

@@ -104,7 +104,7 @@ class Bench(_Named[TestBench]):
     def _repr_html_(self) -> str:
         noun = self.noun
         required = {entry.metric: entry.name for entry in noun.requirements}
-        rows = [(m.name, m.title, m.expression.text, m.unit.symbol, required.get(m.name, "")) for m in noun.metrics]
+        rows = [(m.name, m.title, m.text, m.unit.symbol, required.get(m.name, "")) for m in noun.metrics]
         headings = ("metric", "title", "expression", "unit", "requirement")
         return table(f"{self.name}: {noun.title or noun.design.name}", headings, rows)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from math import prod
 from pathlib import Path
@@ -18,7 +19,7 @@ from dse.expression import parse_expression
 from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates, bench_candidates, outputs, settable, split_name, types_of
 from dse.loading.bench.inputs import INPUTS, InputSection, read_inputs
-from dse.loading.bench.method import SimulationSection, read_simulation
+from dse.loading.bench.method import SimulationSection, read_positive, read_simulation
 from dse.loading.design.connections import read_connections
 from dse.loading.design.tree import FindComponent
 from dse.loading.include import read_document
@@ -26,6 +27,8 @@ from dse.loading.names import check_name
 from dse.loading.sections import Plain, Section, read_section
 from dse.loading.values import Elements, Raw, read_elements, read_number, read_quantity, read_unit, read_value
 from dse.units import DIMENSIONLESS, Unit
+
+_OVER = "write it as [10 s, 40 s], or [10 s, end]"
 
 FindDesign = Callable[[str, Location], DesignSpace]
 """Returns the design space of that name, or raises DseError at the location."""
@@ -39,11 +42,12 @@ class TestComponentSection(Section):
 
 
 class MetricSection(Section):
-    """A metric with a title or display unit; plain text is the expression alone."""
+    """A metric with a title, display unit or window; plain text is the expression alone."""
 
     expression: str
     unit: str | None = None
     title: str = ""
+    over: list[Plain] | Plain | None = None
 
 
 class RequirementSection(Section):
@@ -92,7 +96,8 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
     entry = read_document(path, inside)
     file = read_section(entry, BenchFile)
     problems = Problems()
-    metrics = _metrics(entry["metrics"], file, problems)
+    stop = read_positive(entry["simulation"]["stop"], file.simulation.stop, "s", Problems()) or math.inf
+    metrics = _metrics(entry["metrics"], file, stop, problems)
     requirements = []
     for name, section in file.requirements.items():
         with problems:
@@ -182,18 +187,21 @@ def _test_components(
     return tuple(parts)
 
 
-def _metrics(entries: Entry, file: BenchFile, problems: Problems) -> tuple[Metric, ...]:
+def _metrics(entries: Entry, file: BenchFile, stop: float, problems: Problems) -> tuple[Metric, ...]:
     metrics = []
     for name, written in file.metrics.items():
         entry = entries[name]
         check_name(name, entry.key, problems)
+        if name == "time":
+            problems.add("in metrics 'time' is the simulation time", entry.key, "rename the metric")
         with problems:
             if isinstance(written, str):
                 metrics.append(Metric(name, parse_expression(written, entry.origin)))
             else:
                 unit = read_unit(written.unit or "", entry["unit"].where)
                 expression = parse_expression(written.expression, entry["expression"].origin)
-                metrics.append(Metric(name, expression, unit, written.title))
+                over = None if written.over is None else _window(entry["over"], written.over, stop)
+                metrics.append(Metric(name, expression, unit, written.title, over))
     return tuple(metrics)
 
 
@@ -208,6 +216,22 @@ def _applies(entry: Entry, on: str | list[str], bench: str, inside: Path) -> boo
                 where = entry.where if isinstance(on, str) else entry[number].where
                 raise fail(f"unknown test bench '{name}'", where, closest(name, known))
     return not named or bench in named
+
+
+def _window(entry: Entry, written: list[Plain] | Plain, stop: float) -> tuple[float, float]:
+    """The window of a metric, in seconds, of a run until *stop*. Raises DseError if it is not within the run."""
+    if not isinstance(written, list) or len(written) != 2:
+        raise fail("'over' needs a start and an end", entry.where, _OVER)
+    second = read_unit("s", entry.where)
+    ends = (stop if text == "end" else read_number(text, second, entry[at].where) for at, text in enumerate(written))
+    start, end = ends
+    shown = f"the window [{written[0]}, {written[1]}]"
+    if start < 0.0 or end > stop * (1 + 1e-9):
+        what = f"{shown} is not within the run, which is from 0 s to {stop:g} s"
+        raise fail(what, entry.where, "end it with 'end', or simulate for longer ('stop')")
+    if not start < end:
+        raise fail(f"{shown} does not end after its start", entry.where, _OVER)
+    return start, end
 
 
 def _requirement(entry: Entry, section: RequirementSection, metrics: set[str]) -> Requirement:

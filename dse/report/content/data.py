@@ -33,7 +33,8 @@ class ReportVariable:
     """A design variable; *values* holds one number per run, in the unit shown (as do all bounds).
 
     Configurations that *lack* it are known by their places; their runs have the nominal value, to stand somewhere.
-    *labels* are what the values 0, 1, … are called, if they are no quantities.
+    *labels* are what the values 0, 1, … are called, if they are no quantities. *apart* are its values if nothing can be
+    said of what is between them: names, or a few values that were listed one by one.
     Its *role* is that of the study: ``design``, ``condition`` or ``uncertain``.
     """
 
@@ -48,6 +49,7 @@ class ReportVariable:
     lack: tuple[int, ...] = ()
     labels: tuple[str, ...] = ()
     role: str = Role.DESIGN
+    apart: tuple[float, ...] = ()
 
     def shown(self, value: float) -> str:
         """A value as a person reads it: what it is called, or a number with its unit."""

@@ -15,6 +15,10 @@ Plane = tuple[int, ...]
 Estimate = tuple[float, float, float]
 
 
+ALIASED = "effects of single factors"
+"""What is withheld of factors that always change together begins with it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Asked:
     """What the study was to find out: *sentences*, and a word on each variable, metric, and requirement, in order.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -205,9 +206,21 @@ def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]
     low, high, nominal = (scale.number(value) for value in (entry.low, entry.high, nominal))
     levels = entry.levels or None
     labels = tuple(entry.label(float(value)) for value in range(int(entry.high) + 1)) if entry.labels else ()
+    apart = tuple(scale.number(value) for value in sorted(entry.values)) if _are_apart(entry) else ()
     return ReportVariable(
-        entry.name, entry.title, entry.unit, low, high, levels, nominal, values, lack, labels, entry.role
+        entry.name, entry.title, entry.unit, low, high, levels, nominal, values, lack, labels, entry.role, apart
     )
+
+
+_FEW, _WIDE = 4, 3.0
+"""Fewer values than that, and neighbours that differ by a larger factor, are apart."""
+
+
+def _are_apart(entry: DefinedVariable) -> bool:
+    """Whether a figure must not interpolate between the values that were listed for a variable."""
+    values = sorted(entry.values)
+    wide = any(0 < low < high / _WIDE for low, high in pairwise(values))
+    return bool(entry.labels) or (bool(values) and (len(values) < _FEW or wide))
 
 
 def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> RequirementRow:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,7 +37,8 @@ class RequirementLayer:
 class ConstraintPlotData:
     """Figure 6: *xs* (nx,) and *ys* (ny,) span the grid of the *layers* and of *known*, which is below 0.5 where failed
     runs leave a hole; without regions they are empty. *note* says how boundaries were made, or why there are none.
-    *points* (n, 2) are the runs with their *marks* (see Mark) and *strength*, 1 in the plane and less beside it.
+    *points* (n, 2) are the runs with their *marks* (see Mark) and *strength*, 1 in the plane and less beside it. The
+    values of an axis that are *apart* are evenly spaced, each with its text.
     """
 
     title: str
@@ -52,6 +54,8 @@ class ConstraintPlotData:
     marks: Marks
     strength: Floats
     note: str
+    x_apart: Mapping[float, str] = field(default_factory=dict)
+    y_apart: Mapping[float, str] = field(default_factory=dict)
 
     @property
     def feasible(self) -> NDArray[np.bool_]:
@@ -71,6 +75,12 @@ def draw_constraint_plot(data: ConstraintPlotData) -> Figure:
         figure = Figure(figsize=(6.4, 5.6), layout="constrained")
         axes = figure.add_subplot()
         axes.set(xlim=data.x_range, ylim=data.y_range, xlabel=data.x_label, ylabel=data.y_label)
+        if len(data.x_apart) > 1:
+            axes.set_xscale("function", functions=_evenly(list(data.x_apart)))
+            axes.set_xticks(list(data.x_apart), list(data.x_apart.values()))
+        if len(data.y_apart) > 1:
+            axes.set_yscale("function", functions=_evenly(list(data.y_apart)))
+            axes.set_yticks(list(data.y_apart), list(data.y_apart.values()))
         axes.set_title(data.title, loc="left", parse_math=False)
         below = axes.annotate(data.note, (0, 0), (0, -38), "axes fraction", "offset points", fontsize=7, color=MUTED)
         for name in (axes.xaxis.label, axes.yaxis.label, below):
@@ -80,6 +90,12 @@ def draw_constraint_plot(data: ConstraintPlotData) -> Figure:
         _draw_points(axes, data)
         _draw_legend(figure, data)
         return figure
+
+
+def _evenly(values: Sequence[float]) -> tuple[Callable[[Floats], Floats], Callable[[Floats], Floats]]:
+    """From *values* to 0, 1, … and back."""
+    steps = np.arange(len(values))
+    return lambda x: np.interp(x, values, steps), lambda step: np.interp(step, steps, values)
 
 
 def _draw_regions(axes: Axes, data: ConstraintPlotData) -> None:

@@ -16,6 +16,7 @@ from dse.report.drawing.constraint_plot import ConstraintPlotData, Line, Require
 from dse.report.figure import PrintOnly, View
 from dse.report.interpolation.planes import Plane, PlaneFields, plane_of
 from dse.report.verdicts import alike, conditions_of, margins, outside, worst_marks
+from dse.units import shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet
@@ -38,7 +39,8 @@ def constraint_plot_data(content: ReportContent, x: str, y: str, configuration: 
     fields = [plane.fields for plane in planes if plane.fields]
     note = planes[0].note
     if any(each.known.shape != fields[0].known.shape for each in fields) or len(fields) < len(planes):
-        fields, note = [], planes[0].note if len(planes) == 1 else "Too few runs of this plane: no boundaries."
+        notes = {plane.note for plane in planes}
+        fields, note = [], planes[0].note if len(notes) == 1 else "Too few runs of this plane: no boundaries."
     pooled = _pooled(content, x, y)
     rows, strength = _designs(content, pooled, planes)
     return ConstraintPlotData(
@@ -59,7 +61,13 @@ def constraint_plot_data(content: ReportContent, x: str, y: str, configuration: 
         marks=worst_marks(content, rows, pooled),
         strength=strength,
         note=note,
+        x_apart=_apart(horizontal),
+        y_apart=_apart(vertical),
     )
+
+
+def _apart(variable: ReportVariable) -> dict[float, str]:
+    return {value: variable.labels[int(value)] if variable.labels else shown(value) for value in variable.apart}
 
 
 def _planes(content: ReportContent, x: str, y: str, configuration: str) -> list[Plane]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dse.report.content.data import ReportContent
-from dse.report.content.insight import Part, Response
+from dse.report.content.insight import ALIASED, Part, Response
 from dse.report.drawing.sheets import axes_of, gridded, say, sheet, style, ticks
 from dse.report.drawing.style import CURRENT, INK
 from dse.report.figure import PrintOnly, View
@@ -42,6 +42,7 @@ def _draw(content: ReportContent, part: Part, response: Response) -> Sheet:
     shares, lows, highs = 100 * np.array([bar.share for bar in bars]).T
     apart = f"; {part.apart:,} others, in which other variables were varied, are left out" if part.apart else ""
     note = f"Share of the variance that each explains by itself, with its 95 % interval. Of {part.runs:,} runs{apart}."
+    note = "\n".join([note, *(f"Withheld: {each}." for each in response.withheld if each.startswith(ALIASED))])
     with style():
         figure = sheet(f"{metric.title or metric.name}: what it depends on", note, height=1.4 + 0.32 * len(bars))
         (axes,) = axes_of(figure)

@@ -15,6 +15,7 @@ from dse.analysis import (
     IndexEstimates,
     Interval,
     StudyData,
+    aliases_told,
     centres_of,
     drawn,
     features,
@@ -26,7 +27,18 @@ from dse.analysis import (
 )
 from dse.errors import DseError, fail
 from dse.report.content.data import Floats
-from dse.report.content.insight import Bar, Effect, Estimate, FactorAxis, Pair, Part, Profile, Response, Together
+from dse.report.content.insight import (
+    ALIASED,
+    Bar,
+    Effect,
+    Estimate,
+    FactorAxis,
+    Pair,
+    Part,
+    Profile,
+    Response,
+    Together,
+)
 from dse.report.insight.naming import Naming
 from dse.units import Unit, parse_unit
 
@@ -122,13 +134,15 @@ def _response(data: StudyData, name: str, fits: _Fits, naming: Naming) -> Respon
     withheld: list[str] = []
     shares = _or_reason(lambda: model_first_order_shares(data, name), "what explains it", name, withheld)
     effects = _or_reason(lambda: main_effects(data, name), "means along factors", name, withheld)
+    if effects is not None:
+        withheld += [f"{ALIASED}: {each}" for each in aliases_told(data.evenly(name, 1), name)]
     profile = None
     if name in fits.found:
         profile = _profile(fits, name, unit)
     else:
         withheld.append(f"a formula: {fits.reasons[name]}")
     is_several = len(data.factors) > 1
-    together = _or_reason(lambda: _together(data, name), _TOGETHER, name, withheld) if is_several else None
+    together = _or_reason(lambda: _together(data, name, withheld), _TOGETHER, name, withheld) if is_several else None
     return Response(
         naming.metrics[name],
         tuple(_bar(data, share.factor, share.share) for share in shares or ()),
@@ -146,8 +160,9 @@ def _response(data: StudyData, name: str, fits: _Fits, naming: Naming) -> Respon
     )
 
 
-def _together(data: StudyData, name: str) -> Together:
-    """By the design, if the study is made for it, else by a model. DseError says why it cannot be stated."""
+def _together(data: StudyData, name: str, told: list[str]) -> Together:
+    """By the design, if the study is made for it, else by a model. DseError says why it cannot be stated; *told* is
+    given what is left out."""
     if data.definition.sampler.kind == _DESIGN:
         designed = sobol_indices(data, name)
         indices = [(each.factor, each.total) for each in designed.factors if isinstance(each, IndexEstimates)]
@@ -155,11 +170,14 @@ def _together(data: StudyData, name: str) -> Together:
     if name not in data.judged_metrics:
         raise fail("no requirement or objective is about it")
     found = importances(data, name)
-    totals = [_bar(data, factor, each.share) for each in found.factors for factor in each.factors]
+    # Factors that depend on each other have one total; the same bar for each of them would count it several times.
+    totals = [_bar(data, each.factors[0], each.share) for each in found.factors if len(each.factors) == 1]
+    told += [f"{_TOGETHER} of single factors: {each}" for each in found.joint]
     pairs = [
         Pair(data.factor(one), data.factor(other), _shown(pair.share))
         for pair in found.pairs
         for one, other in product(pair.one, pair.other)
+        if len(pair.one) == len(pair.other) == 1
     ]
     return Together(found.source, tuple(sorted(totals, key=lambda bar: bar.factor)), tuple(pairs))
 

@@ -62,6 +62,8 @@ def plane_of(content: ReportContent, x: str, y: str, configuration: str, at: Map
     strength = np.ones(len(rows))
     if content.sampler is SamplerKind.SLICED and not any({x, y} <= set(names) for names in content.slices):
         return Plane(rows, strength, None, "These two variables were not varied together: no boundaries.")
+    if note := _nothing_between(content, x, y):
+        return Plane(rows, strength, None, note)
     xs, column = np.unique(content.variable(x).values[rows], return_inverse=True)
     ys, row = np.unique(content.variable(y).values[rows], return_inverse=True)
     if len(xs) < 2 or len(ys) < 2 or len(rows) < 0.5 * len(xs) * len(ys):
@@ -70,6 +72,12 @@ def plane_of(content: ReportContent, x: str, y: str, configuration: str, at: Map
     nodes[row, column] = rows
     fields = _lattice(xs, ys, nodes, content.runs.done, has_value(content))
     return Plane(rows, strength, fields, "Boundaries are interpolated linearly between the runs of the grid.")
+
+
+def _nothing_between(content: ReportContent, x: str, y: str) -> str:
+    """Why there are no fields if one of the axes has values that are apart."""
+    title = next((each.title or each.name for each in map(content.variable, (x, y)) if each.apart), "")
+    return title and f"Nothing is known between the values of {title}: only the runs are shown, no boundaries."
 
 
 def _nearest_level(variable: ReportVariable) -> float:
@@ -100,6 +108,8 @@ def _scattered(
         square += ((variable.values[rows] - variable.nominal) / (variable.high - variable.low)) ** 2
     away = np.sqrt(square / max(1, len(others)))
     strength = np.where(away < 1e-9, 1.0, np.maximum(0.1, 1 - 2.2 * away))
+    if note := _nothing_between(content, x, y):
+        return Plane(rows, strength, None, note)
     fields = radial_fields(content, configuration)
     if fields is None:
         few = len(rows) <= MOST_CENTRES

@@ -74,6 +74,7 @@ def _document(content: ReportContent) -> Json:
                 "levels": v.levels or 0,
                 "lack": v.lack,
                 "labels": v.labels,
+                "apart": () if v.labels else v.apart,
                 "role": str(v.role),
             }
             for v in content.variables

@@ -4,6 +4,8 @@ import type { Column, Study } from "./study";
 export interface Keyed extends Column {
   /** `variable.N`, `metric.N`, `property.N`, `composite.N`. */
   key: string;
+  /** What its values 0, 1, … are called, if they are no quantities. */
+  names?: string[];
 }
 
 const known = new WeakMap<Study, Keyed[]>();

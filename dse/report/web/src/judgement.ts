@@ -4,7 +4,7 @@
 import { type Grouping, groupingOf } from "./grouping";
 import type { Study } from "./study";
 import { FAIL, FAILED, type Judgement, judge, margin, NOT_EXERCISED, PASS, type Threshold } from "./verdicts";
-import { scaleOf } from "./views/shared/margins";
+import { marginText, scaleOf } from "./views/shared/margins";
 
 export interface Standing {
   /** Overall mark of each design; `PASS` is feasible. */
@@ -16,6 +16,8 @@ export interface Standing {
   worst: Int32Array[];
   /** The least margin as a share of its scale; NaN where one is not known. */
   slack: Float64Array;
+  /** The requirement whose margin that is; -1 if there is none. */
+  decidedBy: Int32Array;
   /** How many requirements are not met; infinite where a run failed to run. */
   missed: Float64Array;
   /** The run that decides: one that failed to run, else that of the least slack, else the first. */
@@ -52,6 +54,7 @@ export function standingOf(
     margins: each.map(() => new Float64Array(size).fill(NaN)),
     worst: each.map(() => new Int32Array(size).fill(-1)),
     slack: new Float64Array(size).fill(NaN),
+    decidedBy: new Int32Array(size).fill(-1),
     missed: new Float64Array(size),
     deciding: new Int32Array(size),
   };
@@ -89,6 +92,7 @@ export function standingOf(
       else if (isBounded && mark[design] !== FAILED && !Number.isNaN(slack[design]!) && !(share >= slack[design]!)) {
         // Also what is undefined, which nothing undercuts.
         slack[design] = share;
+        standing.decidedBy[design] = index;
         deciding[design] = worst[design]!;
       }
       if (one !== PASS) missed[design]!++;
@@ -131,4 +135,11 @@ function judgeOne(
     margins[design] = Number.isFinite(least) ? least : NaN;
     worst[design] = at;
   }
+}
+
+/** The least margin of a design, as `marginText` has it. */
+export function slackText(study: Study, thresholds: Threshold[], standing: Standing, design: number): string {
+  const index = standing.decidedBy[design]!;
+  if (index < 0 || Number.isNaN(standing.slack[design]!)) return "\u2013";
+  return marginText(study, index, thresholds[index]!, standing.margins[index]![design]!);
 }

@@ -28,6 +28,8 @@ export interface Variable extends Column {
   lack: number[];
   /** What the values 0, 1, … are called; none where they are quantities. */
   labels: string[];
+  /** Its values, evenly spaced on axes, if nothing is known between them. */
+  apart: number[];
   names?: string[];
   role: "design" | "condition" | "uncertain";
 }
@@ -155,6 +157,7 @@ interface Document {
     lack: number[];
     role: Variable["role"];
     labels: string[];
+    apart: number[];
   }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: Pick<Requirement, "name" | "title" | "metric" | "atMost" | "atLeast" | "metIn">[];

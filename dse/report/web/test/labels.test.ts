@@ -1,6 +1,6 @@
 import { deepEqual, equal, ok } from "node:assert/strict";
 import test from "node:test";
-import { frameOf } from "../src/plot/frame";
+import { drawAxes, fitted, frameOf } from "../src/plot/frame";
 import { labelBoundary, labelRegion, type Spot } from "../src/plot/labels";
 import type { Pen, Ring } from "../src/plot/pen";
 import type { Palette } from "../src/theme";
@@ -129,4 +129,16 @@ test("a region that is nowhere wide enough is not named", () => {
   labelRegion(pen, FRAME, GRID, (node) => node % 41 > 39, ["open"], "white", COLOURS, []);
   labelRegion(pen, FRAME, GRID, () => false, ["open"], "white", COLOURS, []);
   deepEqual(written, []);
+});
+
+test("every category has its label, which keeps the end that tells it from others", () => {
+  const { pen, written } = penOf();
+  const names = ["object_camera", "object_lidar", "object_radar_long", "object_radar_mid"];
+  const frame = { ...FRAME, left: 66, right: 266, x: frameOf(282, 464, { x: [-0.5, 3.5], y: [0, 4] }, false).x };
+  const drawn = Object.assign(pen, { beginPath() {}, moveTo() {}, lineTo() {}, stroke() {}, strokeRect() {} });
+  drawAxes(drawn, frame, { title: "sensor", unit: "", names }, { title: "y", unit: "", names: ["a", "b"] }, COLOURS);
+  const shown = written.map(({ text }) => text);
+  equal(new Set(shown.slice(0, 4)).size, 4);
+  ok(shown[0]!.endsWith("era") && shown[2]!.endsWith("ong") && shown[3]!.endsWith("mid"));
+  equal(fitted(pen, "object_radar_long", 70), "objec\u2026long");
 });

@@ -168,6 +168,17 @@ test("between names there is nothing to interpolate", () => {
   equal(note, "There is nothing between the values of x: only the runs are shown, no boundaries.");
 });
 
+test("between a few listed values nothing is interpolated, and each has its even place and tick", () => {
+  const study = grid({ apart: [0, 1, 2, 3, 4] });
+  const { fields, note } = createPlanes(study)(stateOf(study));
+  equal(fields, null);
+  equal(note, "Nothing is known between the values of x: only the runs are shown, no boundaries.");
+  const { x, y } = frameOf(482, 464, { x: [30, 10000], y: [0, 4] }, false, { x: [30, 50, 10000], y: [] });
+  ok([30, 50, 10000].every((value, index) => near(x(value), 66 + (400 / 6) * (1 + 2 * index), 1e-9)));
+  equal(x.invert(266), 50);
+  equal(y(2), 214);
+});
+
 test("a plane has the runs at the fixed values, and moves through a run", () => {
   const study = studyOf(8, {
     sampler: "full_factorial",

@@ -9,8 +9,8 @@ export function column(name: string, values: ArrayLike<number>, unit = ""): Colu
 }
 
 export function variable(name: string, values: ArrayLike<number>, facts: Partial<Variable> = {}): Variable {
-  const base = { low: 0, high: 1, nominal: 0, levels: 0, lack: [], labels: [], role: "design" } as const;
-  return { ...column(name, values, facts.unit), ...base, lack: [], labels: [], ...facts };
+  const base = { low: 0, high: 1, nominal: 0, levels: 0, role: "design" } as const;
+  return { ...column(name, values, facts.unit), ...base, lack: [], labels: [], apart: [], ...facts };
 }
 
 export function metric(name: string, values: ArrayLike<number>, error: ArrayLike<number> | null = null): Metric {

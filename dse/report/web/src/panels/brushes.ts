@@ -54,13 +54,14 @@ export function createBrushes(store: Store): { chips: HTMLElement; form: HTMLEle
 }
 
 function chip(store: Store, { column, low, high }: Brush): HTMLElement {
-  const { title, unit } = columnOf(store.study, column)!;
+  const { title, unit, text, names } = columnOf(store.study, column)!;
+  const shown = (value: number): string => (names ? text(Math.round(value)) : number(value, 3));
   const remove = (): void => store.set({ brushes: rebrushed(store.state.brushes, column, null) });
   return el(
     "span",
     { class: "chip" },
     el("span", { class: "clip", title }, title),
-    el("b", {}, withUnit(`${number(low, 3)} \u2026 ${number(high, 3)}`, unit)),
+    el("b", {}, withUnit(`${shown(low)} \u2026 ${shown(high)}`, unit)),
     el(
       "button",
       { class: "bare", type: "button", "aria-label": `Remove the range of ${title}`, click: remove },

@@ -112,7 +112,11 @@ function sliders(store: Store, rest: number[]): HTMLElement {
   const { study, state } = store;
   const box = el("div", { class: "fixed" });
   for (const index of rest) {
-    const { title, low, high, unit, text } = study.variables[index]!;
+    const { title, low, high, unit, text, labels, apart } = study.variables[index]!;
+    if (labels.length || apart.length) {
+      box.append(el("span", {}, title), choice(store, index));
+      continue;
+    }
     const places = study.sampler === "scattered" ? null : levels(study, index);
     const slider = el("input", {
       id: `fixed-${index}`,
@@ -138,6 +142,23 @@ function sliders(store: Store, rest: number[]): HTMLElement {
     );
   }
   return box;
+}
+
+/** Values between which there is nothing are chosen, not slid through. */
+function choice(store: Store, index: number): HTMLElement {
+  const { title, unit, text } = store.study.variables[index]!;
+  const options = levels(store.study, index).map((value): [string, string] => [
+    String(value),
+    withUnit(text(value), unit),
+  ]);
+  const select = choose(options, String(store.state.fixed[index]), (value) => {
+    const fixed = store.state.fixed.slice();
+    fixed[index] = Number(value);
+    store.set({ fixed });
+  });
+  select.id = `fixed-${index}`;
+  select.setAttribute("aria-label", `${title} of the plane shown`);
+  return select;
 }
 
 /** A condition is at the worst of its values unless one is asked for. */

@@ -153,13 +153,14 @@ function makePlane(study: Study, shown: Shown): Plane {
   return { ...base, on: runs, fields: null, note: why };
 }
 
-/** The first axis whose values are names. */
+/** The first axis whose values are names, or so few or so far apart that nothing is known between them. */
 function namedAxis(study: Study, x: number, y: number): Variable | undefined {
-  return [study.variables[x]!, study.variables[y]!].find(({ labels }) => labels.length > 0);
+  return [study.variables[x]!, study.variables[y]!].find(({ labels, apart }) => labels.length + apart.length > 0);
 }
 
-function nothingBetween({ title }: Variable): string {
-  return `There is nothing between the values of ${title}: only the runs are shown, no boundaries.`;
+function nothingBetween({ title, labels }: Variable): string {
+  const what = labels.length ? "There is nothing" : "Nothing is known";
+  return `${what} between the values of ${title}: only the runs are shown, no boundaries.`;
 }
 
 function scatteredPlane(study: Study, shown: Shown): Plane {

@@ -14,6 +14,8 @@ export interface AxisText {
   unit: string;
   log?: boolean;
   names?: string[];
+  /** Values that are evenly spaced, and the only ones that have a tick. */
+  apart?: number[];
 }
 
 export interface Frame {
@@ -30,9 +32,36 @@ const LEFT = 60;
 const RIGHT = 14;
 
 /** A frame that leaves room for the axes' texts, and for the colour *bar* if there is one. */
-export function frameOf(width: number, height: number, { x, y }: Zoom, bar: boolean): Frame {
+export function frameOf(
+  width: number,
+  height: number,
+  { x, y }: Zoom,
+  bar: boolean,
+  apart: { x: number[]; y: number[] } = { x: [], y: [] },
+): Frame {
   const frame = { left: 66, right: width - (bar ? 96 : 16), top: 14, bottom: height - 50 };
-  return { ...frame, x: scaleLinear(x, [frame.left, frame.right]), y: scaleLinear(y, [frame.bottom, frame.top]) };
+  return {
+    ...frame,
+    x: spaced(x, apart.x, frame.left, frame.right),
+    y: spaced(y, apart.y, frame.bottom, frame.top),
+  };
+}
+
+/** From values to pixels; each step from one of *apart* to the next is as wide as any other. */
+export function spaced([low, high]: readonly [number, number], apart: number[], from: number, to: number): Scale {
+  if (apart.length < 2) return scaleLinear([low, high], [from, to]);
+  const step = scaleLinear(
+    apart,
+    apart.map((_, index) => index),
+  );
+  // Half a step is left on either side of the first and the last.
+  const [first, last] = [apart[0]!, apart.at(-1)!];
+  const [least, most] = [step(low) - Number(low <= first) / 2, step(high) + Number(high >= last) / 2];
+  const stops = [low, ...apart.filter((value) => value > low && value < high), high];
+  return scaleLinear(
+    stops,
+    stops.map((value) => from + ((to - from) * (step(value) - least)) / (most - least)),
+  );
 }
 
 export function clipTo(pen: Pen, { left, right, top, bottom }: Frame): void {
@@ -57,14 +86,18 @@ export function drawAxes(pen: Pen, frame: Frame, horizontal: AxisText, vertical:
   pen.textAlign = "center";
   pen.textBaseline = "alphabetic";
   const across = ticksOf(x, horizontal, (right - left) / 80);
-  for (const [tick, text] of across) {
+  const room = (right - left) / across.length - 4;
+  // Names that are wider than their place stand in two rows: every category has its label.
+  const rows = horizontal.names?.length && across.some(([, text]) => pen.measureText(text).width > room) ? 2 : 1;
+  for (const [index, [tick, text]] of across.entries()) {
     const place = Math.round(x(tick)) + 0.5;
+    const row = index % rows;
     pen.moveTo(place, bottom);
     pen.lineTo(place, bottom + 5);
-    const shown = fitted(pen, text, (right - left) / across.length - 4);
+    const shown = fitted(pen, text, rows * room);
     // At the ends a text stands a little inwards, lest the picture's edge cuts it.
     const half = pen.measureText(shown).width / 2;
-    pen.fillText(shown, Math.max(left - LEFT + half, Math.min(right + RIGHT - half, place)), bottom + 19);
+    pen.fillText(shown, Math.max(left - LEFT + half, Math.min(right + RIGHT - half, place)), bottom + 17 + 12 * row);
   }
   pen.textAlign = "right";
   pen.textBaseline = "middle";
@@ -102,21 +135,28 @@ export function axisText(axis: AxisText): string {
   return axis.names?.length ? axis.title : axisLabel(axis);
 }
 
-/** *text*, with an ellipsis where it would be wider than *room*. */
+/** *text*, with an ellipsis where it would be wider than *room*: in its middle, as names differ at their ends. */
 export function fitted(pen: Pen, text: string, room: number): string {
   if (pen.measureText(text).width <= room) return text;
+  const cut = (kept: number): string =>
+    `${text.slice(0, Math.ceil(kept / 2))}\u2026${text.slice(text.length - Math.floor(kept / 2))}`;
   let [fits, many] = [0, text.length];
   while (many - fits > 1) {
     const half = (fits + many) >> 1;
-    if (pen.measureText(`${text.slice(0, half)}\u2026`).width <= room) fits = half;
+    if (pen.measureText(cut(half)).width <= room) fits = half;
     else many = half;
   }
-  return `${text.slice(0, fits)}\u2026`;
+  return cut(fits);
 }
 
-function ticksOf(scale: Scale, { log, names }: AxisText, count: number): [number, string][] {
+function ticksOf(scale: Scale, { log, names, apart }: AxisText, count: number): [number, string][] {
+  if (apart?.length) {
+    const [low, high] = [scale.domain()[0]!, scale.domain().at(-1)!];
+    return apart.filter((value) => value >= low && value <= high).map((value) => [value, number(value, 6)]);
+  }
   if (names?.length) {
-    const stride = Math.ceil(names.length / Math.max(3, count));
+    // Of more names than there is room for some go without a label.
+    const stride = Math.ceil(names.length / Math.max(8, 4 * count));
     return names
       .map((name, index): [number, string] => [index, name])
       .filter(([, name], index) => name && index % stride === 0);

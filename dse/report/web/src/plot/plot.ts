@@ -96,7 +96,10 @@ function paintGround({ pen, width, height }: Sheet, store: Store, plane: Plane):
   const points = store.points();
   const [horizontal, vertical] = [study.variables[plane.x]!, study.variables[plane.y]!];
   const metric = state.fill >= 0 && plane.fields ? study.metrics[state.fill]! : null;
-  const frame = frameOf(width, height, state.zoom ?? wholeOf(study, plane), metric !== null);
+  const frame = frameOf(width, height, state.zoom ?? wholeOf(study, plane), metric !== null, {
+    x: horizontal.apart,
+    y: vertical.apart,
+  });
   pen.fillStyle = colours.plot;
   pen.fillRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
   if (plane.fields) {

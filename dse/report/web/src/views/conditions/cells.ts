@@ -1,7 +1,7 @@
 // What is in a cell of the verdict matrix: the runs there, how they fare, and the worst of them.
 import type { Store } from "../../store";
 import { FAIL, FAILED, margin, NOT_APPLICABLE, NOT_EXERCISED, PASS } from "../../verdicts";
-import { worstMargin } from "../shared/margins";
+import { leastMargin } from "../shared/margins";
 import type { Levels } from "./levels";
 
 export interface Cell {
@@ -38,7 +38,7 @@ export function cellsOf(
     const here = !judged
       ? NaN
       : requirement < 0
-        ? worstMargin(store, run)
+        ? leastMargin(store, run).share
         : margin(study.metrics[study.requirements[requirement]!.metric]!.values[run]!, state.thresholds[requirement]!);
     if (cell.worst < 0 || here < cell.margin || (Number.isNaN(cell.margin) && !Number.isNaN(here))) {
       cell.worst = run;

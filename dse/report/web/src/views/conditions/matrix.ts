@@ -4,7 +4,7 @@ import { count, group, number, percent, withUnit } from "../../format";
 import type { Store } from "../../store";
 import type { Study } from "../../study";
 import { CLASSES, FAIL, FAILED, NOT_APPLICABLE, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../../verdicts";
-import { SHARE_OF } from "../shared/margins";
+import { leastMargin, SHARE_OF } from "../shared/margins";
 import { openRun } from "../shared/runs";
 import { type Cell, cellsOf, markOf } from "./cells";
 import { designsOf } from "./designs";
@@ -93,7 +93,7 @@ function cellOf(store: Store, cell: Cell, chosen: Chosen, designs: string[]): HT
   const worst = Number.isNaN(cell.margin)
     ? ""
     : chosen.requirement < 0
-      ? `${cell.margin < 0 ? "\u2212" : "+"}${percent(Math.abs(cell.margin), 1)}`
+      ? leastMargin(store, cell.worst).text
       : withUnit(`${cell.margin > 0 ? "+" : ""}${number(cell.margin, 3)}`, unit);
   const passing = passingDesigns(store, cell, chosen, designs);
   const head = chosen.whole

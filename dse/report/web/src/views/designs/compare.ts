@@ -1,11 +1,10 @@
 // Two to five designs side by side: choices, properties, metrics with the best marked, margins, waveforms, pictures.
 import { selectRun } from "../../actions";
 import { el } from "../../dom";
-import { number, withUnit } from "../../format";
 import { badge } from "../../panels/selected";
 import { axisLabel } from "../../study";
 import { CLASSES, FAIL, PASS, SIGNS } from "../../verdicts";
-import { scaleOf } from "../shared/margins";
+import { marginWithShare } from "../shared/margins";
 import { createArchitectures } from "./architecture";
 import { seriesColour } from "./colouring";
 import { short } from "./ellipsis";
@@ -190,14 +189,12 @@ function marginRows(model: Model): HTMLElement[] {
   const { store, choices } = model;
   const { study, state } = store;
   const { each, margins } = model.standing();
-  const rows = study.requirements.map(({ title, metric }, index) => {
-    const { unit } = study.metrics[metric]!;
+  const rows = study.requirements.map(({ title }, index) => {
     const threshold = state.thresholds[index]!;
     const cells = choices.picked.map((design) => {
       const by = margins[index]![design]!;
       const mark = each[index]![design]!;
-      const share = (100 * by) / scaleOf(study, index, threshold);
-      const text = Number.isNaN(by) ? "\u2013" : `${withUnit(number(by, 3), unit)} (${number(share, 3)}\u202f%)`;
+      const text = Number.isNaN(by) ? "\u2013" : marginWithShare(study, index, threshold, by);
       return el("td", { class: CLASSES[mark]! }, `${SIGNS[mark]} ${text}`);
     });
     return el(

@@ -1,7 +1,7 @@
 // All designs as a table: those that are feasible first, ranked by verdict, score or any column; only the rows in view exist.
 import { selectRun } from "../../actions";
 import { el } from "../../dom";
-import { number } from "../../format";
+import { slackText } from "../../judgement";
 import { createHeading } from "../../panels/heading";
 import { axisLabel } from "../../study";
 import { CLASSES, PASS, SIGNS, wordFor } from "../../verdicts";
@@ -165,11 +165,11 @@ function columnsOf(model: Model): Column[] {
       ? [
           {
             key: "slack",
-            title: "Least margin [%]",
+            title: "Least margin",
             hint: `Of any requirement that is on, as a share: ${SHARE_OF}`,
             numeric: true,
             value: (design: number) => slack[design]!,
-            text: (design: number) => (Number.isNaN(slack[design]!) ? "\u2013" : number(100 * slack[design]!, 3)),
+            text: (design: number) => slackText(study, store.state.thresholds, model.standing(), design),
           },
         ]
       : []),

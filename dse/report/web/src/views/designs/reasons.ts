@@ -3,9 +3,10 @@ import { selectRun } from "../../actions";
 import { el } from "../../dom";
 import { number, percent, withUnit } from "../../format";
 import { variablesOf } from "../../grouping";
+import { slackText } from "../../judgement";
 import { badge } from "../../panels/selected";
 import { CLASSES, FAIL, PASS, SIGNS, WORDS } from "../../verdicts";
-import { scaleOf } from "../shared/margins";
+import { marginWithShare } from "../shared/margins";
 import { short } from "./ellipsis";
 import { configurationOf, MOST_COMPARED, type Model, nameOf, subscribeCalmly } from "./model";
 import { type Change, changesBetween, nearestDesign } from "./neighbours";
@@ -30,7 +31,7 @@ function reasonsOf(model: Model): HTMLElement[] {
   const margin = choices.demand ? ` with ${Math.round(100 * choices.demand)}\u202f% margin` : "";
   const said =
     verdict === PASS
-      ? `It meets every requirement${margin}${Number.isNaN(slack[design]!) ? "." : `; the least margin is ${number(100 * slack[design]!, 3)}\u202f%.`}`
+      ? `It meets every requirement${margin}${Number.isNaN(slack[design]!) ? "." : `; the least margin is ${slackText(study, state.thresholds, model.standing(), design)}.`}`
       : `It is out: ${sentences(model, design).join("; ")}.`;
   const problem = study.problems.get(deciding[design]!);
   const parts = [
@@ -85,7 +86,6 @@ function requirementTable(model: Model, design: number): HTMLElement {
       .filter(Boolean)
       .join(", ");
     const mark = each[index]![design]!;
-    const share = (100 * by) / scaleOf(study, index, threshold);
     const at =
       run < 0 || !several
         ? ""
@@ -101,7 +101,7 @@ function requirementTable(model: Model, design: number): HTMLElement {
       el("th", { scope: "row" }, title, threshold.off ? " (off)" : "", at && el("span", { class: "muted at" }, at)),
       el("td", {}, run < 0 ? "\u2013" : withUnit(text(values[run]!), unit)),
       el("td", {}, withUnit(bounds, unit)),
-      el("td", {}, Number.isNaN(by) ? "\u2013" : `${number(by, 3)} (${number(share, 3)}\u202f%)`),
+      el("td", {}, Number.isNaN(by) ? "\u2013" : marginWithShare(study, index, threshold, by)),
       el("td", { class: `verdict ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`),
     );
   });

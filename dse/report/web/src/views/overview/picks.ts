@@ -5,7 +5,7 @@ import { type Store, studyThresholds } from "../../store";
 import type { Study } from "../../study";
 import { CLASSES, PASS, SIGNS, WORDS } from "../../verdicts";
 import { aimOf } from "../shared/aims";
-import { SHARE_OF, worstMargin } from "../shared/margins";
+import { leastMargin } from "../shared/margins";
 import { planeName } from "../shared/planes";
 import { openRun, placeOf, positionOf } from "../shared/runs";
 import { isAsStudied } from "../shared/thresholds";
@@ -112,18 +112,29 @@ function byMargin(store: Store): Choice[] {
   } = store.designs();
   let [best, near] = [-1, -1];
   let [most, least] = [-Infinity, Infinity];
+  let passing = 0;
   for (const first of runs) {
     if (overall[first] !== PASS) continue;
+    passing++;
     const run = deciding(first);
-    const here = worstMargin(store, run);
+    const here = leastMargin(store, run).share;
     if (here > most) [most, best] = [here, run];
     if (here < least) [least, near] = [here, run];
   }
   if (best < 0) return [];
-  const told = (share: number): string => `its least margin is ${percent(share, 1)} ${SHARE_OF.split(";")[0]!}`;
+  const told = (run: number): string => `its least margin is ${leastMargin(store, run).text}`;
+  // Where none has more to spare than another there is one pick, and no difference to show.
+  if (most === least)
+    return [
+      {
+        name: passing === 1 ? "The only one that passes" : "All that pass are equally near",
+        run: best,
+        why: told(best),
+      },
+    ];
   return [
-    { name: "Most to spare", run: best, why: told(most) },
-    { name: "Nearest to the boundary", run: near, why: told(least) },
+    { name: "Most to spare", run: best, why: told(best) },
+    { name: "Nearest to the boundary", run: near, why: told(near) },
   ];
 }
 

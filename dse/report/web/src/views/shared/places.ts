@@ -20,6 +20,17 @@ export function placeAt({ values }: FactorAxis, value: number): number {
   return Math.min(1, Math.max(0, (below + (value - values[below]!) / (values[above]! - values[below]!)) / last));
 }
 
+/** The values of a factor between which nothing is known; none of a choice, and of other numbers. */
+export function apartOf(study: Study, { variable }: FactorAxis): number[] {
+  return variable < 0 ? [] : study.variables[variable]!.apart;
+}
+
+/** The position of the value in *apart* that is nearest to a place. */
+export function nearestOf(axis: FactorAxis, apart: number[], place: number): number {
+  const away = apart.map((value) => Math.abs(value - valueAt(axis, place)));
+  return away.indexOf(Math.min(...away));
+}
+
 export function levelAt({ levels }: FactorAxis, place: number): number {
   return Math.min(levels.length - 1, Math.floor(place * levels.length));
 }

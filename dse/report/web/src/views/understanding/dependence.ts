@@ -1,12 +1,13 @@
 // What a metric depends on: shares of its variance (shares.ts), and its means along each factor.
 import type { Chart } from "../../chart";
 import { el } from "../../dom";
+import { number, withUnit } from "../../format";
 import type { Part, Response } from "../../insight";
 import { paintChart } from "../../plot/chart";
 import type { Store } from "../../store";
 import { palette } from "../../theme";
 import { createPainted } from "../shared/canvas";
-import { valueAt } from "../shared/places";
+import { apartOf, nearestOf, valueAt } from "../shared/places";
 import { createShares } from "./shares";
 
 const MOST_FACTORS = 12;
@@ -52,8 +53,12 @@ function mini(
 ): HTMLElement {
   const axis = part.factors[factor]!;
   const metric = store.study.metrics[response.metric]!;
-  const isChoice = axis.variable < 0;
-  const at = Float64Array.from(places, (each) => (isChoice ? each * axis.levels.length - 0.5 : valueAt(axis, each)));
+  const apart = apartOf(store.study, axis);
+  const names = apart.length ? apart.map((value) => withUnit(number(value), axis.unit)) : axis.labels;
+  const isChoice = axis.variable < 0 || apart.length > 0;
+  const placed = (each: number): number =>
+    apart.length ? nearestOf(axis, apart, each) : isChoice ? each * axis.levels.length - 0.5 : valueAt(axis, each);
+  const at = Float64Array.from(places, placed);
   const column = (index: number): Float64Array => Float64Array.from(means, (mean) => mean[index] ?? NaN);
   const chart: Chart = {
     name: "effect",
@@ -64,8 +69,8 @@ function mini(
       unit: axis.unit,
       log: false,
       low: isChoice ? -0.5 : axis.values[0]!,
-      high: isChoice ? axis.levels.length - 0.5 : axis.values.at(-1)!,
-      names: isChoice ? axis.labels : [],
+      high: isChoice ? names.length - 0.5 : axis.values.at(-1)!,
+      names: isChoice ? names : [],
     },
     y: { title: metric.title, unit: metric.unit, log: false, low, high, names: [] },
     drawn: [
@@ -77,7 +82,7 @@ function mini(
         : { kind: "line", label: "", x: at, y: column(0) },
     ],
   };
-  const values = means.map((mean, index) => `${mean[0]} at ${isChoice ? axis.labels[index] : at[index]}`).join(", ");
+  const values = means.map((mean, index) => `${mean[0]} at ${isChoice ? names[at[index]!] : at[index]}`).join(", ");
   return createPainted(store, "mini", `Mean of ${metric.title} along ${axis.label}: ${values}`, (sheet) =>
     paintChart(sheet, chart, palette()),
   ).element;

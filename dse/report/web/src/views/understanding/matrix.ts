@@ -1,7 +1,9 @@
 // All planes of two design variables as small pictures, with cross-hairs at the selected run; a click opens one.
+
 import { el } from "../../dom";
 import { count, group } from "../../format";
 import { fixedThrough, liesIn, startingPoint } from "../../plane/plane";
+import { spaced } from "../../plot/frame";
 import { paintedBy, type Sheet } from "../../plot/sheet";
 import { everyCondition, type Points, pointsOf } from "../../points";
 import type { State, Store } from "../../store";
@@ -182,8 +184,8 @@ function paint({ pen, width, height }: Sheet, store: Store, { x, y, runs }: Cell
   } = judgedOn(store, x, y);
   const colours = palette();
   const place = (variable: number, run: number, from: number, to: number): number => {
-    const { values, low, high } = study.variables[variable]!;
-    return from + ((values[run]! - low) / (high - low)) * (to - from);
+    const { values, low, high, apart } = study.variables[variable]!;
+    return spaced([low, high], apart, from, to)(values[run]!);
   };
   const across = (run: number): number => place(x, run, RIM, width - RIM);
   const up = (run: number): number => place(y, run, height - RIM, RIM);

@@ -8,7 +8,7 @@ import { paintChart } from "../../plot/chart";
 import type { Store } from "../../store";
 import { palette } from "../../theme";
 import { createPainted, type Painted } from "../shared/canvas";
-import { levelAt, levelOf, placeText, valueAt } from "../shared/places";
+import { apartOf, levelAt, levelOf, nearestOf, placeAt, placeText, valueAt } from "../shared/places";
 import { planeName } from "../shared/planes";
 import { withLevel } from "./choices";
 import { whiskers } from "./dependence";
@@ -81,7 +81,7 @@ export function createProfiler(store: Store, part: Part, response: Response): HT
       el(
         "p",
         { class: "hint" },
-        `${part.factors.length - order.length} factors that matter less stay as in the selected run.`,
+        `${part.factors.length - order.length} factors that ${aliasedOf(part, response).size ? "always change together, or matter less," : "matter less"} stay as in the selected run.`,
       ),
     el(
       "p",
@@ -105,13 +105,23 @@ function quality(part: Part, { error, explained, runs, power }: Profile, plane: 
   return `${poor}The curves are a formula (radial functions, power ${power}), not simulations. Of ${group(runs)} runs that were left out in turn it predicts ${Math.max(0, Math.round(1000 * explained) / 10)}\u202f% of the variance, with a root mean square error of ${number(error, 2)}: the band.${held}${together}`;
 }
 
-function shownFactors(part: Part, { bars }: Response): number[] {
+/** Factors that always change together have no effects of their own, and a formula would invent the runs between. */
+function aliasedOf(part: Part, { effects, withheld }: Response): Set<number> {
+  if (!withheld.some((text) => text.startsWith("effects of single factors"))) return new Set();
+  const separate = new Set(effects.map(({ factor }) => factor));
+  return new Set([...part.factors.keys()].filter((factor) => !separate.has(factor)));
+}
+
+function shownFactors(part: Part, response: Response): number[] {
+  const { bars } = response;
+  const aliased = aliasedOf(part, response);
   const share = (factor: number): number => bars.find((bar) => bar.factor === factor)?.share[0] ?? 0;
   const strongest = part.factors
     .map((_, index) => index)
+    .filter((factor) => !aliased.has(factor))
     .sort((a, b) => share(b) - share(a))
     .slice(0, MOST_FACTORS);
-  return part.factors.length > MOST_FACTORS ? strongest : part.factors.map((_, index) => index);
+  return part.factors.length > MOST_FACTORS ? strongest : strongest.sort((a, b) => a - b);
 }
 
 function curve(
@@ -122,10 +132,12 @@ function curve(
   places: number[],
 ): { at: number[]; values: number[] } {
   const axis = part.factors[factor]!;
-  const isChoice = axis.variable < 0;
-  const at = isChoice
-    ? axis.levels.map((_, level) => (level + 0.5) / axis.levels.length)
-    : Array.from({ length: STEPS }, (_, step) => step / (STEPS - 1));
+  const apart = apartOf(store.study, axis);
+  const at = apart.length
+    ? apart.map((value) => placeAt(axis, value))
+    : axis.variable < 0
+      ? axis.levels.map((_, level) => (level + 0.5) / axis.levels.length)
+      : Array.from({ length: STEPS }, (_, step) => step / (STEPS - 1));
   return { at, values: at.map((place) => predict(part, profile, moved(store, part, places, factor, place))) };
 }
 
@@ -171,7 +183,10 @@ function createControl(
 ): Control {
   const axis = part.factors[factor]!;
   const metric = store.study.metrics[response.metric]!;
-  const isChoice = axis.variable < 0;
+  const apart = apartOf(store.study, axis);
+  const isChoice = axis.variable < 0 || apart.length > 0;
+  const names = apart.length ? apart.map((value) => withUnit(number(value), axis.unit)) : axis.labels;
+  const indexAt = (place: number): number => (apart.length ? nearestOf(axis, apart, place) : levelAt(axis, place));
   let range: [number, number] = [0, 1];
   const painted: Painted = createPainted(
     store,
@@ -194,8 +209,8 @@ function createControl(
         unit: axis.unit,
         log: false,
         low: isChoice ? -0.5 : axis.values[0]!,
-        high: isChoice ? axis.levels.length - 0.5 : axis.values.at(-1)!,
-        names: isChoice ? axis.labels : [],
+        high: isChoice ? names.length - 0.5 : axis.values.at(-1)!,
+        names: isChoice ? names : [],
       },
       y: { title: metric.title, unit: metric.unit, log: false, low: range[0], high: range[1], names: [] },
       drawn: [
@@ -203,7 +218,7 @@ function createControl(
         isChoice
           ? { kind: "points", label: "", verdict: null, x, y, runs: new Int32Array(x.length) }
           : { kind: "line", label: "", x, y },
-        { kind: "rule", label: "", axis: "x", value: isChoice ? levelAt(axis, here) : valueAt(axis, here) },
+        { kind: "rule", label: "", axis: "x", value: isChoice ? indexAt(here) : valueAt(axis, here) },
         ...bounds(store, response),
       ],
     };
@@ -222,9 +237,10 @@ function createControl(
       });
   const select = isChoice
     ? choose(
-        axis.labels.map((level, index): [string, string] => [String(index), level]),
+        names.map((level, index): [string, string] => [String(index), level]),
         "0",
-        (value) => move((Number(value) + 0.5) / axis.levels.length),
+        (value) =>
+          move(apart.length ? placeAt(axis, apart[Number(value)]!) : (Number(value) + 0.5) / axis.levels.length),
       )
     : null;
   select?.setAttribute("aria-label", label);
@@ -244,7 +260,7 @@ function createControl(
         text.textContent = placeText(axis, place);
         slider.setAttribute("aria-valuetext", placeText(axis, place));
       }
-      if (select) select.value = String(levelAt(axis, place));
+      if (select) select.value = String(indexAt(place));
       painted.repaint();
     },
   };

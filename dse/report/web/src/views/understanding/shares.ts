@@ -54,7 +54,7 @@ function aboutTogether({ factors }: Part, { source, pairs }: NonNullable<Respons
         `${interval(share)} depends on both ${factors[one]!.label} and ${factors[other]!.label}`,
     );
   const depends = named.length ? `Of the variance ${named.join("; ")}. ` : "";
-  return `${depends}Totals: by ${source}; its error is part of the intervals. Factors that vary together, such as parts of one choice, have one total.`;
+  return `${depends}Totals: by ${source}; its error is part of the intervals.`;
 }
 
 function track([value, low, high]: Estimate, kind: string): HTMLElement {
