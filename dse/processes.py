@@ -28,13 +28,45 @@ _ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if 
 
 _one_at_a_time = threading.Lock()
 
+_runs_command = False
+
+
+def tell_command() -> None:
+    """This process runs a command of dse and nothing else: a program that uses dse may have threads and locks."""
+    global _runs_command  # noqa: PLW0603  # a process has one
+    _runs_command = True
+
+
+def can_be_copied() -> bool:
+    """Whether a child can be a copy of this process (fork), which has imported already what the child would."""
+    others = (thread for thread in threading.enumerate() if thread is not threading.main_thread())
+    return _runs_command and sys.platform == "linux" and all(isinstance(each, threading.Timer) for each in others)
+
+
+def open_files() -> list[int]:
+    """The numbers of the files that this process has open, standard streams aside; on Linux."""
+    numbers = [int(name) for name in os.listdir("/proc/self/fd")]  # noqa: PTH208  # numbers, not paths
+    return [number for number in numbers if number > _STANDARD]
+
+
+_STANDARD = 2
+
 
 def start_process(process: BaseProcess, log: Path | None = None) -> None:
     """Start *process*, as `unburdened`. Signals that end programs wait there until it calls `forget_start`.
 
     What it says before it prints elsewhere by itself goes to *log*.
     """
-    with unburdened(), _somewhere(), _signals_waiting(), _printing_to(log) if log else nullcontext():
+    with unburdened(), _somewhere():
+        if sys.platform != "win32":
+            resource_tracker.ensure_running()  # at its start it would let signals through
+        with _signals_waiting(), _printing_to(log) if log else nullcontext():
+            process.start()
+
+
+def start_copy(process: BaseProcess) -> None:
+    """Start *process*, which is a copy of this one: see `can_be_copied`. Signals that end programs wait there, too."""
+    with unburdened(), _signals_waiting():
         process.start()
 
 
@@ -176,7 +208,6 @@ def _signals_waiting() -> Iterator[None]:
     if sys.platform == "win32":
         yield
         return
-    resource_tracker.ensure_running()  # at its start it would let signals through
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDING)
     try:
         yield

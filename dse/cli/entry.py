@@ -19,6 +19,7 @@ from dse.cli.signals import interrupt, stop_code, tidy_up
 from dse.cli.streams import OutputError, silence
 from dse.cli.terminal import print_line, show_problems
 from dse.errors import DseError, Location, fail, remedy
+from dse.processes import tell_command
 
 _python_shows = warnings.showwarning
 
@@ -47,6 +48,7 @@ def _carry_out() -> int:
         # What a command reads and imports stays until its end: looking through it again and again is in vain.
         gc.set_threshold(50_000, 20, 20)
         interrupt()
+        tell_command()
         try:
             app()
         finally:

@@ -30,7 +30,7 @@ from dse.cli.arguments import (
 )
 from dse.cli.completion import benches
 from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
-from dse.cli.terminal import console
+from dse.cli.terminal import status_line
 
 Subject = Annotated[
     str,
@@ -123,7 +123,7 @@ def simulate(
     from dse.cli.runs import present_run, write_run
 
     tested = workspace_of(bench).bench(bench)
-    with console(stderr=True).status("") as status:
+    with status_line() as say:
         run = simulate_once(
             tested,
             configuration,
@@ -132,7 +132,7 @@ def simulate(
             fuse=fuse,
             sandbox=sandbox,
             fmi=version,
-            tell=status.update,
+            tell=say,
             world=there,
         )
     present_run(run, output, plot, units_word(si))
