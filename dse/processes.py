@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import psutil
 
-_TO_START = {"PYTHONSAFEPATH": "1", "OPENBLAS_NUM_THREADS": "1"}
+_FOR_NUMPY = {"OPENBLAS_NUM_THREADS": "1"}
+_TO_START = {"PYTHONSAFEPATH": "1", **_FOR_NUMPY}
 """What a new process has in its environment until `forget_start`, unless the user gives it something else."""
 _ADDED = "DSE_ADDED_TO_START"
 
@@ -168,6 +169,17 @@ def forget_start() -> None:
     if sys.platform != "win32":
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDING)
     _take_away(_ADDED, *os.environ.get(_ADDED, "").split())
+
+
+def import_numpy() -> None:
+    """Import numpy as in a worker: without threads for linear algebra."""
+    with _one_at_a_time:
+        added = [name for name in _FOR_NUMPY if not os.environ.get(name)]
+        os.environ.update({name: _FOR_NUMPY[name] for name in added})
+        try:
+            import numpy  # noqa: F401, ICN001
+        finally:
+            _take_away(*added)
 
 
 def _take_away(*names: str) -> None:

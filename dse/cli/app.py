@@ -7,15 +7,9 @@ from typing import Annotated, Any
 import typer
 
 from dse.cli.coercion import LightGroup
-
-DONE, WRONG_FILES, USAGE, RUNS_FAILED = 0, 1, 2, 3
-"""Exit codes: done; the files are wrong; wrong usage; some runs failed, or a requirement under --gate."""
+from dse.cli.endings import DONE, InterruptedCommandError
 
 _GROUPS = ("space", "import", "export", "udp")
-
-
-class InterruptedCommandError(Exception):
-    """A command was stopped; says what became of it, if there is something to say."""
 
 
 class _Commands(LightGroup):
