@@ -65,7 +65,7 @@ from .studies.exploration import (
     merge_into as merge_into,
     plan_into as plan_into,
 )
-from .studies.prepared_run import PreparedRun as PreparedRun, unpacked as unpacked
+from .studies.prepared_run import PreparedRun as PreparedRun, unpacked_run as unpacked_run
 from .studies.provenance import trust as trust
 from .studies.refinement import Towards as Towards, refine as refine
 from .studies.replay import replay as replay

@@ -21,11 +21,11 @@ def keep_prepared(prepared: PreparedRun, output: str, units: str, *, gate: bool)
 def simulate_prepared(kept: bytes) -> int:
     """Make and show the run of what was *kept*; the exit code."""
     import_numpy()
-    from dse.api import unpacked
+    from dse.api import unpacked_run
     from dse.cli.runs import exit_code, present_run
 
     head, _, content = kept.partition(b"\n")
     output, units, gate = head.decode().split()
-    run = unpacked(content).simulate()
+    run = unpacked_run(content).simulate()
     present_run(run, output, None, units)
     return exit_code(run, gate=gate == "True")

@@ -35,13 +35,13 @@ class PreparedRun:
         return Run(noun, self.definition, self.units)
 
     def packed(self) -> tuple[bytes, frozenset[str]]:
-        """What `unpacked` takes, and the files and folders that are named in it."""
+        """What `unpacked_run` takes, and the files and folders that are named in it."""
         content, paths = io.BytesIO(), set[Path]()
         _Pickler(content, paths).dump(self)
         return content.getvalue(), frozenset(map(str, paths))
 
 
-def unpacked(content: bytes) -> PreparedRun:
+def unpacked_run(content: bytes) -> PreparedRun:
     """What `PreparedRun.packed` made on this machine, by this version."""
     found = pickle.loads(content)  # noqa: S301  # of our own cache, as are the libraries that it names
     if not isinstance(found, PreparedRun):
