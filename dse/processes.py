@@ -39,9 +39,20 @@ def tell_command() -> None:
 
 
 def can_be_copied() -> bool:
-    """Whether a child can be a copy of this process (fork), which has imported already what the child would."""
+    """Whether a child can be a copy of this process (fork), which has imported already what the child would.
+
+    Other threads than timers may hold a lock, and OpenMP works in no copy of a process that has used it.
+    """
+    if sys.platform != "linux" or not _runs_command:
+        return False
     others = (thread for thread in threading.enumerate() if thread is not threading.main_thread())
-    return _runs_command and sys.platform == "linux" and all(isinstance(each, threading.Timer) for each in others)
+    if not all(isinstance(each, threading.Timer) for each in others):
+        return False
+    loaded = Path("/proc/self/maps").read_bytes()
+    return not any(library in loaded for library in _OPENMP)
+
+
+_OPENMP = (b"libgomp", b"libomp", b"libiomp")
 
 
 def open_files() -> list[int]:
