@@ -13,12 +13,10 @@ from typing import Any
 from dse.cache import CacheWarning
 from dse.cli.answers import found_prepared, keep
 from dse.cli.endings import DONE, WRONG_FILES, InterruptedCommandError
-from dse.cli.prepared import simulate_prepared
 from dse.cli.signals import interrupt, stop_code, tidy_up
 from dse.cli.streams import OutputError, silence
 from dse.cli.terminal import print_line, show_problems
 from dse.errors import DseError, Location, fail, remedy
-from dse.processes import tell_command
 
 _python_shows = warnings.showwarning
 
@@ -51,9 +49,10 @@ def _carry_out() -> int:
         # What a command reads and imports stays until its end: looking through it again and again is in vain.
         gc.set_threshold(50_000, 20, 20)
         interrupt()
-        tell_command()
         try:
             if kept is not None:
+                from dse.cli.prepared import simulate_prepared
+
                 return simulate_prepared(kept)
             from dse.cli.app import app
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dse.cli import answers
-from dse.processes import import_numpy
 
 if TYPE_CHECKING:
     from dse.api import PreparedRun
@@ -20,6 +19,9 @@ def keep_prepared(prepared: PreparedRun, output: str, units: str, *, gate: bool)
 
 def simulate_prepared(kept: bytes) -> int:
     """Make and show the run of what was *kept*; the exit code."""
+    from dse.processes import import_numpy, tell_command
+
+    tell_command()
     import_numpy()
     from dse.api import unpacked_run
     from dse.cli.runs import exit_code, present_run

@@ -122,6 +122,9 @@ def simulate(
     there = world_of_bench(world, parts)
     from dse.api import prepare_once
     from dse.cli.runs import exit_code, present_run, write_run
+    from dse.processes import tell_command
+
+    tell_command()
 
     tested = workspace_of(bench).bench(bench)
     with status_line() as say:
