@@ -75,6 +75,7 @@ def test_a_copy_does_not_hold_what_the_command_has_open() -> None:
 def test_only_a_command_without_threads_is_copied(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(threading, "enumerate", lambda: [threading.main_thread()])
     monkeypatch.setattr(processes, "_runs_command", False)
+    monkeypatch.setattr(processes, "_OPENMP", ())  # other tests may have loaded it
     assert not processes.can_be_copied()
     processes.tell_command()
     assert processes.can_be_copied()
@@ -82,4 +83,7 @@ def test_only_a_command_without_threads_is_copied(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(threading, "enumerate", lambda: others)
     assert processes.can_be_copied()
     others.append(threading.Thread())
+    assert not processes.can_be_copied()
+    others.pop()
+    monkeypatch.setattr(processes, "_OPENMP", (b"libc",))
     assert not processes.can_be_copied()
