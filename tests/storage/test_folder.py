@@ -17,7 +17,6 @@ from dse.domain.definition import DefinedConfiguration, DefinedMetric, DefinedOb
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import DseError
 from dse.storage.attempts import Attempt, this_process
-from dse.storage.database import definition as stored_definition
 from dse.storage.database.schema import cell_of, value_of
 from dse.storage.export.tables import EXPORTS
 from dse.storage.folder import StudyFolder
@@ -41,19 +40,6 @@ def test_a_stored_run_is_read_back_as_it_was(stored: Path, runs: list[Run]) -> N
     assert failed.problem == runs[2].problem
     assert failed.metrics == {}
     assert {judgement.verdict for judgement in failed.judgements} == {Verdict.FAILED_TO_RUN}
-
-
-def test_a_definition_is_made_plain_data_once(
-    tmp_path: Path, definition: StudyDefinition, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    made: list[object] = []
-    to_json = stored_definition.to_json
-    monkeypatch.setattr(stored_definition, "to_json", lambda noun: made.append(noun) or to_json(noun))
-    fresh = replace(definition, title="never stored before")
-    with StudyFolder.create(tmp_path / "study", fresh):
-        assert len(made) == 2  # it, and what it is when it is read again
-    with StudyFolder.resume(tmp_path / "study", fresh):
-        assert len(made) == 2
 
 
 def test_the_table_is_sorted_by_run_number_whatever_the_order_of_arrival(stored: Path) -> None:

@@ -20,26 +20,8 @@ FORMAT = 2
 
 
 def definition_to_json(definition: StudyDefinition) -> dict[str, Json]:
-    """*definition* as plain data, which may not be changed."""
-    return _to_json(_This(definition))
-
-
-class _This:
-    """One definition, not those that are equal: to compare two takes as long as to write one."""
-
-    def __init__(self, definition: StudyDefinition) -> None:
-        self.definition = definition
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _This) and self.definition is other.definition
-
-    def __hash__(self) -> int:
-        return id(self.definition)
-
-
-@lru_cache(maxsize=2)
-def _to_json(this: _This) -> dict[str, Json]:
-    return {"format": FORMAT, **to_json(this.definition)}
+    """*definition* as plain data."""
+    return {"format": FORMAT, **to_json(definition)}
 
 
 @lru_cache(maxsize=2)
