@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import psutil
 
-_TO_START = {"PYTHONSAFEPATH": "1", "OPENBLAS_NUM_THREADS": "1"}
+_FOR_NUMPY = {"OPENBLAS_NUM_THREADS": "1"}
+_TO_START = {"PYTHONSAFEPATH": "1", **_FOR_NUMPY}
 """What a new process has in its environment until `forget_start`, unless the user gives it something else."""
 _ADDED = "DSE_ADDED_TO_START"
 
@@ -28,13 +29,56 @@ _ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if 
 
 _one_at_a_time = threading.Lock()
 
+_runs_command = False
+
+
+def tell_command() -> None:
+    """This process runs a command of dse and nothing else: a program that uses dse may have threads and locks."""
+    global _runs_command  # noqa: PLW0603  # a process has one
+    _runs_command = True
+
+
+def can_be_copied() -> bool:
+    """Whether a child can be a copy of this process (fork), which has imported already what the child would.
+
+    Other threads than timers may hold a lock, and OpenMP works in no copy of a process that has used it.
+    """
+    if sys.platform != "linux" or not _runs_command:
+        return False
+    others = (thread for thread in threading.enumerate() if thread is not threading.main_thread())
+    if not all(isinstance(each, threading.Timer) for each in others):
+        return False
+    loaded = Path("/proc/self/maps").read_bytes()
+    return not any(library in loaded for library in _OPENMP)
+
+
+_OPENMP = (b"libgomp", b"libomp", b"libiomp")
+
+
+def open_files() -> list[int]:
+    """The numbers of the files that this process has open, standard streams aside; on Linux."""
+    numbers = [int(name) for name in os.listdir("/proc/self/fd")]  # noqa: PTH208  # numbers, not paths
+    return [number for number in numbers if number > _STANDARD]
+
+
+_STANDARD = 2
+
 
 def start_process(process: BaseProcess, log: Path | None = None) -> None:
     """Start *process*, as `unburdened`. Signals that end programs wait there until it calls `forget_start`.
 
     What it says before it prints elsewhere by itself goes to *log*.
     """
-    with unburdened(), _somewhere(), _signals_waiting(), _printing_to(log) if log else nullcontext():
+    with unburdened(), _somewhere():
+        if sys.platform != "win32":
+            resource_tracker.ensure_running()  # at its start it would let signals through
+        with _signals_waiting(), _printing_to(log) if log else nullcontext():
+            process.start()
+
+
+def start_copy(process: BaseProcess) -> None:
+    """Start *process*, which is a copy of this one: see `can_be_copied`. Signals that end programs wait there, too."""
+    with unburdened(), _signals_waiting():
         process.start()
 
 
@@ -138,6 +182,17 @@ def forget_start() -> None:
     _take_away(_ADDED, *os.environ.get(_ADDED, "").split())
 
 
+def import_numpy() -> None:
+    """Import numpy as in a worker: without threads for linear algebra."""
+    with _one_at_a_time:
+        added = [name for name in _FOR_NUMPY if not os.environ.get(name)]
+        os.environ.update({name: _FOR_NUMPY[name] for name in added})
+        try:
+            import numpy  # noqa: F401, ICN001
+        finally:
+            _take_away(*added)
+
+
 def _take_away(*names: str) -> None:
     for name in names:
         os.environ.pop(name, None)
@@ -176,7 +231,6 @@ def _signals_waiting() -> Iterator[None]:
     if sys.platform == "win32":
         yield
         return
-    resource_tracker.ensure_running()  # at its start it would let signals through
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDING)
     try:
         yield

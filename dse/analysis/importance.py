@@ -97,26 +97,13 @@ def importances(data: StudyData, metric: str) -> Importances:
     than 50 runs or nine of ten define the metric, if it never changes, if all factors depend on each other, or if less
     than 90 % of its variance is explained.
     """
-    data = data.evenly(metric, _LEAST)
-    there, values = data.response(metric, _LEAST)
-    if len(values) < _LEAST_DEFINED * len(data):
-        told = f"it is defined in {len(values)} of {len(data)} runs only"
-        raise withheld(metric, f"{told}: joint importance is given for metrics that are defined nearly everywhere")
-    if not data.on_grid and data.different < _LEAST:
-        raise withheld(metric, f"variables have {data.different} different values in all: {_LEAST} are needed")
-    runs, rows = len(values), drawn(np.arange(len(values)), _MOST)
-    there, values = there.part(rows), values[rows]
-    groups = _dependent(there)
-    if len(groups) == 1:
-        names = listed([factor.name for factor in there.factors])
-        raise withheld(metric, f"{names} depend on each other in these runs: they have all of its variance together")
-    with single_threaded():
-        model, explained = _best(there, values)
-        enough = _enough(there, values, explained) if explained < _LEAST_EXPLAINED else 0.0
-    if explained < _LEAST_EXPLAINED:
-        reason = _too_little(model, explained, enough, runs)
+    fitted = _fitted(data, metric)
+    there, model, explained, groups = fitted.data, fitted.model, fitted.explained, fitted.groups
+    if not fitted.is_enough:
+        with single_threaded():
+            enough = _enough(there, fitted.values, explained)
         is_plain = all(factor.is_decided and not factor.is_choice for factor in there.factors)
-        raise withheld(metric, reason, _HINT if is_plain else "")
+        raise withheld(metric, _too_little(model, explained, enough, fitted.runs), _HINT if is_plain else "")
     unexplained, indices = 1 - explained, _indices(there, model, groups)
     names_ = [tuple(there.factors[k].name for k in group) for group in groups]
     totals = [_interval([each.shared(at) for each in indices], unexplained) for at in range(len(groups))]
@@ -139,10 +126,50 @@ def model_first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
     if metric not in data.judged_metrics:
         return found
     try:
+        if not _fitted(data, metric).is_enough:
+            return found
         totals = {name: each.share for each in importances(data, metric).factors for name in each.factors}
     except DseError:
         return found
     return tuple(replace(each, share=_at_most(each.share, totals.get(each.factor, each.share))) for each in found)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fitted:
+    """The *model* of the *values* of *data*, drawn evenly from all *runs*; *groups* of its factors are independent."""
+
+    data: StudyData
+    values: Floats
+    runs: int
+    groups: list[tuple[int, ...]]
+    model: Model
+    explained: float
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether the model explains enough of the variance."""
+        return self.explained >= _LEAST_EXPLAINED
+
+
+@memoized
+def _fitted(data: StudyData, metric: str) -> _Fitted:
+    """Raises DseError, as `importances` does, but not if too little is explained."""
+    data = data.evenly(metric, _LEAST)
+    there, values = data.response(metric, _LEAST)
+    if len(values) < _LEAST_DEFINED * len(data):
+        told = f"it is defined in {len(values)} of {len(data)} runs only"
+        raise withheld(metric, f"{told}: joint importance is given for metrics that are defined nearly everywhere")
+    if not data.on_grid and data.different < _LEAST:
+        raise withheld(metric, f"variables have {data.different} different values in all: {_LEAST} are needed")
+    runs, rows = len(values), drawn(np.arange(len(values)), _MOST)
+    there, values = there.part(rows), values[rows]
+    groups = _dependent(there)
+    if len(groups) == 1:
+        names = listed([factor.name for factor in there.factors])
+        raise withheld(metric, f"{names} depend on each other in these runs: they have all of its variance together")
+    with single_threaded():
+        model, explained = _best(there, values)
+    return _Fitted(there, values, runs, groups, model, explained)
 
 
 def _at_most(share: Interval, total: Interval) -> Interval:

@@ -65,6 +65,7 @@ from .studies.exploration import (
     merge_into as merge_into,
     plan_into as plan_into,
 )
+from .studies.prepared_run import PreparedRun as PreparedRun, unpacked_run as unpacked_run
 from .studies.provenance import trust as trust
 from .studies.refinement import Towards as Towards, refine as refine
 from .studies.replay import replay as replay
@@ -72,6 +73,7 @@ from .studies.results import Results as Results, Summary as Summary, results as 
 from .studies.run import Run as Run, Waveforms as Waveforms
 from .studies.single_run import (
     fused_libraries as fused_libraries,
+    prepare_once as prepare_once,
     simulate_once as simulate_once,
     study_of_bench as study_of_bench,
     write_package as write_package,

@@ -13,6 +13,8 @@ which a file changed; elsewhere no answer is kept. The stamp is taken before and
 and two seconds old: no answer is kept for files that changed while it was found, or so recently that a clock could miss
 the next change. Only answers without errors, notes and warnings are kept, and none where ``DSE_ANSWERS=0``.
 
+``dse simulate`` simulates each time. Of it is kept what it had prepared for its run, which names the FMUs in the cache.
+
 This module runs before anything else of a command, so it imports next to nothing. Costs: `docs/decisions/0037`.
 """
 
@@ -42,7 +44,20 @@ _SETTLED = 2_000_000_000
 """Nanoseconds after which a file that changes has other times than before."""
 _KEPT = 500
 
-_question: _Question | None = None
+
+class _Command:
+    """The command at hand: what is to be kept of it, and what was *found* that it prepared before.
+
+    It has *handed* over what is kept in place of its output, and the files that are named in that.
+    """
+
+    def __init__(self) -> None:
+        self.question: _Question | None = None
+        self.found: bytes | None = None
+        self.handed: tuple[bytes, frozenset[str]] = b"", frozenset()
+
+
+_command = _Command()
 
 
 class _UnfitError(Exception):
@@ -52,7 +67,9 @@ class _UnfitError(Exception):
 class _Question:
     def __init__(self, arguments: list[str]) -> None:
         is_help = any(each in arguments for each in _HELP)
-        if os.name != "posix" or os.environ.get("DSE_ANSWERS") == "0" or not (is_help or _is_reading(arguments)):
+        self.is_answer = is_help or _is_reading(arguments)
+        is_fit = self.is_answer or arguments[:1] == ["simulate"]
+        if os.name != "posix" or os.environ.get("DSE_ANSWERS") == "0" or not is_fit:
             raise _UnfitError
         self.roots = () if is_help else _roots(arguments)
         self.has_results = arguments[0] == "list"
@@ -67,14 +84,21 @@ class _Question:
 
 
 def answer(arguments: list[str]) -> bool:
-    """Print what the command with *arguments* printed before, if that still holds; else have its output recorded."""
-    global _question
+    """Print what the command with *arguments* printed before, if that still holds; else have its output recorded.
+
+    What it prepared before is `found_prepared`, if that still holds.
+    """
+    vars(_command).update(vars(_Command()))
     try:
         question = _Question(arguments)
         found = _read(question.file)
         if found is not None:
             stamp, named, output = found
             question.look(named)
+            if question.stamp == stamp and not question.is_answer:
+                _command.found = output
+                _touch(question.file)
+                return False
             if question.stamp == stamp:
                 sys.stdout.buffer.write(output)
                 sys.stdout.buffer.flush()
@@ -83,14 +107,29 @@ def answer(arguments: list[str]) -> bool:
         question.look(())
     except (_UnfitError, OSError, ValueError, streams.OutputError):
         return False
-    _question, streams.record.content = question, bytearray()
+    _command.question, streams.record.content = question, bytearray() if question.is_answer else None
     return False
 
 
+def found_prepared() -> bytes | None:
+    """What a command with the same arguments handed over, if nothing that it depends on has changed."""
+    return _command.found
+
+
+def is_asked() -> bool:
+    """Whether what the command prepared can be kept."""
+    return _command.question is not None and not _command.question.is_answer
+
+
+def hand_over(content: bytes, paths: frozenset[str]) -> None:
+    """Keep *content*, in which *paths* are named, if the command ends without an error."""
+    _command.handed = content, paths
+
+
 def keep() -> None:
-    """Keep what the command has printed; it ended without an error."""
-    question, output = _question, streams.record.content
-    streams.record.content = None
+    """Keep what the command has printed or handed over; it ended without an error."""
+    question, (handed, paths) = _command.question, _command.handed
+    output, streams.record.content = handed or streams.record.content, None
     if question is None or not output or streams.record.has_notes:
         return
     try:
@@ -100,7 +139,7 @@ def keep() -> None:
         question.look(())
         if question.stamp != before:
             return
-        named = _named_elsewhere(question.roots)
+        named = _named_elsewhere(question.roots, paths)
         question.look(named)
         if question.roots and question.newest + _SETTLED > _now():
             return
@@ -192,10 +231,10 @@ def _is_passed_over(name: str) -> bool:
     return name.startswith(".") or name in (OUT, "node_modules", "__pycache__")
 
 
-def _named_elsewhere(roots: tuple[str, ...]) -> tuple[str, ...]:
-    """What files of the workspace named, which their stamp passes over or which lies elsewhere."""
-    paths = sys.modules.get("dse.loading.paths")
-    named = sorted(map(str, paths.FOLLOWED)) if paths else []
+def _named_elsewhere(roots: tuple[str, ...], paths: frozenset[str]) -> tuple[str, ...]:
+    """What files of the workspace named, and *paths*, which their stamp passes over or which lie elsewhere."""
+    loaded = sys.modules.get("dse.loading.paths")
+    named = sorted({*map(str, loaded.FOLLOWED if loaded else ()), *paths})
     return tuple(name for name in named if not any(_is_stamped(name, root) for root in roots))
 
 

@@ -11,10 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from dse.cache import CacheWarning
-from dse.cli.answers import keep
-from dse.cli.app import DONE, WRONG_FILES, InterruptedCommandError, app
-from dse.cli.commands import register
-from dse.cli.completion import words
+from dse.cli.answers import found_prepared, keep
+from dse.cli.endings import DONE, WRONG_FILES, InterruptedCommandError
 from dse.cli.signals import interrupt, stop_code, tidy_up
 from dse.cli.streams import OutputError, silence
 from dse.cli.terminal import print_line, show_problems
@@ -43,11 +41,21 @@ def _carry_out() -> int:
         # The shapes of our files need no plugin, and looking for one reads the metadata of every installed package.
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
         warnings.showwarning = _show_warning
-        register(sys.argv[1:] or words())
+        if (kept := found_prepared()) is None:
+            from dse.cli.commands import register
+            from dse.cli.completion import words
+
+            register(sys.argv[1:] or words())
         # What a command reads and imports stays until its end: looking through it again and again is in vain.
         gc.set_threshold(50_000, 20, 20)
         interrupt()
         try:
+            if kept is not None:
+                from dse.cli.prepared import simulate_prepared
+
+                return simulate_prepared(kept)
+            from dse.cli.app import app
+
             app()
         finally:
             sys.stdout.flush()

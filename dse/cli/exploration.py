@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED
 from dse.cli.arguments import Output
+from dse.cli.endings import DONE, RUNS_FAILED
 from dse.cli.ranking import show_ranking
 from dse.cli.terminal import (
     console,

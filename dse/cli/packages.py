@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED
 from dse.cli.arguments import Output
+from dse.cli.endings import DONE, RUNS_FAILED
 from dse.cli.terminal import console, plain, plain_table, print_json, print_line, print_some, print_table
 from dse.errors import raise_if_any
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dse.cli.arguments import Output
+from dse.cli.endings import DONE, RUNS_FAILED
 from dse.cli.terminal import plain_table, print_json, print_line, print_some, print_table
 
 if TYPE_CHECKING:
@@ -16,10 +16,16 @@ if TYPE_CHECKING:
 _STYLES = {"": "", "pass": "green", "fail": "red", "not exercised": "yellow", "failed to run": "bold red"}
 
 
-def present_run(run: Run, output: Output, plot: Path | None, units: str) -> None:
-    """Print the run for a person, or for a program in *units*, and draw its figures if a file for them is given."""
+def exit_code(run: Run, *, gate: bool) -> int:
+    """Whether the run succeeded; with *gate* also, whether it meets its requirements for certain."""
+    unmet = "fail" in run.verdicts.values() or "doubtful" in run.check.certainties.values()
+    return RUNS_FAILED if not run.is_done or (gate and unmet) else DONE
+
+
+def present_run(run: Run, output: str, plot: Path | None, units: str) -> None:
+    """Print the run for a person, or as ``json`` in *units*, and draw its figures if a file for them is given."""
     ignored = run.definition.ignored
-    if output is Output.JSON:
+    if output == "json":
         print_json(_data(run, units) | ({"ignored": list(ignored)} if ignored else {}))
     else:
         print_some("ignored", ignored)

@@ -11,8 +11,6 @@ from contextlib import contextmanager
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-import typer
-
 from dse.cli import streams
 
 if TYPE_CHECKING:
@@ -165,6 +163,8 @@ def read_size(text: str) -> float:
     """The bytes that *text* means (``500 MB``). Raises BadParameter."""
     found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?B)\s*", text)
     if found is None:
+        import typer
+
         raise typer.BadParameter(f"'{text}' is not an amount of memory; write it as '500 MB'")
     return float(found[1]) * _SIZES[found[2]]
 

@@ -162,19 +162,20 @@ def likeliest(points: Array, values: Array) -> Shape:
     width = float(np.abs(theirs - theirs.mean()).max())
     if width <= _LEAST_VARIANCE * float(np.abs(theirs).max()):
         return Shape(np.ones(points.shape[1]), _NUGGET)
-    theirs, count = (theirs - theirs.mean()) / width, len(few)
+    theirs, count, identity = (theirs - theirs.mean()) / width, len(few), np.eye(len(few))
 
     def cost(logs: Array, smoothness: float) -> tuple[float, Array]:
         scaled, nugget = few * _per_length(np.exp(logs[:-1]), smoothness), np.exp(logs[-1])
         distance = cdist(scaled, scaled)
-        factor = _factor(_correlation(distance, smoothness) + nugget * np.eye(count))
-        inverse = cho_solve((factor, True), np.eye(count), check_finite=False)
+        fall = np.exp(-distance)
+        factor = _factor(_correlation(distance, fall, smoothness) + nugget * identity)
+        inverse = cho_solve((factor, True), identity, check_finite=False)
         apart = theirs - (inverse @ theirs).sum() / inverse.sum()
         weights = inverse @ apart
         variance = max(float(apart @ weights) / count, _LEAST_VARIANCE)
         half = (inverse - np.outer(weights, weights) / variance) / 2
         # d correlation / d log length, less the square of the difference in that variable.
-        slope = half * np.exp(-distance) * ((1 + distance) / 3 if smoothness > 2 else 1.0)
+        slope = half * fall * ((1 + distance) / 3 if smoothness > 2 else 1.0)
         along = 2 * (slope.sum(axis=0) @ scaled**2 - (scaled * (slope @ scaled)).sum(axis=0))
         value = count * np.log(variance) / 2 + np.log(np.diag(factor)).sum()
         return float(value), np.append(along, nugget * np.trace(half))
@@ -197,16 +198,18 @@ def matern(first: Array, second: Array, shape: Shape) -> Array:
     from scipy.spatial.distance import cdist
 
     scale = _per_length(shape.lengths, shape.smoothness)
-    return _correlation(cdist(first * scale, second * scale), shape.smoothness)
+    distance = cdist(first * scale, second * scale)
+    return _correlation(distance, np.exp(-distance), shape.smoothness)
 
 
 def _per_length(lengths: Array, smoothness: float) -> Array:
     return np.asarray(np.sqrt(2 * smoothness) / lengths)
 
 
-def _correlation(distance: Array, smoothness: float) -> Array:
+def _correlation(distance: Array, fall: Array, smoothness: float) -> Array:
+    """*fall* is ``exp(-distance)``."""
     quadratic = distance**2 / 3 if smoothness > 2 else 0.0
-    return np.asarray((1 + distance + quadratic) * np.exp(-distance), dtype=np.float64)
+    return np.asarray((1 + distance + quadratic) * fall, dtype=np.float64)
 
 
 def solved(factor: Array, right: Array) -> Array:
@@ -221,6 +224,6 @@ def _factor(covariance: Array) -> Array:
     more = 0.0
     while True:
         try:
-            return cast(Array, np.linalg.cholesky(covariance + more * np.eye(len(covariance))))
+            return cast(Array, np.linalg.cholesky(covariance + more * np.eye(len(covariance)) if more else covariance))
         except np.linalg.LinAlgError:
             more = max(100 * more, 1e-8)

@@ -1,4 +1,5 @@
 from .assembly import (
+    Elements as Elements,
     WiredParts as WiredParts,
     along_the_flow as along_the_flow,
     assemble as assemble,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from graphlib import TopologicalSorter
 from heapq import heappop, heappush
@@ -55,16 +55,53 @@ class WiredParts:
         return self.ports | tuned
 
 
-def assemble(name: str, wired: WiredParts, models: Mapping[str, FmuModel], outputs: Collection[str]) -> SystemStructure:
+class Elements:
+    """Makes the elements of many systems: one that is used alike in several of them is made once."""
+
+    def __init__(self) -> None:
+        self._made: dict[Hashable, tuple[Element, Component, FmuModel]] = {}
+
+    def of(
+        self,
+        part: str,
+        component: Component,
+        model: FmuModel,
+        used: Set[str],
+        values: Mapping[str, Value],
+        problems: list[Problem],
+    ) -> Element:
+        """The element *part*; its ends among *used* are wired or read. What is wrong with it comes to *problems*."""
+        names = [*(port.name for port in component.interface.ports), *(each.name for each in component.parameters)]
+        ends = [f"{part}.{name}" for name in names]
+        given = tuple((end, repr(values[end])) for end in ends if end in values)
+        key = part, id(component), id(model), used & {*ends}, given
+        if key not in self._made:
+            before = len(problems)
+            made = _element(part, component, model, used, values, problems)
+            if len(problems) > before:
+                return made
+            self._made[key] = made, component, model  # whose numbers nothing else can have as long as they are here
+        return self._made[key][0]
+
+
+def assemble(
+    name: str,
+    wired: WiredParts,
+    models: Mapping[str, FmuModel],
+    outputs: Collection[str],
+    made: Elements | None = None,
+) -> SystemStructure:
     """Connect the FMUs of the parts; *models* holds that of each component by its name.
 
-    *outputs* names the output ports that shall be readable besides those that are wired. Raises DseError with every
-    mismatch of unit, type, causality or FMU.
+    *outputs* names the output ports that shall be readable besides those that are wired; *made* are the elements of
+    other systems. Raises DseError with every mismatch of unit, type, causality or FMU.
     """
+    made = made or Elements()
     problems = list(wiring_problems(wired))
-    used = {end for connection in wired.connections for end in (connection.source, connection.target)} | set(outputs)
+    ends_used = (end for connection in wired.connections for end in (connection.source, connection.target))
+    used = frozenset((*ends_used, *outputs))
     elements = {
-        part: _element(part, component, models[component.name], used, wired.values, problems)
+        part: made.of(part, component, models[component.name], used, wired.values, problems)
         for part, component in wired.parts.items()
     }
     raise_if_any(problems)

@@ -19,7 +19,7 @@ from dse.domain.system import SystemStructure
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.fmu import build_all, in_parallel, open_component
 from dse.metrics import MetricProgram, RowProgram, compile_metrics, compile_value
-from dse.system import assemble, wiring_problems
+from dse.system import Elements, assemble, wiring_problems
 from dse.testbench.facts import KnownFmus
 from dse.testbench.method import method_of, signal_name
 from dse.testbench.prepared_bench import PreparedBench, Recording, Setting
@@ -94,8 +94,8 @@ def build_checked(
     components = {c.name: c for one in checked.values() for c in one.wired.parts.values()}
     archives = build_all(components.values(), version=version, cache=cache)
     models = in_parallel(archives, lambda name: open_component(components[name], archives[name], cache=cache))
-    known = KnownFmus(cache)
-    return _each(checked, lambda one: _prepared(one, models, known))
+    known, elements = KnownFmus(cache), Elements()
+    return _each(checked, lambda one: _prepared(one, models, known, elements))
 
 
 def check_bench(bench: TestBench, configuration: Configuration) -> CheckedBench:
@@ -205,7 +205,9 @@ def _each(keys: Mapping[str, Key], make: Callable[[Key], Made]) -> dict[str, Mad
     return made
 
 
-def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], known: KnownFmus) -> PreparedBench:
+def _prepared(
+    checked: CheckedBench, models: Mapping[str, FmuModel], known: KnownFmus, elements: Elements
+) -> PreparedBench:
     wired, simulation, parts = checked.wired, checked.simulation, checked.wired.parts
     raise_if_any(stepping_problems(simulation, parts, models))
     columns, sources = checked.columns, checked.sources
@@ -213,7 +215,7 @@ def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], known: Know
     variables = (name if name.startswith(f"{BONDS}.") else signal_name(name, parts) for name in sources)
     prepared = PreparedBench(
         configuration=wired.configuration,
-        system=assemble(wired.configuration.id, wired, models, sources).with_tolerance(simulation.tolerance),
+        system=assemble(wired.configuration.id, wired, models, sources, elements).with_tolerance(simulation.tolerance),
         simulation=simulation,
         program=checked.program,
         recording=Recording(columns, tuple(variables), checked.kept),

@@ -9,6 +9,7 @@ from known_functions import G_CONSTANTS, ISHIGAMI, even, g_function, g_indices, 
 
 from dse.analysis import (
     courses,
+    importance,
     importances,
     main_effects,
     model_first_order_shares,
@@ -187,17 +188,32 @@ def test_importance_of_chance_is_withheld():
     assert caught.value.problems[0].hint.startswith("next: dse explore STUDY with the sampler 'sobol_indices'")
 
 
+def _many(points):
+    """The G-function of eight factors, of which 60 runs explain too little."""
+    return np.prod((np.abs(4 * points - 2) + np.arange(8)) / (1 + np.arange(8)), axis=1)
+
+
+def test_a_metric_is_fitted_once_and_what_would_be_enough_only_where_it_is_told(monkeypatch):
+    fitted = []
+    best = importance._best
+    monkeypatch.setattr(importance, "_best", lambda data, values: fitted.append(len(data)) or best(data, values))
+    data = _data(60, _many, 8)
+    for _ in range(2):
+        assert model_first_order_shares(data, "y") == importance.given_data_shares(data, "y")
+    assert fitted == [60]
+    for _ in range(2):
+        with pytest.raises(DseError, match=r"about [\d,]+ runs would do"):
+            importances(data, "y")
+    assert fitted == [60, 30, 30]
+
+
 @pytest.mark.thorough
 def test_as_many_runs_as_are_said_to_be_enough_are_enough():
     """Of the G-function of eight factors, from 60 runs of which too little is explained: within a factor of two."""
-
-    def function(points):
-        return np.prod((np.abs(4 * points - 2) + np.arange(8)) / (1 + np.arange(8)), axis=1)
-
     with pytest.raises(DseError, match=r"about [\d,]+ runs would do") as caught:
-        importances(_data(60, function, 8), "y")
+        importances(_data(60, _many, 8), "y")
     enough = int(re.search(r"about ([\d,]+) runs", str(caught.value))[1].replace(",", ""))
-    assert importances(_data(2 * enough, function, 8, 1), "y").explained >= 0.9
+    assert importances(_data(2 * enough, _many, 8, 1), "y").explained >= 0.9
 
 
 COURSES = {

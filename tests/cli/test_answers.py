@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from command_line import run_dse
-from workspaces import written
+from workspaces import OSCILLATOR, written
 
 from dse.api.contents import ListedResults, Listing
 from dse.cache import CacheWarning
@@ -187,3 +187,79 @@ def test_commands_answer_from_what_they_printed(tmp_path):
     answer, modules = fresh.stdout.splitlines()
     assert answer == first.stdout.strip()
     assert not {"typer", "numpy", "pydantic", "pandas", "dse.loading"} & {*modules.split()}
+
+
+def test_what_a_simulation_prepared_is_found_while_the_files_it_names_are_the_same(root):
+    fmu = root.parent / "cache/built/a.fmu"
+    fmu.parent.mkdir(parents=True)
+
+    def found(*arguments: str, prepares: bytes = b"a bench") -> bytes | None:
+        assert not answers.answer(["simulate", "bench", *arguments])
+        there = answers.found_prepared()
+        if there is None and answers.is_asked():
+            answers.hand_over(prepares, frozenset({str(fmu)}))
+            answers.keep()
+        return there
+
+    fmu.write_bytes(b"first")
+    assert found() is None
+    assert found() == b"a bench"
+    assert found("--gate", prepares=b"another") is None
+    fmu.write_bytes(b"second")
+    assert found(prepares=b"a new bench") is None
+    assert found() == b"a new bench"
+    rewritten(root)
+    assert found() is None
+    assert found() == b"a bench"
+    fmu.unlink()
+    assert found() is None
+    assert not answers.answer(COUNT)
+    assert not answers.is_asked()
+
+
+SWING = """\
+testbench: swing
+design: one
+simulation: {stop: 10 s, step: 10 ms, record: [mass.x]}
+metrics: {highest: {expression: maximum(mass.x), unit: m}}
+requirements: {R1: {metric: highest, at_most: 1.2 m}}
+"""
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    "words", [[], ["--format", "json", "--set", "mass.start=2 m", "--gate"]], ids=["shown", "json"]
+)
+def test_a_simulation_is_made_again_from_what_was_prepared(tmp_path, words):
+    work = written(tmp_path / "w", OSCILLATOR | {"testbenches/swing.yaml": SWING})
+    script = (
+        "import sys; sys.argv[1:] = %r; import dse.cli, dse.cli.answers as a; a._SETTLED = %d\n"
+        "from multiprocessing import util; util.spawnv_passfds = None\n"  # no interpreter can be started
+        "try: dse.cli.main()\n"
+        "finally: print(*sys.modules, file=sys.stderr)"
+    )
+
+    def simulated() -> tuple[int, str, set[str]]:
+        done = subprocess.run(
+            [sys.executable, "-c", script % (["simulate", "swing", *words], 0)],
+            cwd=work,
+            env={**os.environ, "DSE_CACHE": str(tmp_path / "cache")},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        return done.returncode, done.stdout, {*done.stderr.split()} & {"typer", "pydantic", "dse.loading", "dse.space"}
+
+    simulated()  # what it builds becomes known
+    code, output, modules = simulated()
+    assert code == (3 if "--gate" in words else 0)
+    assert modules == {"typer", "pydantic", "dse.loading", "dse.space"}
+    assert simulated()[:2] == (code, output)
+    light = set() if code == 0 else modules  # what ends with another code is not kept
+    assert simulated() == (code, output, light)
+    for fmu in (tmp_path / "cache/built").iterdir():
+        fmu.unlink()
+    assert simulated()[:2] == (code, output)
+    mass = work / "components/mass/mass.c"
+    mass.write_text(mass.read_text().replace("self->v = 0.0", "self->v = 0.5"))
+    assert simulated()[1] != output

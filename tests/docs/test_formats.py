@@ -184,9 +184,12 @@ def test_every_verdict_result_format_and_choice_of_waveforms_is_described():
 
 
 def test_every_exit_code_is_described():
-    from dse.cli import app, signals
+    from dse.cli import endings, signals
 
-    codes = {app.DONE, app.WRONG_FILES, app.USAGE, app.RUNS_FAILED, *(128 + number for number in signals.SIGNALS)}
+    codes = {
+        *(endings.DONE, endings.WRONG_FILES, endings.USAGE, endings.RUNS_FAILED),
+        *(128 + number for number in signals.SIGNALS),
+    }
     assert {int(code) for code in re.findall(r"`(\d+)`", section("Exit codes"))} == codes
 
 

@@ -14,7 +14,7 @@ from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
 from dse.domain.system import Conversion, Wire
 from dse.errors import DseError, Location
-from dse.system.assembly import WiredParts, along_the_flow, assemble
+from dse.system.assembly import Elements, WiredParts, along_the_flow, assemble
 from dse.units import parse_unit
 
 METRE = Type(Kind.REAL, parse_unit("m"))
@@ -68,6 +68,29 @@ def test_a_system_holds_its_elements_wires_and_start_values():
         ("sensor", "gap", "controller", "distance"),
         ("sensor", "rate", "controller", "speed"),
     ]
+
+
+def test_an_element_that_is_used_alike_in_several_systems_is_made_once():
+    made = Elements()
+
+    def system(outputs=(), **values):
+        given = {f"controller.{name}": value for name, value in values.items()}
+        parts = WiredParts(PARTS, WIRES, given)
+        found = assemble("s", parts, MODELS, outputs, made)
+        assert found == assemble("s", parts, MODELS, outputs)
+        return found.element("sensor"), found.element("controller")
+
+    sensor, controller = system()
+    assert system()[1] is controller
+    assert system(kp=1.0)[0] is sensor
+    assert system(kp=1.0)[1] is not controller
+    assert str(system(kp=0.0)[1].start["kp"]) == "0.0"
+    assert str(system(kp=-0.0)[1].start["kp"]) == "-0.0"
+    assert system(outputs=["controller.mode"])[1] is not controller
+    wrong = {**MODELS, "radar": model(SENSOR, gap={"unit": "kg"})}
+    for _ in range(2):  # what is wrong is told again
+        with pytest.raises(DseError, match="kg"):
+            assemble("s", WiredParts(PARTS, WIRES), wrong, [], made)
 
 
 def test_outputs_nobody_reads_are_left_out():

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.studies.run import Run
+from dse.api.studies.prepared_run import PreparedRun
 from dse.domain.run import TESTBENCH
 from dse.domain.study import Selection
 from dse.exploration import simulate_alone
@@ -23,6 +23,7 @@ from dse.testbench import (
 )
 
 if TYPE_CHECKING:
+    from dse.api.studies.run import Run
     from dse.domain.bench import TestBench
     from dse.domain.definition import StudyDefinition
     from dse.domain.design import Configuration
@@ -48,10 +49,28 @@ def simulate_once(
     fuse: bool = False,
     sandbox: bool = False,
     fmi: int = 2,
-    tell: Tell | None = None,
     world: WorldPlace | None = None,
 ) -> Run:
-    """The run of the configuration whose id starts so, or the first, with values as users write them.
+    """The run that `prepare_once` prepares. Raises DseError."""
+    prepared = prepare_once(
+        bench, configuration, settings, check_step=check_step, fuse=fuse, sandbox=sandbox, fmi=fmi, world=world
+    )
+    return prepared.simulate(sandbox=sandbox)
+
+
+def prepare_once(
+    bench: TestBench,
+    configuration: str | None,
+    settings: Mapping[str, Raw],
+    *,
+    check_step: bool = False,
+    fuse: bool = False,
+    sandbox: bool = False,
+    fmi: int = 2,
+    tell: Tell | None = None,
+    world: WorldPlace | None = None,
+) -> PreparedRun:
+    """The configuration whose id starts so, or the first, with values as users write them, ready to be simulated.
 
     The *world* is where that half of the bench is simulated, if not here.
     Raises DseError if there is no such configuration or parameter, or a value does not fit it.
@@ -60,8 +79,9 @@ def simulate_once(
     if check_step:
         simulation = replace(study.bench.simulation, check_step=True)
         study = replace(study, bench=replace(study.bench, simulation=simulation))
-    run, planned = alone(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell, world=world)
-    return Run(run, planned.definition, recorded_units(planned))
+    planned = ready(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell, world=world)
+    ((name, prepared),) = planned.benches.items()
+    return PreparedRun(name, on_bench(prepared, 0), planned.definition, recorded_units(planned))
 
 
 def study_of_bench(bench: TestBench, configuration: str | None = None) -> Study:

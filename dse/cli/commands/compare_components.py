@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED, app
+from dse.cli.app import app
 from dse.cli.arguments import FmiVersion
 from dse.cli.completion import components
+from dse.cli.endings import DONE, RUNS_FAILED
 from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED, app
+from dse.cli.app import app
 from dse.cli.arguments import Format, Output
+from dse.cli.endings import DONE, RUNS_FAILED
 from dse.cli.terminal import console, plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED, app
+from dse.cli.app import app
 from dse.cli.arguments import SI, FmiVersion, Folder, Format, Output, Plot, units_word
+from dse.cli.endings import DONE, RUNS_FAILED
 from dse.cli.terminal import console, print_line
 
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from dse.api import workspace_of
-from dse.cli.app import DONE, RUNS_FAILED, app
+from dse.cli.app import app
 from dse.cli.arguments import (
     SI,
     CheckStep,
@@ -30,7 +30,8 @@ from dse.cli.arguments import (
 )
 from dse.cli.completion import benches
 from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
-from dse.cli.terminal import console
+from dse.cli.prepared import keep_prepared
+from dse.cli.terminal import status_line
 
 Subject = Annotated[
     str,
@@ -119,12 +120,15 @@ def simulate(
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
     _refuse({**asked, **words, "--tolerance": tolerance is not None, "--strict": strict}, "package")
     there = world_of_bench(world, parts)
-    from dse.api import simulate_once
-    from dse.cli.runs import present_run, write_run
+    from dse.api import prepare_once
+    from dse.cli.runs import exit_code, present_run, write_run
+    from dse.processes import tell_command
+
+    tell_command()
 
     tested = workspace_of(bench).bench(bench)
-    with console(stderr=True).status("") as status:
-        run = simulate_once(
+    with status_line() as say:
+        prepared = prepare_once(
             tested,
             configuration,
             wishes.settings,
@@ -132,15 +136,17 @@ def simulate(
             fuse=fuse,
             sandbox=sandbox,
             fmi=version,
-            tell=status.update,
+            tell=say,
             world=there,
         )
+        say("simulating")
+        run = prepared.simulate(sandbox=sandbox)
     present_run(run, output, plot, units_word(si))
     if waveforms is not None:
         write_run(run, waveforms)
-    unmet = "fail" in run.verdicts.values() or "doubtful" in run.check.certainties.values()
-    failed = not run.is_done or (gate and unmet)
-    raise typer.Exit(RUNS_FAILED if failed else DONE)
+    elif plot is None and there is None and not sandbox:
+        keep_prepared(prepared, output, units_word(si), gate=gate)
+    raise typer.Exit(exit_code(run, gate=gate))
 
 
 def _refuse(options: Mapping[str, object], meant: str) -> None:

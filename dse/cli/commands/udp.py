@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dse.cli.app import RUNS_FAILED, group
+from dse.cli.app import group
 from dse.cli.arguments import Format, Output
+from dse.cli.endings import RUNS_FAILED
 from dse.cli.terminal import plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.api import workspace_of
-from dse.cli.app import DONE, RUNS_FAILED, app
+from dse.cli.app import app
 from dse.cli.arguments import Bench, Configuration, FmiVersion, Parts, Settings, split_parts
 from dse.cli.commands.simulate import read_settings
+from dse.cli.endings import DONE, RUNS_FAILED
 from dse.cli.terminal import plain_table, print_line, print_table
 
 if TYPE_CHECKING:

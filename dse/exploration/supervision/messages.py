@@ -14,7 +14,8 @@ from dse.storage import Measures, RowBlock
 class Setup:
     """What every worker needs; the folder *configurations* holds each as a pickle.
 
-    A worker makes *threads* runs at a time, and is in *sandbox* if there is one.
+    A worker makes *threads* runs at a time, and is in *sandbox* if there is one. It is *copied* from the supervisor's
+    process where that is possible, and has what that has imported; not where studies have their files open.
     """
 
     make_runner: MakeRunner
@@ -25,6 +26,7 @@ class Setup:
     study: str = ""
     threads: int = 1
     sandbox: Sandbox | None = None
+    copied: bool = False
 
     def file(self, configuration: str) -> Path:
         """Where *configuration* lies; an id may hold what a file name may not."""

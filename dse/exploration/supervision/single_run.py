@@ -44,7 +44,7 @@ def simulate_alone(
         folder = Path(scratch)
         work = Work({configuration: prepared}, make_runner, folder, measures, folder / "spool")
         batch = Batch(0, configuration, (request,), waveform_file(0, 0), logged=True)
-        with Supervisor(work, kept, workers=1, sandboxed=sandboxed) as supervisor:
+        with Supervisor(work, kept, workers=1, sandboxed=sandboxed, copied=True) as supervisor:
             supervisor.work_off([batch])
         assert kept.block is not None  # noqa: S101  # a supervisor gives a row for every run
         # As a study folder has it, where a zero has no sign.

@@ -75,7 +75,9 @@ class Supervisor:
 
     remarks: tuple[str, ...] = ()
 
-    def __init__(self, work: Work, sink: Sink, workers: int, threads: int = 1, *, sandboxed: bool = False) -> None:
+    def __init__(
+        self, work: Work, sink: Sink, workers: int, threads: int = 1, *, sandboxed: bool = False, copied: bool = False
+    ) -> None:
         self._configurations = work.configurations
         self._packer = Packer()
         self._sink = sink
@@ -88,6 +90,8 @@ class Supervisor:
         self._setup = Setup(work.make_runner, place, waveforms, log_folder, work.measures, work.study, threads)
         if sandboxed:
             self._setup = in_sandbox(self._setup)
+        elif copied:
+            self._setup = replace(self._setup, copied=True)
         self._workers: list[WorkerProcess] = []
         self._queue = WorkQueue(sink, work.measures)
         self._started = 0

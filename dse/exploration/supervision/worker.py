@@ -39,15 +39,27 @@ CHANNEL_CLOSED = 117
 """Exit code of a worker whose channel was closed behind its back."""
 
 
-def serve(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> None:
+def serve_spawned(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> None:
     """Serve batches until None comes or the supervisor is gone. What simulations print goes to *log*."""
+    _let_go_of_the_tracker()
+    _serve(channel, setup, heartbeat, log)
+
+
+def serve_copied(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path, foreign: Sequence[int]) -> None:
+    """As `serve_spawned`, in a copy of the supervisor's process, whose files are *foreign*."""
+    for number in foreign:
+        with suppress(OSError):
+            os.close(number)
+    _serve(channel, setup, heartbeat, log)
+
+
+def _serve(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> None:
     _leave_signals_to_the_supervisor()
     protect_parent()
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     _print_to(log)
     if setup.sandbox is not None:
         setup.sandbox.move_in()
-    _let_go_of_the_tracker()
     forget_start()
     gc.freeze()  # what was imported stays: it is not looked through again and again, nor at the end of the process
     gc.set_threshold(50_000, 20, 20)  # configurations are trees of thousands of nouns without circles

@@ -9,6 +9,7 @@ import time
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import psutil
@@ -16,9 +17,9 @@ import psutil
 from dse.exploration.supervision.channel import Channel
 from dse.exploration.supervision.heartbeat import Heartbeat, Phase, State
 from dse.exploration.supervision.messages import FROM_WORKERS, Fault, Report, Setup
-from dse.exploration.supervision.worker import serve
+from dse.exploration.supervision.worker import serve_copied, serve_spawned
 from dse.exploration.work import Batch
-from dse.processes import Family, start_process
+from dse.processes import Family, can_be_copied, open_files, start_copy, start_process
 from dse.storage import made_by
 
 _TAIL = 2000
@@ -62,14 +63,9 @@ class WorkerProcess:
         self._ran = self.stopped = 0.0
         self._beats, self._since = [0] * setup.threads, [0.0] * setup.threads
         self._progress, self._moved = [b""] * setup.threads, 0.0
-        context = multiprocessing.get_context("spawn")
         near, far = socket.socketpair()
         self._channel = Channel(near, *FROM_WORKERS)
-        self._process = context.Process(target=serve, args=(far, setup, heartbeat, self._log), daemon=True)
-        if setup.sandbox is None:
-            start_process(self._process, self._log)
-        else:
-            setup.sandbox.start(self._process, heartbeat, self._log)
+        self._process = _started(far, setup, heartbeat, self._log)
         far.close()
         self._seen = psutil.Process(self._process.pid)
         self._family = Family(self._seen.pid)
@@ -211,3 +207,21 @@ class WorkerProcess:
         """Both."""
         self.end()
         self.free()
+
+
+def _started(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> BaseProcess:
+    if setup.copied and setup.sandbox is None and can_be_copied():
+        foreign = [number for number in open_files() if number != channel.fileno()]
+        copy = multiprocessing.get_context("fork").Process(
+            target=serve_copied, args=(channel, setup, heartbeat, log, foreign), daemon=True
+        )
+        start_copy(copy)
+        return copy
+    process = multiprocessing.get_context("spawn").Process(
+        target=serve_spawned, args=(channel, setup, heartbeat, log), daemon=True
+    )
+    if setup.sandbox is None:
+        start_process(process, log)
+    else:
+        setup.sandbox.start(process, heartbeat, log)
+    return process
