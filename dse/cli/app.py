@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
-from dse.cli.coercion import LightGroup
 from dse.cli.endings import DONE, InterruptedCommandError
 
 _GROUPS = ("space", "import", "export", "udp")
 
 
-class _Commands(LightGroup):
+class _Commands(TyperGroup):
     """Lists the groups about design spaces beside ``dse enumerate``; they would come before all commands."""
 
     def list_commands(self, ctx: Any) -> list[str]:  # a context of the click inside typer
@@ -63,9 +63,7 @@ def _frame(
 
 def group(name: str, about: str) -> typer.Typer:
     """A group of commands in the application."""
-    made = typer.Typer(
-        name=name, cls=LightGroup, help=about, no_args_is_help=True, rich_markup_mode=None, context_settings=_HELP
-    )
+    made = typer.Typer(name=name, help=about, no_args_is_help=True, rich_markup_mode=None, context_settings=_HELP)
     made.callback()(lambda: None)  # a group, also where only one of its commands was imported
     app.add_typer(made)
     return made
