@@ -9,17 +9,17 @@
 #define PI 3.141592653589793
 #define DRAWN 5                   /* uniform numbers of one noise */
 #define FOUND (3 * OBJECTS_ACTORS) /* objects, their images in a rail, their double bounces */
+#define AHEAD (UINT64_C(1) << 40) /* numbers between those of the noise and those of bias and drift */
 #define LEAST_RATE_DEVIATION 1e-3 /* m/s */
 
-/* Standard normal numbers and a uniform one, the same for an object, independent of other seen objects. */
+/* Standard normal numbers; a uniform one follows them. */
 typedef struct {
-    double range, azimuth, doppler, uniform;
+    double range, azimuth, doppler;
 } noise;
 
 static noise draw(uint64_t *state) {
-    double first = sqrt(-2 * log(sensing_uniform(state))), a = 2 * PI * sensing_uniform(state);
-    double second = sqrt(-2 * log(sensing_uniform(state))), b = 2 * PI * sensing_uniform(state);
-    noise drawn = {first * cos(a), first * sin(a), second * cos(b), sensing_uniform(state)};
+    sensing_pair place = sensing_normal(state), rate = sensing_normal(state);
+    noise drawn = {place.first, place.second, rate.first};
     return drawn;
 }
 
@@ -54,6 +54,7 @@ static double strength(const objects *self, double reflected, double share, doub
     if (range > reach) return 0;
     double veil = sensing_veil(self->in.sun.azimuth - self->in.motion.heading, self->in.sun.elevation, self->in.sun.glare);
     double contrast = self->par.contrast > 0 ? exp(-loss * range) / ((1 + veil) * self->par.contrast) : 1;
+    if (reflected > 0) contrast *= reflected;
     return self->par.threshold * contrast * contrast;
 }
 
@@ -75,6 +76,13 @@ static bool layers_meet(const objects *self, double height, double range) {
     return false;
 }
 
+/* The object is large enough in the image. */
+static bool pixels_meet(const objects *self, double height, const view_part *part, double range) {
+    double across = 2 * part->across * tan(0.5 * (part->left - part->right)); /* at a range of 1 m */
+    return !(self->par.least_pixels > 0) ||
+           self->par.focal_length * fmin(across, height / range) >= self->par.least_pixels;
+}
+
 /* Range rate of an object that moves over ground with *vx* along the car and *vy* to its left. */
 static double rate(const objects *self, double vx, double vy, const view_part *part, double range) {
     double own = self->in.motion.lateral_speed + self->in.motion.yaw_rate * self->par.mount;
@@ -87,6 +95,7 @@ static objects_detection detected(const objects *self, const objects_actor *acto
     if (!(part.share > 0) || part.share < self->par.min_visible || !beams_meet(self, &part)) return told;
     double range = sqrt(part.x * part.x + part.y * part.y);
     if (!(range > 0) || !layers_meet(self, actor->height, range)) return told;
+    if (!pixels_meet(self, actor->height, &part, range)) return told;
     told.strength = strength(self, reflection(self, actor->class), part.share, range, loss);
     told.valid = told.strength > 0 && told.strength >= self->par.threshold;
     told.range = range;
@@ -168,8 +177,9 @@ static double range_deviation(const objects *self, double range) {
 }
 
 static void disturb(const objects *self, objects_detection *told, const noise *drawn) {
-    told->range = fmax(told->range + range_deviation(self, told->range) * drawn->range, 0);
-    told->azimuth += self->par.azimuth_noise * drawn->azimuth;
+    double scale = 1 + self->bias.scale + self->drift.scale, turn = self->bias.azimuth + self->drift.azimuth;
+    told->range = fmax(told->range * scale + range_deviation(self, told->range) * drawn->range, 0);
+    told->azimuth += turn + self->par.azimuth_noise * drawn->azimuth;
     if (self->par.doppler) told->range_rate += self->par.doppler_noise * drawn->doppler;
     told->width *= told->range;
     told->range_deviation = range_deviation(self, told->range);
@@ -177,11 +187,48 @@ static void disturb(const objects *self, objects_detection *told, const noise *d
     told->rate_deviation = self->par.doppler ? fmax(self->par.doppler_noise, LEAST_RATE_DEVIATION) : 0;
 }
 
-/* The noise of object, image or bounce *number* of this scan, independent of other seen objects. */
+/* The numbers of object, image or bounce *number* of this scan, independent of other seen objects. */
 static noise noise_of(const objects *self, int32_t number) {
     uint64_t state = self->random;
     sensing_skip(&state, (uint64_t)number * DRAWN);
     return draw(&state);
+}
+
+static double uniform_of(const objects *self, int32_t number) {
+    uint64_t state = self->random;
+    sensing_skip(&state, (uint64_t)number * DRAWN + DRAWN - 1);
+    return sensing_uniform(&state);
+}
+
+/* Bias and drift of this scan. */
+static void drift(objects *self) {
+    bool is_first = self->tick == 0;
+    double fade = is_first || !(self->par.correlation_time > 0) ? 0 : exp(-self->par.period / self->par.correlation_time);
+    if (is_first) {
+        sensing_pair drawn = sensing_normal(&self->slow);
+        self->bias.scale = self->par.scale_bias * drawn.first;
+        self->bias.azimuth = self->par.azimuth_bias * drawn.second;
+    }
+    sensing_pair drawn = sensing_normal(&self->slow);
+    self->drift.scale = sensing_drifted(self->drift.scale, self->par.scale_drift, fade, drawn.first);
+    self->drift.azimuth = sensing_drifted(self->drift.azimuth, self->par.azimuth_drift, fade, drawn.second);
+}
+
+/* What a bias and a drift are together. */
+static objects_lasting lasting(double bias, double drift, double correlation_time) {
+    double variance = bias * bias + drift * drift;
+    objects_lasting told = {sqrt(variance), drift > 0 ? variance / (drift * drift) * correlation_time : 0};
+    return told;
+}
+
+/* Object *i* is lost in this scan: the next state of its chain. */
+static bool is_lost(objects *self, int32_t i) {
+    double share = self->par.dropout, scans = self->par.dropout_time / self->par.period, chance = share;
+    if (self->tick > 0 && scans * (1 - share) > 1) {
+        chance = self->is_lost[i] ? 1 - 1 / scans : share / (scans * (1 - share));
+    }
+    self->is_lost[i] = uniform_of(self, i) <= chance;
+    return self->is_lost[i];
 }
 
 static void ghosts(const objects *self, const view_part *parts, objects_detection found[FOUND], double loss) {
@@ -193,7 +240,7 @@ static void ghosts(const objects *self, const view_part *parts, objects_detectio
         if (self->par.own_reflection > 0) *bounce = bounced(self, &self->in.actors[i], found[i], parts[i].share, loss);
     }
     for (int32_t i = OBJECTS_ACTORS; i < FOUND; ++i) {
-        if (found[i].valid) found[i].valid = noise_of(self, i).uniform <= self->par.ghost_share;
+        if (found[i].valid) found[i].valid = uniform_of(self, i) <= self->par.ghost_share;
     }
 }
 
@@ -218,10 +265,10 @@ static objects_sample measured(objects *self) {
     merge(self, found, FOUND);
     objects_sample sample = {{{false, 0, 0, 0, 0, 0, 0, 0, 0, 0}}};
     int32_t count = 0;
+    drift(self);
     for (int32_t i = 0; i < FOUND; ++i) {
-        if (!found[i].valid) continue;
+        if ((i < OBJECTS_ACTORS && is_lost(self, i)) || !found[i].valid) continue;
         noise drawn = noise_of(self, i);
-        if (i < OBJECTS_ACTORS && drawn.uniform <= self->par.dropout) continue;
         disturb(self, &found[i], &drawn);
         int32_t at = count; /* nearest first */
         if (count < OBJECTS_RETURNS) {
@@ -242,7 +289,8 @@ static int32_t steps_of(double seconds, int32_t least) {
 }
 
 static void restart(objects *self) {
-    self->random = (uint64_t)self->par.seed;
+    self->random = self->slow = (uint64_t)self->par.seed;
+    sensing_skip(&self->slow, AHEAD);
     self->tick = -1;
     self->told = 0;
 }
@@ -263,6 +311,8 @@ void objects_step(objects *self) {
 void objects_init(objects *self) {
     memset(&self->out, 0, sizeof self->out);
     self->out.scan.mount = self->par.mount;
+    self->out.scan.scale = lasting(self->par.scale_bias, self->par.scale_drift, self->par.correlation_time);
+    self->out.scan.misalignment = lasting(self->par.azimuth_bias, self->par.azimuth_drift, self->par.correlation_time);
     restart(self);
     objects_step(self);
     restart(self); /* the first step is at time 0, too */

@@ -21,8 +21,13 @@ typedef struct {
 } tracker_detection;
 
 typedef struct {
+    double deviation, time;
+} tracker_lasting;
+
+typedef struct {
     int32_t number;
     double age, mount;
+    tracker_lasting scale, misalignment;
     tracker_detection returns[TRACKER_RETURNS];
 } tracker_scan;
 
