@@ -560,7 +560,7 @@ def test_a_bias_is_constant_in_a_run_and_normal_over_runs(new_part: NewPart, ahe
 @pytest.mark.parametrize("scans", LONG)
 @pytest.mark.parametrize("key", ["scale", "azimuth"])
 def test_slow_and_white_errors_have_their_autocovariance(new_part: NewPart, scans: int, key: str) -> None:
-    """Own estimates of slow variance, correlation time and white variance, from autocovariances of the errors at three lags.
+    """Own estimates of slow variance, correlation time and white variance, from autocovariances at three lags.
 
     Their tolerances are three standard errors: Bartlett's covariance of the estimated autocovariances, through the
     derivatives of the three formulas.
@@ -613,7 +613,8 @@ def test_an_object_is_lost_in_the_same_scans_whatever_else_is_seen(new_part: New
     patterns = [[any(abs(one["azimuth"]) < 0.1 for one in seen(part)) for _ in range(400)] for part in parts]
     assert patterns[0] == patterns[1]
     others = [any(one["azimuth"] > 0.1 for one in seen(parts[1])) for _ in range(400)]
-    assert 0 < sum(others) < 400 and others != patterns[1]
+    assert 0 < sum(others) < 400
+    assert others != patterns[1]
 
 
 @pytest.mark.parametrize(
