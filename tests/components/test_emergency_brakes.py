@@ -20,7 +20,7 @@ def see(
 ) -> None:
     """One object as track *number*: *gap* ahead of the bumper, *aside* to the left, its velocities over ground."""
     name = f"tracks[{number}]"
-    part[f"{name}.id"], part[f"{name}.age"] = number, more.get("age", 1.0)
+    part[f"{name}.id"], part[f"{name}.age"], part[f"{name}.existence"] = number, more.get("age", 1.0), 1.0
     part[f"{name}.class"], part[f"{name}.width"] = more.get("kind", "car"), more.get("width", 1.8)
     part[f"{name}.x"], part[f"{name}.y"] = gap + FRONT, aside
     part[f"{name}.vx"], part[f"{name}.vy"] = along, across
