@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 NewPart = Callable[..., Any]
@@ -317,3 +318,63 @@ def test_a_width_that_is_not_known_is_that_of_the_class(new_part: NewPart) -> No
             part = begin(new_part("two_stage_aeb"), 15.0)
             see(part, 3.0, (WIDTH + width) / 2 + margin + out, width=0.0, kind=kind)
             assert stage(part) == expected, kind
+
+
+def doubt(part: Any, covariance: Any) -> None:
+    names = ("x", "y", "vx", "vy")
+    for i, one in enumerate(names):
+        for j, other in enumerate(names[i:], i):
+            part[f"tracks[1].covariance.{one}_{other}"] = covariance[i, j]
+
+
+@pytest.mark.parametrize("radius", [1e12, 80.0, -80.0])
+@pytest.mark.parametrize("uncertain", ["gap", "miss"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_stage_begins_when_it_is_due_by_so_many_deviations(
+    new_part: NewPart, uncertain: str, seed: int, radius: float
+) -> None:
+    """By derivatives, in numbers, along and across the path; from there to the car's axes by the circle's geometry."""
+    root = np.random.default_rng(seed).normal(size=(4, 4)) * 0.5
+    root[[1, 3] if uncertain == "gap" else [0, 2]] *= 1e-3
+    covariance, speed = root @ root.T, 15.0
+    state = np.array([24.0, 0.3, 3.0, 0.4])  # gap, aside, speed along, speed across
+
+    def late(state: Any) -> float:
+        return float(state[0] - beginning(speed - state[2], 1.2, 4.0))
+
+    def room(state: Any) -> float:
+        return float((WIDTH + 1.8) / 2 + 0.1 - abs(state[1] + state[3] * state[0] / (speed - state[2])))
+
+    if uncertain == "gap":
+        state[0] += -1 - late(state)  # due by a metre
+    else:
+        state[0] *= 0.3
+    function = (lambda state: -late(state)) if uncertain == "gap" else room
+    slopes = np.array([(function(state + step) - function(state - step)) / 2e-5 for step in 1e-5 * np.eye(4)])
+    deviations = function(state) / math.sqrt(slopes @ covariance @ slopes)
+    turned, share = (state[0] + FRONT) / radius, (radius - state[1]) / radius
+    c, s = math.cos(turned), math.sin(turned)
+    out = np.kron(np.eye(2), np.array([[c, -s], [s, c]])) @ np.diag([share, 1, share, 1])
+    vx, vy = (out @ state)[2:]
+    for factor, expected in ((0.999, True), (1.001, False)):
+        part = new_part("two_stage_aeb", certainty=factor * deviations, full_required=20.0, full_ttc=0.0)
+        begin(part, speed, 0.0 if radius > 1e9 else speed / radius)
+        x, y = (state[0] + FRONT, state[1]) if radius > 1e9 else (
+            (radius - state[1]) * s, radius - (radius - state[1]) * c
+        )  # fmt: skip
+        see(part, x - FRONT, y, vx, vy)
+        doubt(part, out @ covariance @ out.T)
+        assert (stage(part) >= PARTIAL) == expected
+        doubt(part, 0 * covariance)
+        assert stage(part) >= PARTIAL
+        doubt(part, 100 * out @ covariance @ out.T)
+        part["tracks[1].existence"] = 0.0
+        assert stage(part, 100) >= PARTIAL  # what has begun continues
+
+
+def test_what_may_not_exist_is_not_braked_for(new_part: NewPart) -> None:
+    for existence, expected in ((0.89, NONE), (0.91, FULL)):
+        part = begin(new_part("two_stage_aeb"), 15.0)
+        see(part, 3.0)
+        part["tracks[1].existence"] = existence
+        assert stage(part, 20) == expected
