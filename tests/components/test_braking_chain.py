@@ -135,3 +135,13 @@ def test_the_speed_told_of_standing_cars_is_within_its_own_deviation(new_part: N
                     found.append((abs(chain.tracker[f"{name}.vx"]), math.sqrt(variance)))
     assert max(value / deviation for value, deviation in found) < 5
     assert eyes == "radar" or max(value for value, _ in found) > 5  # it is wrong at first, and the deviation shows it
+
+
+@pytest.mark.parametrize(("eyes", "brakes"), [({"object_radar_mid": {}}, True), ({"object_camera": {}}, False)])
+def test_a_bridge_is_braked_for_by_a_radar_that_measures_no_height(
+    new_part: NewPart, eyes: dict[str, dict[str, Any]], brakes: bool
+) -> None:
+    speed, bridge = 60 * KMH, {"class": "obstacle", "length": 10.0, "width": 20.0, "height": 6.0, "clearance": 4.5}
+    assert bool(braking(Chain(new_part, eyes, speed), [{**bridge, "x": 5 * speed + 7.1}], 4, 4.9)) == brakes
+    bridge["clearance"] = 0.0  # a wall
+    assert braking(Chain(new_part, eyes, speed), [{**bridge, "x": 5 * speed + 7.1}], 4, 4.9)

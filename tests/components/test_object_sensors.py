@@ -22,6 +22,7 @@ CLEAN: dict[str, Any] = {
     "range_noise": 0.0, "relative_noise": 0.0, "azimuth_noise": 0.0, "doppler_noise": 0.0,
     "dropout": 0.0, "latency": 0.0, "period": 0.01, "mount": 0.0,
     "ghost_share": 0.0, "baseline": 0.0, "least_pixels": 0.0,
+    "elevation_beam": 0.0, "elevation_noise": 0.0, "least_clearance": 0.0, "least_height": 0.0,
     "scale_bias": 0.0, "scale_drift": 0.0, "azimuth_bias": 0.0, "azimuth_drift": 0.0, "dropout_time": 0.0,
 }  # fmt: skip
 CAR: dict[str, Any] = {"class": "car", "length": 4.0, "width": 2.0, "height": 1.5}
@@ -639,3 +640,51 @@ def test_a_pedestrian_is_lost_in_fog_before_a_car(new_part: NewPart) -> None:
         for share, count in ((1 - 1e-9, 1), (1 + 1e-9, 0)):
             place(part, 1, reach * share + body["length"] / 2, **body)
             assert len(seen(part)) == count
+
+
+BRIDGE: dict[str, Any] = {"class": "obstacle", "length": 10.0, "width": 20.0, "height": 6.0, "clearance": 4.5}
+COVER: dict[str, Any] = {"class": "obstacle", "length": 0.8, "width": 0.8, "height": 0.02}
+
+
+@pytest.mark.parametrize("name", ["object_radar_mid", "object_lidar", "object_camera"])
+@pytest.mark.parametrize(("clutter", "hides"), [(BRIDGE, False), (BRIDGE | {"clearance": 0.0}, True), (COVER, False)])
+def test_what_is_above_or_below_the_sensor_hides_nothing(
+    new_part: NewPart, name: str, clutter: dict[str, Any], hides: bool
+) -> None:
+    part = clean(new_part, name, beam_spacing=0.0, layer_spacing=0.0, contrast=0.001, threshold=1e-6)
+    place(part, 1, 30.0, **clutter)
+    place(part, 2, 60.0)
+    part.init()
+    face = 30 - clutter["length"] / 2
+    assert [one["range"] for one in seen(part)] == pytest.approx([face] if hides else [face, 58])
+
+
+@pytest.mark.parametrize("clutter", [BRIDGE, COVER])
+def test_a_radar_loses_what_leaves_its_lobe_as_it_comes_near(new_part: NewPart, clutter: dict[str, Any]) -> None:
+    """The gain of a Gaussian lobe is a half at half its beam beside the axis; the radar sees along it twice."""
+    beam, found = math.radians(10), []
+    part = clean(new_part, "object_radar_mid", elevation_beam=beam, mount_height=1.0, own_reflection=0.0)
+    part.init()
+    for ahead in (5.0, 12.0, 40.0, 90.0):
+        place(part, 1, ahead + clutter["length"] / 2, **clutter)
+        edge = clutter.get("clearance", clutter["height"])
+        gain = 0.5 ** ((math.atan(abs(edge - 1.0) / ahead) / (beam / 2)) ** 2)
+        strength = 20 * 10 / 100 * (160 / ahead) ** 4 * gain**2
+        found.append(len(seen(part)))
+        assert found[-1] == (strength >= 20)
+        assert not found[-1] or told(part)[0]["strength"] == pytest.approx(strength, rel=1e-9)
+    assert found[0] == 0 or clutter is COVER
+    assert 1 in found
+
+
+def test_a_measured_height_lets_bridges_and_covers_be_rejected_as_often_as_its_error_allows(new_part: NewPart) -> None:
+    n, sigma, limit = 3000, math.radians(0.5), {"least_clearance": 3.0, "least_height": 0.2}
+    for clutter, ahead, inside in ((BRIDGE, 100.0, 3.0 - 4.5), (COVER, 30.0, 0.02 - 0.2), (CAR, 50.0, 1.5 - 0.2)):
+        part = clean(new_part, "object_camera", elevation_noise=sigma, contrast=0.001, **limit)
+        place(part, 1, ahead + clutter["length"] / 2, **clutter)
+        part.init()
+        share = 0.5 * math.erfc(-inside / (ahead * sigma) / math.sqrt(2))
+        seen_in = np.isfinite(record(part, n)[:, 0]).mean()
+        assert abs(seen_in - share) <= 3 * math.sqrt(share * (1 - share) / n)  # 99.7 %
+        part["least_clearance"] = part["least_height"] = 0.0
+        assert np.isfinite(record(part, 100)).all()

@@ -10,16 +10,17 @@
 #define DRAWN 5                   /* uniform numbers of one noise */
 #define FOUND (3 * OBJECTS_ACTORS) /* objects, their images in a rail, their double bounces */
 #define AHEAD (UINT64_C(1) << 40) /* numbers between those of the noise and those of bias and drift */
+#define FLAT 0.1                  /* m: an object of this height hides nothing */
 #define LEAST_RATE_DEVIATION 1e-3 /* m/s */
 
 /* Standard normal numbers; a uniform one follows them. */
 typedef struct {
-    double range, azimuth, doppler;
+    double range, azimuth, doppler, elevation;
 } noise;
 
 static noise draw(uint64_t *state) {
     sensing_pair place = sensing_normal(state), rate = sensing_normal(state);
-    noise drawn = {place.first, place.second, rate.first};
+    noise drawn = {place.first, place.second, rate.first, rate.second};
     return drawn;
 }
 
@@ -67,20 +68,36 @@ static bool beams_meet(const objects *self, view_part *part) {
     return part->right <= part->left;
 }
 
-static bool layers_meet(const objects *self, double height, double range) {
+static bool layers_meet(const objects *self, const objects_actor *actor, double range) {
     if (!(self->par.layer_spacing > 0)) return true;
     for (int32_t i = 0; i < self->par.layers; ++i) {
         double above = self->par.mount_height + range * tan((i - 0.5 * (self->par.layers - 1)) * self->par.layer_spacing);
-        if (above >= 0 && above <= height) return true;
+        if (above >= actor->clearance && above <= actor->height) return true;
     }
     return false;
 }
 
 /* The object is large enough in the image. */
-static bool pixels_meet(const objects *self, double height, const view_part *part, double range) {
+static bool pixels_meet(const objects *self, const objects_actor *actor, const view_part *part, double range) {
     double across = 2 * part->across * tan(0.5 * (part->left - part->right)); /* at a range of 1 m */
+    double high = (actor->height - actor->clearance) / range;
     return !(self->par.least_pixels > 0) ||
-           self->par.focal_length * fmin(across, height / range) >= self->par.least_pixels;
+           self->par.focal_length * fmin(across, high) >= self->par.least_pixels;
+}
+
+/* Share of the power that a radar's lobe leaves, there and back, to the part of an object nearest to its axis. */
+static double lobe(const objects *self, const objects_actor *actor, double range) {
+    double above = fmax(actor->clearance - self->par.mount_height, 0), below = fmax(self->par.mount_height - actor->height, 0);
+    if (!(self->par.elevation_beam > 0) || !(above + below > 0)) return 1;
+    double beams = atan((above + below) / range) / self->par.elevation_beam;
+    return exp(-8 * log(2) * beams * beams);
+}
+
+/* By its measured height an object is not in the way. */
+static bool is_passable(const objects *self, const objects_actor *actor, double range, double normal) {
+    double error = range * self->par.elevation_noise * normal;
+    return (self->par.least_clearance > 0 && actor->clearance + error > self->par.least_clearance) ||
+           (self->par.least_height > 0 && actor->height + error < self->par.least_height);
 }
 
 /* Range rate of an object that moves over ground with *vx* along the car and *vy* to its left. */
@@ -94,9 +111,8 @@ static objects_detection detected(const objects *self, const objects_actor *acto
     objects_detection told = {false, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     if (!(part.share > 0) || part.share < self->par.min_visible || !beams_meet(self, &part)) return told;
     double range = sqrt(part.x * part.x + part.y * part.y);
-    if (!(range > 0) || !layers_meet(self, actor->height, range)) return told;
-    if (!pixels_meet(self, actor->height, &part, range)) return told;
-    told.strength = strength(self, reflection(self, actor->class), part.share, range, loss);
+    if (!(range > 0) || !layers_meet(self, actor, range) || !pixels_meet(self, actor, &part, range)) return told;
+    told.strength = strength(self, reflection(self, actor->class), part.share * lobe(self, actor, range), range, loss);
     told.valid = told.strength > 0 && told.strength >= self->par.threshold;
     told.range = range;
     told.azimuth = atan2(part.y, part.x);
@@ -244,6 +260,29 @@ static void ghosts(const objects *self, const view_part *parts, objects_detectio
     }
 }
 
+/* The visible parts of all boxes: of those that hide each other, and of those that hide nothing. */
+static void look(const objects *self, const view_box boxes[OBJECTS_ACTORS], view_part parts[OBJECTS_ACTORS]) {
+    view_box hiding[OBJECTS_ACTORS], flat[OBJECTS_ACTORS];
+    view_part seen[OBJECTS_ACTORS];
+    bool is_flat[OBJECTS_ACTORS], any = false;
+    for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
+        const objects_actor *actor = &self->in.actors[i];
+        bool is_low = actor->height > 0 && actor->height <= FLAT;
+        is_flat[i] = is_low || actor->clearance > self->par.mount_height;
+        hiding[i] = flat[i] = boxes[i];
+        if (is_flat[i]) hiding[i].length = -1;
+        else flat[i].length = -1;
+        any = any || (is_flat[i] && boxes[i].length >= 0);
+    }
+    double half = 0.5 * self->par.field_of_view;
+    view_of(hiding, half, !(self->par.min_visible > 0), parts);
+    if (!any) return;
+    view_of(flat, half, true, seen);
+    for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
+        if (is_flat[i]) parts[i] = seen[i];
+    }
+}
+
 static objects_sample measured(objects *self) {
     view_box boxes[OBJECTS_ACTORS];
     view_part parts[OBJECTS_ACTORS];
@@ -258,7 +297,7 @@ static objects_sample measured(objects *self) {
         if (actor->class == 0) box.length = -1;
         boxes[i] = box;
     }
-    view_of(boxes, 0.5 * self->par.field_of_view, !(self->par.min_visible > 0), parts);
+    look(self, boxes, parts);
     for (int32_t i = 0; i < FOUND; ++i) found[i].valid = false;
     for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) found[i] = detected(self, &self->in.actors[i], parts[i], loss);
     ghosts(self, parts, found, loss);
@@ -269,6 +308,7 @@ static objects_sample measured(objects *self) {
     for (int32_t i = 0; i < FOUND; ++i) {
         if ((i < OBJECTS_ACTORS && is_lost(self, i)) || !found[i].valid) continue;
         noise drawn = noise_of(self, i);
+        if (i < OBJECTS_ACTORS && is_passable(self, &self->in.actors[i], found[i].range, drawn.elevation)) continue;
         disturb(self, &found[i], &drawn);
         int32_t at = count; /* nearest first */
         if (count < OBJECTS_RETURNS) {

@@ -17,6 +17,11 @@
  * dark; s is the contrast of the object's class to what is behind it, 0: 1; the veil is that of the sun (sensing.h). The
  * smaller of the object's height and visible width must be at least *least_pixels* in the image of *focal_length*.
  *
+ * Height. An object reaches from its clearance to its height above the road. What is entirely above the sensor, or not
+ * higher than 0.1 m, hides nothing and is seen through others. A radar's lobe is Gaussian with *elevation_beam* between
+ * its half-power directions, level, so that a bridge fades as the car approaches. A sensor that measures height, with
+ * *elevation_noise*, does not report what is above least_clearance or below least_height.
+ *
  * Resolution. Two objects that differ by less than a cell in range, azimuth and Doppler, in all three of them, are one
  * detection: the strongest absorbs the weaker ones, each with its power as weight. A lidar scans only the directions of
  * its grid, and in layers, over a flat road.
@@ -58,7 +63,7 @@
 
 typedef struct {
     int32_t id, class;
-    double length, width, height;
+    double length, width, height, clearance;
     double x, y, z, heading;
     double speed, lateral_speed, acceleration;
     int32_t path, lane;
@@ -119,6 +124,8 @@ typedef struct {
         double range_cell, azimuth_cell, doppler_cell; /* 0: resolves all objects */
         double beam_spacing, layer_spacing;            /* rad; 0: all directions */
         int32_t layers;
+        double elevation_beam, elevation_noise;                       /* rad; 0: no lobe, exact */
+        double least_clearance, least_height;                         /* m; 0: reported at any height */
         double range_noise, relative_noise, azimuth_noise, doppler_noise; /* standard deviations; relative: per range */
         double baseline, focal_length, disparity_noise;                   /* m, pixels, pixels; baseline 0: no stereo */
         double scale_bias, scale_drift, azimuth_bias, azimuth_drift;      /* standard deviations; scale: per range */
