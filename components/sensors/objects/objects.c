@@ -331,6 +331,7 @@ static int32_t steps_of(double seconds, int32_t least) {
 static void restart(objects *self) {
     self->random = self->slow = (uint64_t)self->par.seed;
     sensing_skip(&self->slow, AHEAD);
+    self->drift.scale = self->drift.azimuth = 0;
     self->tick = -1;
     self->told = 0;
 }
