@@ -351,13 +351,13 @@ def test_a_stage_begins_when_it_is_due_by_so_many_deviations(
         state[0] *= 0.3
     function = (lambda state: -late(state)) if uncertain == "gap" else room
     slopes = np.array([(function(state + step) - function(state - step)) / 2e-5 for step in 1e-5 * np.eye(4)])
-    deviations = function(state) / math.sqrt(slopes @ covariance @ slopes)
+    limit = function(state) / math.sqrt(slopes @ covariance @ slopes)
     turned, share = (state[0] + FRONT) / radius, (radius - state[1]) / radius
     c, s = math.cos(turned), math.sin(turned)
     out = np.kron(np.eye(2), np.array([[c, -s], [s, c]])) @ np.diag([share, 1, share, 1])
     vx, vy = (out @ state)[2:]
     for factor, expected in ((0.999, True), (1.001, False)):
-        part = new_part("two_stage_aeb", certainty=factor * deviations, full_required=20.0, full_ttc=0.0)
+        part = new_part("two_stage_aeb", deviations=factor * limit, full_required=20.0, full_ttc=0.0)
         begin(part, speed, 0.0 if radius > 1e9 else speed / radius)
         x, y = (state[0] + FRONT, state[1]) if radius > 1e9 else (
             (radius - state[1]) * s, radius - (radius - state[1]) * c

@@ -16,22 +16,22 @@ static beginning beginning_of(const two_stage_aeb_par *par, double closing, doub
     return by_time.gap > by_required.gap ? by_time : by_required;
 }
 
-/* The gap is short enough, by *certainty* standard deviations. */
-static bool is_due(const emergency_meeting *meeting, beginning at, double certainty) {
+/* The gap is short enough, by *deviations* standard deviations. */
+static bool is_due(const emergency_meeting *meeting, beginning at, double deviations) {
     double variance = meeting->gap_variance - 2 * at.slope * meeting->gap_closing + at.slope * at.slope * meeting->closing_variance;
-    return meeting->gap + certainty * sqrt(fmax(variance, 0)) <= at.gap;
+    return meeting->gap + deviations * sqrt(fmax(variance, 0)) <= at.gap;
 }
 
 /* The stage required for an object in the path; the start of the warning is stretched by *stretch*. */
-static int32_t stage_for(const two_stage_aeb_par *par, const emergency_meeting *meeting, double stretch, double certainty) {
+static int32_t stage_for(const two_stage_aeb_par *par, const emergency_meeting *meeting, double stretch, double deviations) {
     beginning partial = beginning_of(par, meeting->closing, par->partial_ttc, par->partial_required);
     beginning full = beginning_of(par, meeting->closing, par->full_ttc, par->full_required);
-    if (is_due(meeting, full, certainty)) return STAGE_FULL;
-    if (is_due(meeting, partial, certainty)) return STAGE_PARTIAL;
+    if (is_due(meeting, full, deviations)) return STAGE_FULL;
+    if (is_due(meeting, partial, deviations)) return STAGE_PARTIAL;
     beginning warning = partial.gap > full.gap ? partial : full;
     warning.gap = (warning.gap + par->warning_lead * meeting->closing) * stretch;
     warning.slope = (warning.slope + par->warning_lead) * stretch;
-    return is_due(meeting, warning, certainty) ? STAGE_WARNING : STAGE_NONE;
+    return is_due(meeting, warning, deviations) ? STAGE_WARNING : STAGE_NONE;
 }
 
 typedef struct {
@@ -49,8 +49,8 @@ static demand demand_of(const two_stage_aeb *self) {
         double margin = is_vulnerable ? par->vulnerable_margin : par->vehicle_margin;
         int32_t highest = class == CLASS_NONE ? par->unknown_class : STAGE_FULL;
         bool is_sure = self->in.tracks[i].existence >= par->least_existence;
-        if (is_sure && meeting.clearance + par->certainty * meeting.clearance_deviation < margin) {
-            int32_t stage = stage_for(par, &meeting, 1, par->certainty);
+        if (is_sure && meeting.clearance + par->deviations * meeting.clearance_deviation < margin) {
+            int32_t stage = stage_for(par, &meeting, 1, par->deviations);
             if (stage > highest) stage = highest;
             if (stage > all.begins) all.begins = stage;
         }

@@ -18,7 +18,7 @@
  * Assistance Systems, 2016. These are engineering checks, not a claim of conformity.
  *
  * A stage begins only for a track whose probability of existence is at least least_existence, and only if it would begin
- * for an object that is *certainty* standard deviations farther outside the path when the car arrives, and *certainty*
+ * for an object that is *deviations* standard deviations farther outside the path when the car arrives, and *deviations*
  * standard deviations of d minus the distance above farther away, by the track's covariance. So a track whose speed is
  * not yet measured does not brake the car. 0: estimates count as exact. What has begun continues without these.
  *
@@ -37,7 +37,7 @@ typedef struct {
     double build_up_jerk, release_jerk, release_time, holding_time;
     double min_speed, max_speed, min_age;
     double vehicle_margin, vulnerable_margin, margin_hysteresis;
-    double certainty, least_existence;
+    double deviations, least_existence;
     int32_t unknown_class; /* the highest stage for objects without a class */
     double front_length, width, nominal_mass, wheel_radius;
 } two_stage_aeb_par;
