@@ -688,3 +688,16 @@ def test_a_measured_height_lets_bridges_and_covers_be_rejected_as_often_as_its_e
         assert abs(seen_in - share) <= 3 * math.sqrt(share * (1 - share) / n)  # 99.7 %
         part["least_clearance"] = part["least_height"] = 0.0
         assert np.isfinite(record(part, 100)).all()
+
+
+def test_bias_slow_and_white_errors_are_independent_of_each_other(new_part: NewPart) -> None:
+    runs, columns = 1000, []
+    for noise in ({"scale_bias": 0.01}, {"scale_drift": 0.01}, {"relative_noise": 0.01}, {"azimuth_bias": 0.01}):
+        part = clean_at(new_part, 42.0, **noise)
+        errors = []
+        for seed in range(runs):
+            part["seed"] = seed
+            part.init()
+            errors.append(record(part, 1)[0, int("azimuth_bias" in noise)])
+        columns.append(errors)
+    assert np.abs(np.corrcoef(columns) - np.eye(4)).max() < 4 / math.sqrt(runs)  # six pairs, 99.96 %
