@@ -83,7 +83,7 @@ EYES: dict[str, dict[str, dict[str, Any]]] = {
     "radar": {"object_radar_mid": {"ghost_share": 0.0}},
     "both": {"object_radar_mid": {"ghost_share": 0.0}, "object_camera": {}},
 }
-OFF = {"deviations": 0.0, "least_existence": 0.0}
+OFF = {"deviations": 0.0, "warning_deviations": 0.0, "least_existence": 0.0}
 
 
 def braking(chain: Chain, bodies: list[Body], seeds: int, contact: float) -> list[float]:

@@ -357,14 +357,15 @@ def test_a_stage_begins_when_it_is_due_by_so_many_deviations(
     out = np.kron(np.eye(2), np.array([[c, -s], [s, c]])) @ np.diag([share, 1, share, 1])
     vx, vy = (out @ state)[2:]
     for factor, expected in ((0.999, True), (1.001, False)):
-        part = new_part("two_stage_aeb", deviations=factor * limit, full_required=20.0, full_ttc=0.0)
+        limits = {"deviations": factor * limit, "warning_deviations": 0.0, "full_required": 20.0, "full_ttc": 0.0}
+        part = new_part("two_stage_aeb", **limits)
         begin(part, speed, 0.0 if radius > 1e9 else speed / radius)
         x, y = (state[0] + FRONT, state[1]) if radius > 1e9 else (
             (radius - state[1]) * s, radius - (radius - state[1]) * c
         )  # fmt: skip
         see(part, x - FRONT, y, vx, vy)
         doubt(part, out @ covariance @ out.T)
-        assert (stage(part) >= PARTIAL) == expected
+        assert stage(part) == (PARTIAL if expected else WARNING)
         doubt(part, 0 * covariance)
         assert stage(part) >= PARTIAL
         doubt(part, 100 * out @ covariance @ out.T)
@@ -377,4 +378,14 @@ def test_what_may_not_exist_is_not_braked_for(new_part: NewPart) -> None:
         part = begin(new_part("two_stage_aeb"), 15.0)
         see(part, 3.0)
         part["tracks[1].existence"] = existence
+        assert stage(part, 20) == expected
+
+
+def test_the_warning_has_its_own_number_of_deviations(new_part: NewPart) -> None:
+    """By the place beside the path alone: 0.4 m of room there, and a deviation of 0.2 m."""
+    covariance = np.diag([0, 0.04, 0, 0])
+    for number, expected in ((1.9, WARNING), (2.1, NONE)):
+        part = begin(new_part("two_stage_aeb", warning_deviations=number, deviations=5.0), 15.0)
+        see(part, 3.0, 1.5)
+        doubt(part, covariance)
         assert stage(part, 20) == expected

@@ -34,6 +34,12 @@ static int32_t stage_for(const two_stage_aeb_par *par, const emergency_meeting *
     return is_due(meeting, warning, deviations) ? STAGE_WARNING : STAGE_NONE;
 }
 
+/* The stage that begins for an object, by so many standard deviations of its place beside the path and of the gap. */
+static int32_t beginning_stage(const two_stage_aeb_par *par, const emergency_meeting *meeting, double margin, double deviations) {
+    bool is_in_path = meeting->clearance + deviations * meeting->clearance_deviation < margin;
+    return is_in_path ? stage_for(par, meeting, 1, deviations) : STAGE_NONE;
+}
+
 typedef struct {
     int32_t begins, stays; /* the highest stage that begins now; the highest that may continue if it has begun */
 } demand;
@@ -49,8 +55,10 @@ static demand demand_of(const two_stage_aeb *self) {
         double margin = is_vulnerable ? par->vulnerable_margin : par->vehicle_margin;
         int32_t highest = class == CLASS_NONE ? par->unknown_class : STAGE_FULL;
         bool is_sure = self->in.tracks[i].existence >= par->least_existence;
-        if (is_sure && meeting.clearance + par->deviations * meeting.clearance_deviation < margin) {
-            int32_t stage = stage_for(par, &meeting, 1, par->deviations);
+        if (is_sure) {
+            int32_t warns = beginning_stage(par, &meeting, margin, par->warning_deviations);
+            int32_t stage = beginning_stage(par, &meeting, margin, par->deviations);
+            if (stage == STAGE_NONE && warns > STAGE_NONE) stage = STAGE_WARNING;
             if (stage > highest) stage = highest;
             if (stage > all.begins) all.begins = stage;
         }

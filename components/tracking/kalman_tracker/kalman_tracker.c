@@ -139,8 +139,8 @@ static void spread(kalman_tracker_kept *kept) {
 static void pair(kalman_tracker *self, pairing *all, const tracker_detection *seen, int32_t number, bool elsewhere) {
     double distance[KEPT][TRACKER_RETURNS];
     for (int32_t i = 0; i < KEPT; ++i) {
+        if (self->kept[i].id == 0 || all->fed[i]) continue;
         kalman_tracker_kept kept = self->kept[i];
-        if (kept.id == 0 || all->fed[i]) continue;
         if (elsewhere) spread(&kept);
         for (int32_t d = 0; d < TRACKER_RETURNS; ++d) {
             if (all->taken[d]) continue;
