@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 NewPart = Callable[..., Any]
@@ -20,7 +21,7 @@ def see(
 ) -> None:
     """One object as track *number*: *gap* ahead of the bumper, *aside* to the left, its velocities over ground."""
     name = f"tracks[{number}]"
-    part[f"{name}.id"], part[f"{name}.age"] = number, more.get("age", 1.0)
+    part[f"{name}.id"], part[f"{name}.age"], part[f"{name}.existence"] = number, more.get("age", 1.0), 1.0
     part[f"{name}.class"], part[f"{name}.width"] = more.get("kind", "car"), more.get("width", 1.8)
     part[f"{name}.x"], part[f"{name}.y"] = gap + FRONT, aside
     part[f"{name}.vx"], part[f"{name}.vy"] = along, across
@@ -317,3 +318,74 @@ def test_a_width_that_is_not_known_is_that_of_the_class(new_part: NewPart) -> No
             part = begin(new_part("two_stage_aeb"), 15.0)
             see(part, 3.0, (WIDTH + width) / 2 + margin + out, width=0.0, kind=kind)
             assert stage(part) == expected, kind
+
+
+def doubt(part: Any, covariance: Any) -> None:
+    names = ("x", "y", "vx", "vy")
+    for i, one in enumerate(names):
+        for j, other in enumerate(names[i:], i):
+            part[f"tracks[1].covariance.{one}_{other}"] = covariance[i, j]
+
+
+@pytest.mark.parametrize("radius", [1e12, 80.0, -80.0])
+@pytest.mark.parametrize("uncertain", ["gap", "miss"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_stage_begins_when_it_is_due_by_so_many_deviations(
+    new_part: NewPart, uncertain: str, seed: int, radius: float
+) -> None:
+    """By derivatives, in numbers, along and across the path; from there to the car's axes by the circle's geometry."""
+    root = np.random.default_rng(seed).normal(size=(4, 4)) * 0.5
+    root[[1, 3] if uncertain == "gap" else [0, 2]] *= 1e-3
+    covariance, speed = root @ root.T, 15.0
+    state = np.array([24.0, 0.3, 3.0, 0.4])  # gap, aside, speed along, speed across
+
+    def late(state: Any) -> float:
+        return float(state[0] - beginning(speed - state[2], 1.2, 4.0))
+
+    def room(state: Any) -> float:
+        return float((WIDTH + 1.8) / 2 + 0.1 - abs(state[1] + state[3] * state[0] / (speed - state[2])))
+
+    if uncertain == "gap":
+        state[0] += -1 - late(state)  # due by a metre
+    else:
+        state[0] *= 0.3
+    function = (lambda state: -late(state)) if uncertain == "gap" else room
+    slopes = np.array([(function(state + step) - function(state - step)) / 2e-5 for step in 1e-5 * np.eye(4)])
+    limit = function(state) / math.sqrt(slopes @ covariance @ slopes)
+    turned, share = (state[0] + FRONT) / radius, (radius - state[1]) / radius
+    c, s = math.cos(turned), math.sin(turned)
+    out = np.kron(np.eye(2), np.array([[c, -s], [s, c]])) @ np.diag([share, 1, share, 1])
+    vx, vy = (out @ state)[2:]
+    for factor, expected in ((0.999, True), (1.001, False)):
+        limits = {"deviations": factor * limit, "warning_deviations": 0.0, "full_required": 20.0, "full_ttc": 0.0}
+        part = new_part("two_stage_aeb", **limits)
+        begin(part, speed, 0.0 if radius > 1e9 else speed / radius)
+        x, y = (state[0] + FRONT, state[1]) if radius > 1e9 else (
+            (radius - state[1]) * s, radius - (radius - state[1]) * c
+        )  # fmt: skip
+        see(part, x - FRONT, y, vx, vy)
+        doubt(part, out @ covariance @ out.T)
+        assert stage(part) == (PARTIAL if expected else WARNING)
+        doubt(part, 0 * covariance)
+        assert stage(part) >= PARTIAL
+        doubt(part, 100 * out @ covariance @ out.T)
+        part["tracks[1].existence"] = 0.0
+        assert stage(part, 100) >= PARTIAL  # what has begun continues
+
+
+def test_what_may_not_exist_is_not_braked_for(new_part: NewPart) -> None:
+    for existence, expected in ((0.89, NONE), (0.91, FULL)):
+        part = begin(new_part("two_stage_aeb"), 15.0)
+        see(part, 3.0)
+        part["tracks[1].existence"] = existence
+        assert stage(part, 20) == expected
+
+
+def test_the_warning_has_its_own_number_of_deviations(new_part: NewPart) -> None:
+    """By the place beside the path alone: 0.4 m of room there, and a deviation of 0.2 m."""
+    covariance = np.diag([0, 0.04, 0, 0])
+    for number, expected in ((1.9, WARNING), (2.1, NONE)):
+        part = begin(new_part("two_stage_aeb", warning_deviations=number, deviations=5.0), 15.0)
+        see(part, 3.0, 1.5)
+        doubt(part, covariance)
+        assert stage(part, 20) == expected

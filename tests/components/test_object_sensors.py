@@ -21,7 +21,9 @@ DEVIATIONS = ("range_deviation", "azimuth_deviation", "rate_deviation")
 CLEAN: dict[str, Any] = {
     "range_noise": 0.0, "relative_noise": 0.0, "azimuth_noise": 0.0, "doppler_noise": 0.0,
     "dropout": 0.0, "latency": 0.0, "period": 0.01, "mount": 0.0,
-    "ghost_share": 0.0, "baseline": 0.0,
+    "ghost_share": 0.0, "baseline": 0.0, "least_pixels": 0.0,
+    "elevation_beam": 0.0, "elevation_noise": 0.0, "least_clearance": 0.0, "least_height": 0.0,
+    "scale_bias": 0.0, "scale_drift": 0.0, "azimuth_bias": 0.0, "azimuth_drift": 0.0, "dropout_time": 0.0,
 }  # fmt: skip
 CAR: dict[str, Any] = {"class": "car", "length": 4.0, "width": 2.0, "height": 1.5}
 WALKER: dict[str, Any] = {"class": "pedestrian", "length": 0.4, "width": 0.6, "height": 1.8}
@@ -484,3 +486,218 @@ def test_the_same_seed_gives_the_same_bits_and_nobodys_noise_depends_on_others(n
 
     assert ranges(3, crowd=False) == ranges(3, crowd=True)
     assert not set(ranges(3, crowd=False)) & set(ranges(4, crowd=False))
+
+
+LASTING = {"scale_bias": 0.03, "scale_drift": 0.02, "azimuth_bias": 0.01, "azimuth_drift": 0.005}
+LONG = [2000, pytest.param(100_000, marks=pytest.mark.thorough)]
+
+
+def record(part: Any, scans: int) -> NDArray[np.float64]:
+    """Range and azimuth of the only object, scan by scan; NaN where it is lost."""
+    valid, *told = (part.slots[f"scan.returns[1].{name}"][1] for name in ("valid", "range", "azimuth"))
+    rows = np.full((scans, 2), np.nan)
+    for row in rows:
+        part.step()
+        if valid.value:
+            row[:] = [one.value for one in told]
+    return rows
+
+
+def uniform(seed: int, number: int) -> float:
+    """Number *number* of SplitMix64, by its published code."""
+    mask = 2**64 - 1
+    z = (seed + (number + 1) * 0x9E3779B97F4A7C15) & mask
+    z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & mask
+    z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & mask
+    return (((z ^ (z >> 31)) >> 11) + 1) * 2.0**-53
+
+
+def test_without_lasting_errors_and_bursts_each_scan_has_the_bits_of_white_noise(new_part: NewPart) -> None:
+    part = clean(new_part, "object_camera", seed=7, dropout=0.3, relative_noise=0.05, azimuth_noise=0.01)
+    place(part, 1, 42.0, 5.0)
+    part.init()
+    found = record(part, 200)
+    true = record(clean_at(new_part, 42.0, 5.0), 1)[0]
+    for scan, row in enumerate(found):
+        first, second, _, _, lost = (uniform(7, scan * 24 * 5 + k) for k in range(5))
+        length, angle = math.sqrt(-2 * math.log(first)), 2 * math.pi * second
+        deviation = math.sqrt((0.05 * true[0]) * (0.05 * true[0]))
+        wanted = [true[0] + deviation * (length * math.cos(angle)), true[1] + 0.01 * (length * math.sin(angle))]
+        assert list(row) == wanted if lost > 0.3 else np.isnan(row).all()
+
+
+def clean_at(new_part: NewPart, x: float, y: float = 0.0, **parameters: Any) -> Any:
+    part = clean(new_part, "object_camera", **parameters)
+    place(part, 1, x, y)
+    part.init()
+    return part
+
+
+def test_lasting_errors_leave_the_white_noise_and_the_losses_as_they_are(new_part: NewPart) -> None:
+    noise = {"relative_noise": 0.01, "azimuth_noise": 0.002, "dropout": 0.2, "dropout_time": 0.05}
+    white = record(clean_at(new_part, 42.0, **noise), 300)
+    both, slow = (record(clean_at(new_part, 42.0, **LASTING, **more), 300) for more in (noise, {}))
+    assert np.isnan(white).any()
+    np.testing.assert_allclose(both, white + slow - [40.0, 0.0], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("ahead", "key"), [(40.0, "scale_bias"), (80.0, "scale_bias"), (40.0, "azimuth_bias")])
+def test_a_bias_is_constant_in_a_run_and_normal_over_runs(new_part: NewPart, ahead: float, key: str) -> None:
+    runs, sigma, column = 3000, 0.02, int(key == "azimuth_bias")
+    part, errors = clean(new_part, "object_camera", **{key: sigma}), []
+    place(part, 1, ahead + 2)
+    for seed in range(runs):
+        part["seed"] = seed
+        part.init()
+        found = record(part, 2 if seed else 50)
+        assert np.ptp(found, axis=0).max() == 0
+        errors.append((found[0, column] - (0 if column else ahead)) / (1 if column else ahead))
+    assert part["scan.misalignment.deviation" if column else "scan.scale.deviation"] == pytest.approx(sigma)
+    assert abs(np.mean(errors)) < 3 * sigma / math.sqrt(runs)  # each with 99.7 %
+    assert abs(np.std(errors, ddof=1) - sigma) < 3 * sigma / math.sqrt(2 * runs)
+    assert abs(np.mean(np.abs(errors) < sigma) - 0.6827) < 3 * math.sqrt(0.6827 * 0.3173 / runs)
+
+
+@pytest.mark.parametrize("scans", LONG)
+@pytest.mark.parametrize("key", ["scale", "azimuth"])
+def test_slow_and_white_errors_have_their_autocovariance(new_part: NewPart, scans: int, key: str) -> None:
+    """Own estimates of slow variance, correlation time and white variance, from autocovariances at three lags.
+
+    Their tolerances are three standard errors: Bartlett's covariance of the estimated autocovariances, through the
+    derivatives of the three formulas.
+    """
+    slow, white, time = 0.03, 0.02, 10.0  # time in scans
+    noise = {"scale_drift": slow, "relative_noise": white} if key == "scale" else {"azimuth_drift": slow}
+    noise |= {} if key == "scale" else {"azimuth_noise": white}
+    found = record(clean_at(new_part, 42.0, seed=11, correlation_time=time * 0.01, **noise), scans)
+    errors = found[:, 0] / 40 - 1 if key == "scale" else found[:, 1]
+
+    def covariance(lag: Any) -> Any:
+        return slow**2 * np.exp(-np.abs(lag) / time) + white**2 * (np.abs(lag) == 0)
+
+    lags = np.array([0, 1, 11])
+    estimated = np.array([errors[: scans - lag] @ errors[lag:] / scans for lag in lags])
+    m = np.arange(-400, 401)
+    bartlett = np.array([[np.sum(covariance(m) * covariance(m + p - q) + covariance(m + q) * covariance(m - p))
+                          for q in lags] for p in lags]) / scans  # fmt: skip
+
+    def formulas(c: NDArray[np.float64]) -> NDArray[np.float64]:
+        fade = (c[2] / c[1]) ** 0.1
+        return np.array([c[1] / fade, -1 / math.log(fade), c[0] - c[1] / fade])
+
+    true = formulas(covariance(lags))
+    np.testing.assert_allclose(true, [slow**2, time, white**2], rtol=1e-9)
+    steps = np.diag(1e-6 * covariance(lags))
+    slopes = np.array([(formulas(covariance(lags) + s) - true) / s.sum() for s in steps]).T
+    limits = 3 * np.sqrt(np.diag(slopes @ bartlett @ slopes.T))
+    assert (np.abs(formulas(estimated) - true) < limits).all()
+    assert scans < 100_000 or (limits < [0.1 * slow**2, 0.15 * time, 0.1 * white**2]).all()
+
+
+@pytest.mark.parametrize("scans", LONG)
+def test_losses_come_in_bursts_of_their_mean_length_with_the_same_share(new_part: NewPart, scans: int) -> None:
+    share, length = 0.1, 6.0
+    found = record(clean_at(new_part, 42.0, seed=3, dropout=share, dropout_time=length * 0.01), scans)
+    lost = np.isnan(found[:, 0])
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], lost.astype(int), [0]])))
+    bursts = np.diff(edges)[::2]
+    stays = 1 - 1 / length - share / (length * (1 - share))  # correlation of two scans
+    error = math.sqrt(share * (1 - share) / scans * (1 + stays) / (1 - stays))
+    assert abs(lost.mean() - share) < 3 * error
+    assert abs(bursts.mean() - length) < 3 * length * math.sqrt((1 - 1 / length) / len(bursts))  # geometric
+    assert abs(np.mean(bursts == 1) - 1 / length) < 3 * math.sqrt(1 / length * (1 - 1 / length) / len(bursts))
+
+
+def test_an_object_is_lost_in_the_same_scans_whatever_else_is_seen(new_part: NewPart) -> None:
+    parts = [clean_at(new_part, 42.0, dropout=0.2, dropout_time=0.05) for _ in range(2)]
+    place(parts[1], 2, 60.0, 12.0)
+    patterns = [[any(abs(one["azimuth"]) < 0.1 for one in seen(part)) for _ in range(400)] for part in parts]
+    assert patterns[0] == patterns[1]
+    others = [any(one["azimuth"] > 0.1 for one in seen(parts[1])) for _ in range(400)]
+    assert 0 < sum(others) < 400
+    assert others != patterns[1]
+
+
+@pytest.mark.parametrize(
+    ("body", "smaller"), [(WALKER, 0.6), (CAR, 1.5), ({**CAR, "height": 0.4}, 0.4), ({**WALKER, "width": 3.0}, 1.8)]
+)
+def test_a_camera_sees_what_has_enough_pixels(new_part: NewPart, body: dict[str, Any], smaller: float) -> None:
+    part = clean(new_part, "object_camera", least_pixels=12.0, contrast=0.001)
+    part["max_range"] = 400.0
+    part.init()
+    reach = 1372 * smaller / 12  # by similar triangles
+    for share, count in ((1 - 1e-4, 1), (1 + 1e-4, 0)):
+        place(part, 1, reach * share + body["length"] / 2, **body)
+        assert len(seen(part)) == count
+
+
+def test_a_pedestrian_is_lost_in_fog_before_a_car(new_part: NewPart) -> None:
+    part = clean(new_part, "object_camera")
+    part.init()
+    part["visibility.fog_extinction"] = 0.1
+    for body, contrast in ((CAR, 1.0), (WALKER, 0.5)):
+        reach = math.log(contrast / 0.05) / 0.1
+        for share, count in ((1 - 1e-9, 1), (1 + 1e-9, 0)):
+            place(part, 1, reach * share + body["length"] / 2, **body)
+            assert len(seen(part)) == count
+
+
+BRIDGE: dict[str, Any] = {"class": "obstacle", "length": 10.0, "width": 20.0, "height": 6.0, "clearance": 4.5}
+COVER: dict[str, Any] = {"class": "obstacle", "length": 0.8, "width": 0.8, "height": 0.02}
+
+
+@pytest.mark.parametrize("name", ["object_radar_mid", "object_lidar", "object_camera"])
+@pytest.mark.parametrize(("clutter", "hides"), [(BRIDGE, False), (BRIDGE | {"clearance": 0.0}, True), (COVER, False)])
+def test_what_is_above_or_below_the_sensor_hides_nothing(
+    new_part: NewPart, name: str, clutter: dict[str, Any], hides: bool
+) -> None:
+    part = clean(new_part, name, beam_spacing=0.0, layer_spacing=0.0, contrast=0.001, threshold=1e-6)
+    place(part, 1, 30.0, **clutter)
+    place(part, 2, 60.0)
+    part.init()
+    face = 30 - clutter["length"] / 2
+    assert [one["range"] for one in seen(part)] == pytest.approx([face] if hides else [face, 58])
+
+
+@pytest.mark.parametrize("clutter", [BRIDGE, COVER])
+def test_a_radar_loses_what_leaves_its_lobe_as_it_comes_near(new_part: NewPart, clutter: dict[str, Any]) -> None:
+    """The gain of a Gaussian lobe is a half at half its beam beside the axis; the radar sees along it twice."""
+    beam, found = math.radians(10), []
+    part = clean(new_part, "object_radar_mid", elevation_beam=beam, mount_height=1.0, own_reflection=0.0)
+    part.init()
+    for ahead in (5.0, 12.0, 40.0, 90.0):
+        place(part, 1, ahead + clutter["length"] / 2, **clutter)
+        edge = clutter.get("clearance", clutter["height"])
+        gain = 0.5 ** ((math.atan(abs(edge - 1.0) / ahead) / (beam / 2)) ** 2)
+        strength = 20 * 10 / 100 * (160 / ahead) ** 4 * gain**2
+        found.append(len(seen(part)))
+        assert found[-1] == (strength >= 20)
+        assert not found[-1] or told(part)[0]["strength"] == pytest.approx(strength, rel=1e-9)
+    assert found[0] == 0 or clutter is COVER
+    assert 1 in found
+
+
+def test_a_measured_height_lets_bridges_and_covers_be_rejected_as_often_as_its_error_allows(new_part: NewPart) -> None:
+    n, sigma, limit = 3000, math.radians(0.5), {"least_clearance": 3.0, "least_height": 0.2}
+    for clutter, ahead, inside in ((BRIDGE, 100.0, 3.0 - 4.5), (COVER, 30.0, 0.02 - 0.2), (CAR, 50.0, 1.5 - 0.2)):
+        part = clean(new_part, "object_camera", elevation_noise=sigma, contrast=0.001, **limit)
+        place(part, 1, ahead + clutter["length"] / 2, **clutter)
+        part.init()
+        share = 0.5 * math.erfc(-inside / (ahead * sigma) / math.sqrt(2))
+        seen_in = np.isfinite(record(part, n)[:, 0]).mean()
+        assert abs(seen_in - share) <= 3 * math.sqrt(share * (1 - share) / n)  # 99.7 %
+        part["least_clearance"] = part["least_height"] = 0.0
+        assert np.isfinite(record(part, 100)).all()
+
+
+def test_bias_slow_and_white_errors_are_independent_of_each_other(new_part: NewPart) -> None:
+    runs, columns = 1000, []
+    for noise in ({"scale_bias": 0.01}, {"scale_drift": 0.01}, {"relative_noise": 0.01}, {"azimuth_bias": 0.01}):
+        part = clean_at(new_part, 42.0, **noise)
+        errors = []
+        for seed in range(runs):
+            part["seed"] = seed
+            part.init()
+            errors.append(record(part, 1)[0, int("azimuth_bias" in noise)])
+        columns.append(errors)
+    assert np.abs(np.corrcoef(columns) - np.eye(4)).max() < 4 / math.sqrt(runs)  # six pairs, 99.96 %

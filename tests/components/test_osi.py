@@ -40,6 +40,7 @@ worlds = st.fixed_dictionaries(
                     "length": st.floats(0.2, 20),
                     "width": st.floats(0.2, 3),
                     "height": st.floats(0.2, 4),
+                    "clearance": st.floats(0, 0.1),
                     **{key: st.floats(-300, 300) for key in ("x", "y", "z", "heading", "speed", "lateral_speed")},
                     "acceleration": st.floats(-9, 9),
                 }
@@ -101,9 +102,17 @@ def test_every_road_user_is_read_back_as_it_is(new_part: NewPart) -> None:
             is_still = actor["class"] == "obstacle"
             found = (still if is_still else moving)[number]
             size, place = found.base.dimension, found.base.position
-            assert [size.length, size.width, size.height] == [actor["length"], actor["width"], actor["height"]]
+            assert [size.length, size.width, size.height] == [
+                actor["length"],
+                actor["width"],
+                actor["height"] - actor["clearance"],
+            ]
             ground = actor["z"] if given_world["slope"] else 0.0
-            assert [place.x, place.y, place.z] == [actor["x"], actor["y"], ground + actor["height"] / 2]
+            assert [place.x, place.y, place.z] == [
+                actor["x"],
+                actor["y"],
+                ground + (actor["height"] + actor["clearance"]) / 2,
+            ]
             yaw = found.base.orientation.yaw
             assert abs(yaw) <= math.pi
             assert math.remainder(yaw - actor["heading"], math.tau) == pytest.approx(0, abs=1e-12)

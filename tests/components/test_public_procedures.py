@@ -37,6 +37,7 @@ def impact(
             1, "car", WIDTH, 1.0,
         )  # fmt: skip
         part["tracks[1].x"], part["tracks[1].y"], part["tracks[1].vx"] = left + FRONT, aside, other
+        part["tracks[1].existence"] = 1.0
         part.step(T)
         delayed.append(part["brake_torque"] / MASS / RADIUS)
         acting += (min(delayed.pop(0), grip) - acting) * -math.expm1(-T / LAG)

@@ -191,3 +191,17 @@ def test_a_collision_stays_reported(new_part: NewPart) -> None:
     place(part, 1, 20.0, 0.0)
     part.step()
     assert part["collision"]
+
+
+@pytest.mark.parametrize(("height", "clearance", "hits"), [(1.5, 0.0, True), (0.02, 0.0, False), (6.0, 4.5, False)])
+def test_a_car_passes_under_a_bridge_and_over_a_manhole_cover(
+    new_part: NewPart, height: float, clearance: float, hits: bool
+) -> None:
+    part = new_part("ray_scanner")
+    for key, value in {"class": 6, "length": 2.0, "width": 20.0, "height": height, "clearance": clearance}.items():
+        part[f"actors[1].{key}"] = value
+    part["actors[1].x"] = part["actors[1].ahead"] = 3.0
+    part["lane.width"] = 3.5
+    part.init()
+    part.step()
+    assert (part["collision"], part["scene.hit"], part["lead.id"] == 0 and part["gap"] < 300) == (hits, hits, hits)

@@ -15,7 +15,8 @@ from hypothesis import given, settings, strategies as st
 NewPart = Callable[..., Any]
 H = 0.1
 MOVER = np.dtype(
-    [("id", "i4"), ("class", "i4"), ("length", "f8"), ("width", "f8"), ("height", "f8"), ("path", "i4"), ("lane", "i4"),
+    [("id", "i4"), ("class", "i4"), *((name, "f8") for name in ("length", "width", "height", "clearance")),
+     ("path", "i4"), ("lane", "i4"),
      *((name, "f8") for name in ("station", "offset", "turn", "speed", "lateral_speed", "acceleration"))],
     align=True,
 )  # fmt: skip

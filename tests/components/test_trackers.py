@@ -21,6 +21,9 @@ NOISES = {
     "second": {"range_deviation": 0.2, "azimuth_deviation": math.radians(0.05), "rate_deviation": 0.0},
 }
 QUIET = {"acceleration_noise": 1.0}
+NAMES = ("x", "y", "vx", "vy")
+COVARIANCE = [f"covariance.{one}_{other}" for i, one in enumerate(NAMES) for other in NAMES[i:]]
+UPPER = np.triu_indices(4)
 
 
 def drive(part: Any, speed: float = 0.0, aside: float = 0.0, yaw_rate: float = 0.0) -> None:
@@ -45,7 +48,7 @@ def advance(part: Any, k: int) -> None:
 
 
 def tracks(part: Any) -> list[dict[str, Any]]:
-    keys = ("id", "class", "x", "y", "vx", "vy", "width", "age")
+    keys = ("id", "class", "x", "y", "vx", "vy", "width", "age", "existence", *COVARIANCE)
     found = [{key: part[f"tracks[{i}].{key}"] for key in keys} for i in range(1, 9)]
     return [track for track in found if track["id"]]
 
@@ -56,27 +59,50 @@ def turned(angle: float) -> Array:
 
 
 class Textbook:
-    """Kalman filter with the matrices of a textbook, inverses and all."""
+    """Kalman filter with the matrices of a textbook, inverses and all.
 
-    def __init__(self, z: Array, noise: Array, ray: Array, spread: float) -> None:
-        self.x = np.concatenate([z[:2], [0, 0]])
-        self.P = np.diag([0, 0, spread**2, spread**2]).astype(float)
-        self.P[:2, :2] = noise[:2, :2]
+    *lasting*: deviations and correlation times (0: constant) of errors that the measurements of a sensor have in
+    common. *arm*: derivatives of a measured place by them.
+    """
+
+    def __init__(
+        self, z: Array, noise: Array, ray: Array, spread: float, lasting: Array | None = None, arm: Array | None = None
+    ) -> None:
+        self.lasting = np.zeros((0, 2)) if lasting is None else lasting
+        arm = np.zeros((2, len(self.lasting))) if arm is None else arm
+        self.x = np.concatenate([z[:2], [0, 0], 0 * self.lasting[:, 0]])
+        self.P = np.diag([0, 0, spread**2, spread**2, *self.lasting[:, 0] ** 2]).astype(float)
+        self.P[:2, :2] = noise[:2, :2] + arm @ self.P[4:, 4:] @ arm.T
+        self.P[:2, 4:] = -arm @ self.P[4:, 4:]
+        self.P[4:, :2] = self.P[:2, 4:].T
         if len(z) == 3:
             self.correct(z[2:], np.array([[0, 0, *ray]]), noise[2:, 2:])
+
+    def move(self, F: Array, Q: Array, fades: Array) -> None:
+        """By matrices of place and velocity, and by what remains of the errors that last."""
+        whole, more = np.diag([0.0] * 4 + list(fades)), np.diag([0.0] * 4 + list(1 - fades**2))
+        whole[:4, :4], more[:4, :4] = F, 0
+        more[4:, 4:] *= self.lasting[:, 0] ** 2
+        more[:4, :4] = Q
+        self.x, self.P = whole @ self.x, whole @ self.P @ whole.T + more
 
     def predict(self, moved: Array, angle: float, sigma: float) -> None:
         back, eye = turned(-angle), np.eye(2)
         F = np.kron(np.eye(2), back) @ np.block([[eye, T * eye], [0 * eye, eye]])
         G = np.vstack([T**2 / 2 * eye, T * eye])
-        self.x = F @ (self.x - np.concatenate([moved, [0, 0]]))
-        self.P = F @ self.P @ F.T + sigma**2 * G @ G.T
+        self.x[:2] -= moved
+        times = self.lasting[:, 1]
+        self.move(F, sigma**2 * G @ G.T, np.exp(-T / np.where(times > 0, times, np.inf)))
 
-    def correct(self, z: Array, H: Array, R: Array) -> None:
-        K = self.P @ H.T @ np.linalg.inv(H @ self.P @ H.T + R)
-        self.x = self.x + K @ (z - H @ self.x)
-        keep = np.eye(4) - K @ H
+    def correct(self, z: Array, H: Array, R: Array) -> float:
+        """Returns the squared innovation, normalised by its covariance."""
+        H = np.hstack([H, np.zeros((len(z), len(self.x) - H.shape[1]))])
+        S, error = H @ self.P @ H.T + R, z - H @ self.x
+        K = self.P @ H.T @ np.linalg.inv(S)
+        self.x = self.x + K @ error
+        keep = np.eye(len(self.x)) - K @ H
         self.P = keep @ self.P @ keep.T + K @ R @ K.T  # Joseph's form
+        return float(error @ np.linalg.solve(S, error))
 
     def spread(self, length: float, width: float, heading: float) -> None:
         """The place may be that of any point of a rectangle: its covariance is the rectangle's second moment."""
@@ -95,9 +121,28 @@ def arc(first: Motion, last: Motion, duration: float) -> tuple[Array, float]:
     return np.array([speed * c - aside * s, speed * s + aside * c]), rate * duration
 
 
-def test_the_filter_equals_a_textbook_one_with_two_late_sensors_on_a_turning_car(new_part: NewPart) -> None:
+def arm_of(place: Array, sensor: Array, number: int) -> Array:
+    """How errors of scale and azimuth of sensor 0 or 1 move a *place* that it measures."""
+    arm = np.zeros((2, 4))
+    arm[:, 2 * number : 2 * number + 2] = np.column_stack([place - sensor, turned(math.pi / 2) @ (place - sensor)])
+    return arm
+
+
+def declare(part: Any, lasting: Array) -> None:
+    errors = [f"{sensor}.{error}" for sensor in NOISES for error in ("scale", "misalignment")]
+    for error, (deviation, time) in zip(errors, lasting, strict=True):
+        part[f"{error}.deviation"], part[f"{error}.time"] = deviation, time
+
+
+@pytest.mark.parametrize(
+    "lasting", [np.zeros((4, 2)), np.array([[0.02, 0.7], [0.004, 0.0], [0.05, 0.0], [0.003, 1.5]])], ids=["no", "some"]
+)
+def test_the_filter_equals_a_textbook_one_with_two_late_sensors_on_a_turning_car(
+    new_part: NewPart, lasting: Array
+) -> None:
     random = np.random.default_rng(3)
     part = new_part("kalman_tracker", gate=1e9, confirm=1, of=1)
+    declare(part, lasting)
     # Mount, period and age in steps, noises: the second one's age lies between two steps.
     sensors: dict[str, tuple[float, int, float, dict[str, float]]] = {
         "first": (2.3, 4, 4.0, {"range_deviation": 0.1, "azimuth_deviation": 0.0017, "rate_deviation": 0.12}),
@@ -115,7 +160,7 @@ def test_the_filter_equals_a_textbook_one_with_two_late_sensors_on_a_turning_car
             if book is not None:
                 book.predict(moved, angle, part["acceleration_noise"])
         past.append((place, heading, motion))
-        for name, (mount, every, age, noises) in sensors.items():
+        for number, (name, (mount, every, age, noises)) in enumerate(sensors.items()):
             if k < 4 or k % every:
                 part[f"{name}.age"] += T  # what was told already, and is not read again
                 continue
@@ -145,21 +190,26 @@ def test_the_filter_equals_a_textbook_one_with_two_late_sensors_on_a_turning_car
                 own_speed = base @ turned(heading - pointed) @ ray
                 z, H = np.append(z, rate_seen + own_speed), np.vstack([H, [0, 0, *ray]])
                 R = np.block([[R, np.zeros((2, 1))], [np.zeros((1, 2)), np.array([[noises["rate_deviation"] ** 2]])]])
+            sensor = turned(-heading) @ (stood + turned(pointed) @ np.array([mount, 0]) - place)
             if book is None:
-                book = Textbook(z, R, ray, part["speed_deviation"])
+                book = Textbook(z, R, ray, part["speed_deviation"], lasting, arm_of(z[:2], sensor, number))
                 F = np.block([[np.eye(2), age * T * np.eye(2)], [np.zeros((2, 2)), np.eye(2)]])
-                book.x, book.P = F @ book.x, F @ book.P @ F.T
+                book.move(F, np.zeros((4, 4)), np.ones(4))
             else:
-                book.correct(z, H, R)
+                arm = arm_of(book.x[:2] - age * T * book.x[2:4], sensor, number)
+                book.correct(z, np.hstack([H, np.vstack([arm, np.zeros((len(z) - 2, 4))])]), R)
         advance(part, k)
         if book is None:
             continue
         (track,) = tracks(part)
-        np.testing.assert_allclose([track[key] for key in ("x", "y", "vx", "vy")], book.x, rtol=0, atol=1e-9)
+        np.testing.assert_allclose([track[key] for key in NAMES], book.x[:4], rtol=0, atol=1e-9)
+        told = [track[key] for key in COVARIANCE]
+        np.testing.assert_allclose(told, book.P[:4, :4][UPPER], rtol=1e-7, atol=1e-9)
     assert (track["id"], track["age"]) == (1, pytest.approx(195 * T))
     over_ground = turned(-heading) @ velocity
-    assert [track["vx"], track["vy"]] == pytest.approx(list(over_ground), abs=0.5)  # and the truth
-    assert [track["x"], track["y"]] == pytest.approx(list(turned(-heading) @ (thing - place)), abs=0.4)
+    if not lasting.any():
+        assert [track["vx"], track["vy"]] == pytest.approx(list(over_ground), abs=0.5)  # and the truth
+        assert [track["x"], track["y"]] == pytest.approx(list(turned(-heading) @ (thing - place)), abs=0.4)
 
 
 @pytest.mark.parametrize(("kind", "body"), [("truck", (16.0, 2.55)), ("none", (16.0, 2.55)), ("car", (4.5, 1.8))])
@@ -196,7 +246,7 @@ def test_what_shows_another_face_moves_its_place_and_hardly_its_speed(
                 assert np.linalg.norm(book.x[:2] - before[:2]) == pytest.approx(math.hypot(*body) / 2, abs=0.5)
                 assert np.linalg.norm(book.x[2:] - before[2:]) < 0.2
         (track,) = tracks(part)
-        np.testing.assert_allclose([track[key] for key in ("x", "y", "vx", "vy")], book.x, rtol=0, atol=1e-9)
+        np.testing.assert_allclose([track[key] for key in NAMES], book.x, rtol=0, atol=1e-9)
     assert track["id"] == 1
 
 
@@ -430,3 +480,119 @@ def test_what_no_tracker_passes_on_is_moved_by_its_age(new_part: NewPart) -> Non
     x, y = turned(-angle) @ (np.array([30.0, 0.0]) - moved)
     speed = 15.0 / math.cos(angle)  # taken to drive along the car, seen along a ray that is turned by now
     assert [track["x"], track["y"], track["vx"]] == pytest.approx([x + 0.08 * speed, y, speed], abs=1e-8)
+
+
+def followed(new_part: NewPart, eye: Any, seed: int, speed: float) -> tuple[list[float], Array, int]:
+    """From a standing car, an object whose velocity changes at random as the tracker assumes, seen for ten seconds.
+
+    Returns the normalised squared innovations of an own filter, errors over covariance of the tracker's last estimate,
+    and the number of tracks there were.
+    """
+    random = np.random.default_rng(seed)
+    tracker = new_part("kalman_tracker", gate=1e9, confirm=1, of=1, coast=10.0, speed_deviation=speed)
+    eye.init()
+    sigma, mount = tracker["acceleration_noise"], eye["mount"]
+    lasting = np.array([[eye[f"scan.{error}.{key}"] for key in ("deviation", "time")]
+                        for error in ("scale", "misalignment")] + [[0, 0]] * 2)  # fmt: skip
+    declare(tracker, lasting)
+    wires = [key[5:] for key in eye.slots if key.startswith(("scan.number", "scan.age", "scan.returns[1]"))]
+    state, book, squares, number, ids = np.array([40.0, 0, *random.normal(0, speed, 2)]), None, [], 0, set()
+    for k in range(500):
+        for half in range(2):
+            for key, value in (("x", state[0] + half * state[2] * T / 2), ("y", state[1] + half * state[3] * T / 2)):
+                eye[f"actors[1].{key}"] = value
+            eye.step()
+            if half == 0:
+                is_new, number = eye["scan.number"] != number, eye["scan.number"]
+                for key in wires:
+                    tracker[f"first.{key}"] = eye[f"scan.{key}"]
+                tracker["first.mount"] = mount
+                advance(tracker, k)
+        if book is not None:
+            book.predict(np.zeros(2), 0.0, sigma)
+        if is_new and eye["scan.returns[1].valid"]:
+            r, a, range_deviation, azimuth_deviation = (
+                eye[f"scan.returns[1].{key}"] for key in ("range", "azimuth", "range_deviation", "azimuth_deviation")
+            )
+            ray = np.array([math.cos(a), math.sin(a)])
+            z, sensor = np.array([mount, 0]) + r * ray, np.array([mount, 0])
+            J = np.column_stack([ray, r * np.array([-ray[1], ray[0]])])
+            R = J @ np.diag([range_deviation**2, azimuth_deviation**2]) @ J.T
+            if book is None:
+                book = Textbook(z, R, ray, speed, lasting, arm_of(z, sensor, 0))
+            else:
+                H = np.hstack([np.eye(2), np.zeros((2, 2)), arm_of(book.x[:2], sensor, 0)])
+                squares.append(book.correct(z, H, R))
+        ids |= {tracker["tracks[1].id"], tracker["tracks[2].id"]}
+        truth = state.copy()
+        push = random.normal(0, sigma, 2)
+        state = np.concatenate([state[:2] + T * state[2:] + T**2 / 2 * push, state[2:] + T * push])
+    (last,) = tracks(tracker)
+    assert book is not None
+    np.testing.assert_allclose([last[key] for key in NAMES], book.x[:4], rtol=0, atol=1e-6)
+    P = np.zeros((4, 4))
+    P[UPPER] = [last[key] for key in COVARIANCE]
+    P += np.triu(P, 1).T
+    error = np.array([last[key] for key in NAMES]) - truth
+    return squares, error @ np.linalg.solve(P, error), len(ids - {0})
+
+
+POINT = {"object_camera": {"least_pixels": 0.0}, "object_lidar_roof": {"beam_spacing": 0.0}}  # sees a small box
+
+
+@pytest.mark.parametrize("runs", [2, pytest.param(100, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("eye", POINT)
+def test_innovations_and_errors_are_as_large_as_their_covariances(new_part: NewPart, eye: str, runs: int) -> None:
+    """With bias, slow errors and bursts: means of squares within three standard errors of chi-square, plus 2 %.
+
+    Two percent, as the tracker takes bias and slow error for one Gauss-Markov process, and turns range and azimuth into
+    places linearly.
+    """
+    part = new_part(eye, latency=0.0, field_of_view=2 * math.pi, **POINT[eye])
+    for key, value in {"class": "car", "length": 0.02, "width": 0.02, "height": 1.5}.items():
+        part[f"actors[1].{key}"] = value
+    squares, errors = [], []
+    for seed in range(runs):
+        part["seed"] = seed
+        found, error, count = followed(new_part, part, seed, 2.0)
+        assert count == 1
+        squares += found
+        errors.append(error)
+    assert np.mean(squares) == pytest.approx(2, abs=3 * 2 / math.sqrt(len(squares)) + 0.04)
+    assert np.mean(errors) == pytest.approx(4, abs=3 * math.sqrt(8 / runs) + 0.08)
+
+
+def test_existence_is_that_of_bayes_from_hits_and_misses(new_part: NewPart) -> None:
+    rates = {"birth": 0.3, "detection_rate": 0.8, "false_rate": 0.2}
+    part = new_part("kalman_tracker", **QUIET, **rates, confirm=1, of=1)
+    odds = 0.3 / 0.7
+    for k, hit in enumerate("1101001111111100"):
+        see(part, "first", *([(40.0, 2.0)] if hit == "1" else []))
+        if k in (3, 9):  # the other sensor: a hit counts, a miss does not
+            see(part, "second", *([(40.0, 2.0)] if k == 3 else []))
+            odds *= 0.8 / 0.2 if k == 3 else 1
+        advance(part, k)
+        odds *= 0.8 / 0.2 if hit == "1" else 0.2 / 0.8
+        odds = min(odds, 0.999 / 0.001)
+        (track,) = tracks(part)
+        assert track["existence"] == pytest.approx(odds / (1 + odds), rel=1e-12)
+
+
+def test_what_no_tracker_passes_on_has_the_covariance_of_its_measurement(new_part: NewPart) -> None:
+    """Against 40,000 detections with the errors that the scan declares, within 5 % (three standard errors: 2.1 %)."""
+    random, n, age = np.random.default_rng(1), 40_000, 0.3
+    part = new_part("no_tracker")
+    part["first.scale.deviation"], part["first.misalignment.deviation"], part["first.age"] = 0.03, 0.01, age
+    see(part, "first", (40.0, 12.0), range_deviation=0.5, azimuth_deviation=0.01, rate_deviation=0.4, range_rate=1.0)
+    part.init()
+    part.step()
+    (track,) = tracks(part)
+    r, a, c = math.hypot(40, 12), math.atan2(12, 40), 40 / math.hypot(40, 12)
+    ranges = r + r * random.normal(0, 0.03, n) + random.normal(0, 0.5, n)
+    azimuths = a + random.normal(0, 0.01, n) + random.normal(0, 0.01, n)
+    speeds = (1 + random.normal(0, 0.4, n)) / c
+    errors = np.stack([ranges * np.cos(azimuths) + speeds * age, ranges * np.sin(azimuths), speeds, 0 * speeds])
+    P = np.cov(errors)
+    sizes = np.sqrt(np.outer(np.diag(P), np.diag(P)))[UPPER]
+    assert (np.abs(np.array([track[key] for key in COVARIANCE]) - P[UPPER]) <= 0.05 * sizes).all()
+    assert track["existence"] == 1

@@ -50,7 +50,7 @@ def test_vehicles_drive_the_way_they_are_turned(new_part: NewPart) -> None:
     for name, value in {
         "class[2]": 2, "path[2]": 1, "lane_number[2]": -1, "station[2]": 80.0, "speed[2]": 10.0, "turn[2]": math.pi,
         "class[8]": 5, "station[8]": 40.0, "speed[8]": 2.0, "turn[8]": math.pi / 2, "offset[8]": -3.0,
-        "change_time[8]": 1.0, "change_rate[8]": 1.0, "final_speed[8]": 0.0,
+        "change_time[8]": 1.0, "change_rate[8]": 1.0, "final_speed[8]": 0.0, "clearance[2]": 4.5,
     }.items():  # fmt: skip
         part[name] = value
     part.init()
@@ -58,6 +58,7 @@ def test_vehicles_drive_the_way_they_are_turned(new_part: NewPart) -> None:
         part.step()
     assert [part[f"movers[{i}].class"] for i in range(1, 9)] == [0, 2, 0, 0, 0, 0, 0, 5]
     assert (part["movers[2].path"], part["movers[2].lane"], part["movers[2].id"]) == (1, -1, 2)
+    assert (part["movers[2].clearance"], part["movers[8].clearance"]) == (4.5, 0)
     assert part["movers[2].station"] == pytest.approx(80 - 50, abs=1e-9)
     assert part["movers[2].offset"] == pytest.approx(0, abs=1e-9)
     # A pedestrian who crosses stops after 2 m at 2 m/s and 2 m of braking.

@@ -314,7 +314,7 @@ def test_movers_stand_in_the_world_where_their_lane_is(new_road: NewRoad) -> Non
     height = cubics([(0.0, [7.0])])
     part = new_road(RING.path(lanes=TWO_LANES, height=height), other.path(name="side"))
     move(part, 2, lane=1, station=30.0, offset=0.4, turn=0.2, speed=10.0, lateral_speed=0.5, acceleration=-1.0)
-    move(part, 3, path=1, station=20.0, speed=8.0)
+    move(part, 3, path=1, station=20.0, speed=8.0, height=6.0, clearance=4.5)
     part.init()
     s = 30 * 120 / 121.75
     here = RING.at(s)
@@ -332,6 +332,7 @@ def test_movers_stand_in_the_world_where_their_lane_is(new_road: NewRoad) -> Non
     there = other.at(20.0)
     assert (part["actors[3].x"], part["actors[3].y"]) == pytest.approx((there.x, there.y), abs=1e-9)
     assert (part["actors[3].heading"], part["actors[3].speed"]) == pytest.approx((-2.0, 8.0), abs=1e-9)
+    assert (part["actors[3].height"], part["actors[3].clearance"]) == (6.0, 4.5)
 
 
 def test_what_drives_ahead_is_told_along_the_own_lane_whatever_path_it_is_on(new_road: NewRoad) -> None:

@@ -37,7 +37,7 @@ pytestmark = [needs_sumo, pytest.mark.usefixtures("kept_cache")]
 ROOT = Path(__file__).parents[2]
 DRIVE = Path(__file__).parent / "sumo_drive.py"
 NAMES = (
-    "id", "class", "length", "width", "height", "path", "lane", "station", "offset", "turn", "speed",
+    "id", "class", "length", "width", "height", "clearance", "path", "lane", "station", "offset", "turn", "speed",
     "lateral_speed", "acceleration",
 )  # fmt: skip
 H = 0.01

@@ -18,7 +18,7 @@ static double width_of(int32_t class) {
 }
 
 emergency_place emergency_place_of(const emergency_in *in, int index, double front, double width) {
-    emergency_place place = {false, 0, 0, 0, 0, 0, 0};
+    emergency_place place = {.is_ahead = false};
     if (in->tracks[index].id == 0) return place;
     double x = in->tracks[index].x, y = in->tracks[index].y;
     double k = in->motion.yaw_rate / fmax(in->motion.speed, SLOW);
@@ -30,19 +30,45 @@ emergency_place emergency_place_of(const emergency_in *in, int index, double fro
     place.gap = fmax(along - front, 0);
     place.aside = (2 * y - k * (x * x + y * y)) / (1 + radius); /* (1 - radius)/k */
     double vx = in->tracks[index].vx, vy = in->tracks[index].vy;
-    place.speed = (vx * cos(turned) + vy * sin(turned)) / radius;
-    place.across = vy * cos(turned) - vx * sin(turned);
+    place.cosine = cos(turned);
+    place.sine = sin(turned);
+    place.radius = radius;
+    place.speed = (vx * place.cosine + vy * place.sine) / radius;
+    place.across = vy * place.cosine - vx * place.sine;
     place.closing = in->motion.speed - place.speed;
     double given = in->tracks[index].width;
     place.touching = 0.5 * (width + (given > 0 ? given : width_of(in->tracks[index].class)));
     return place;
 }
 
+/* Of two linear combinations of the errors of x, y, vx and vy. */
+static double covariance_of(const emergency_in *in, int index, const double a[4], const double b[4]) {
+    const emergency_covariance *c = &in->tracks[index].covariance;
+    double of[4][4] = {{c->x_x, c->x_y, c->x_vx, c->x_vy},
+                       {c->x_y, c->y_y, c->y_vx, c->y_vy},
+                       {c->x_vx, c->y_vx, c->vx_vx, c->vx_vy},
+                       {c->x_vy, c->y_vy, c->vx_vy, c->vy_vy}};
+    double sum = 0;
+    for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < 4; ++j) sum += a[i] * of[i][j] * b[j];
+    }
+    return sum;
+}
+
 emergency_meeting emergency_meet(const emergency_in *in, int index, double front, double width) {
     emergency_place place = emergency_place_of(in, index, front, width);
-    emergency_meeting meeting = {place.is_ahead && place.closing > 0, place.gap, place.closing, 0};
+    emergency_meeting meeting = {place.is_ahead && place.closing > 0, place.gap, place.closing, 0, 0, 0, 0, 0};
     if (!meeting.is_ahead) return meeting;
-    meeting.clearance = fabs(place.aside + place.across * place.gap / place.closing) - place.touching;
+    double time = place.gap / place.closing, bent = place.across / place.closing;
+    meeting.clearance = fabs(place.aside + place.across * time) - place.touching;
+    double ahead[2] = {place.cosine / place.radius, place.sine / place.radius};
+    double miss[2] = {bent * ahead[0] - place.sine, bent * ahead[1] + place.cosine};
+    double aheads[4] = {ahead[0], ahead[1], 0, 0}, speeds[4] = {0, 0, -ahead[0], -ahead[1]};
+    double misses[4] = {miss[0], miss[1], time * miss[0], time * miss[1]};
+    meeting.clearance_deviation = sqrt(fmax(covariance_of(in, index, misses, misses), 0));
+    meeting.gap_variance = covariance_of(in, index, aheads, aheads);
+    meeting.gap_closing = covariance_of(in, index, aheads, speeds);
+    meeting.closing_variance = covariance_of(in, index, speeds, speeds);
     return meeting;
 }
 

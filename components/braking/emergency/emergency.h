@@ -12,12 +12,17 @@ enum { STAGE_NONE, STAGE_WARNING, STAGE_PARTIAL, STAGE_FULL };
 enum { CLASS_NONE, CLASS_CAR, CLASS_TRUCK, CLASS_MOTORCYCLE, CLASS_BICYCLE, CLASS_PEDESTRIAN, CLASS_OBSTACLE };
 
 typedef struct {
+    double x_x, x_y, x_vx, x_vy, y_y, y_vx, y_vy, vx_vx, vx_vy, vy_vy;
+} emergency_covariance;
+
+typedef struct {
     struct {
         double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
     } motion;
     struct {
         int32_t id, class;
-        double x, y, vx, vy, width, age;
+        double x, y, vx, vy, width, age, existence;
+        emergency_covariance covariance;
     } tracks[EMERGENCY_TRACKS];
 } emergency_in;
 
@@ -34,6 +39,7 @@ typedef struct {
     double closing;       /* m/s: -d gap/dt */
     double aside, across; /* m: of its middle to the left of the path; m/s: d aside/dt */
     double touching;      /* m: |aside| at which their sides touch */
+    double cosine, sine, radius; /* direction of the path beside it, relative to the car; in radii of the circle */
 } emergency_place;
 
 /* *front* is from the centre of gravity to the bumper, *width* that of the car. An object of unknown width gets
@@ -46,9 +52,12 @@ typedef struct {
     double gap;       /* m: from the front bumper along the car's path, >= 0 */
     double closing;   /* m/s: -d gap/dt, > 0 */
     double clearance; /* m: between their sides when the car arrives; < 0: they overlap */
+    double clearance_deviation;                        /* m: standard deviation */
+    double gap_variance, gap_closing, closing_variance; /* m2, m2/s, m2/s2: covariance of gap and closing */
 } emergency_meeting;
 
-/* The car keeps its path and speed, the object its velocities along and across that path. */
+/* The car keeps its path and speed, the object its velocities along and across that path. Deviations are linear in the
+ * errors of the track; those of the car's motion and of widths are not known. */
 emergency_meeting emergency_meet(const emergency_in *in, int index, double front, double width);
 
 /* From *last*, changed by no more than the jerk limits allow in one step. */

@@ -4,19 +4,40 @@
 
 #define STANDSTILL 0.1 /* m/s */
 
-/* The gap at which a stage of braking begins. */
-static double beginning(const two_stage_aeb_par *par, double closing, double ttc, double required) {
-    return fmax(ttc * closing, closing * par->lost_time + closing * closing / (2 * required) + par->standing_gap);
+/* The gap at which a stage begins, and its derivative by the closing speed. */
+typedef struct {
+    double gap, slope;
+} beginning;
+
+static beginning beginning_of(const two_stage_aeb_par *par, double closing, double ttc, double required) {
+    beginning by_time = {ttc * closing, ttc};
+    beginning by_required = {closing * par->lost_time + closing * closing / (2 * required) + par->standing_gap,
+                             par->lost_time + closing / required};
+    return by_time.gap > by_required.gap ? by_time : by_required;
+}
+
+/* The gap is short enough, by *deviations* standard deviations. */
+static bool is_due(const emergency_meeting *meeting, beginning at, double deviations) {
+    double variance = meeting->gap_variance - 2 * at.slope * meeting->gap_closing + at.slope * at.slope * meeting->closing_variance;
+    return meeting->gap + deviations * sqrt(fmax(variance, 0)) <= at.gap;
 }
 
 /* The stage required for an object in the path; the start of the warning is stretched by *stretch*. */
-static int32_t stage_for(const two_stage_aeb_par *par, const emergency_meeting *meeting, double stretch) {
-    double partial = beginning(par, meeting->closing, par->partial_ttc, par->partial_required);
-    double full = beginning(par, meeting->closing, par->full_ttc, par->full_required);
-    if (meeting->gap <= full) return STAGE_FULL;
-    if (meeting->gap <= partial) return STAGE_PARTIAL;
-    double warning = fmax(partial, full) + par->warning_lead * meeting->closing;
-    return meeting->gap <= warning * stretch ? STAGE_WARNING : STAGE_NONE;
+static int32_t stage_for(const two_stage_aeb_par *par, const emergency_meeting *meeting, double stretch, double deviations) {
+    beginning partial = beginning_of(par, meeting->closing, par->partial_ttc, par->partial_required);
+    beginning full = beginning_of(par, meeting->closing, par->full_ttc, par->full_required);
+    if (is_due(meeting, full, deviations)) return STAGE_FULL;
+    if (is_due(meeting, partial, deviations)) return STAGE_PARTIAL;
+    beginning warning = partial.gap > full.gap ? partial : full;
+    warning.gap = (warning.gap + par->warning_lead * meeting->closing) * stretch;
+    warning.slope = (warning.slope + par->warning_lead) * stretch;
+    return is_due(meeting, warning, deviations) ? STAGE_WARNING : STAGE_NONE;
+}
+
+/* The stage that begins for an object, by so many standard deviations of its place beside the path and of the gap. */
+static int32_t beginning_stage(const two_stage_aeb_par *par, const emergency_meeting *meeting, double margin, double deviations) {
+    bool is_in_path = meeting->clearance + deviations * meeting->clearance_deviation < margin;
+    return is_in_path ? stage_for(par, meeting, 1, deviations) : STAGE_NONE;
 }
 
 typedef struct {
@@ -33,14 +54,17 @@ static demand demand_of(const two_stage_aeb *self) {
         bool is_vulnerable = class == CLASS_PEDESTRIAN || class == CLASS_BICYCLE;
         double margin = is_vulnerable ? par->vulnerable_margin : par->vehicle_margin;
         int32_t highest = class == CLASS_NONE ? par->unknown_class : STAGE_FULL;
-        if (meeting.clearance < margin) {
-            int32_t stage = stage_for(par, &meeting, 1);
+        bool is_sure = self->in.tracks[i].existence >= par->least_existence;
+        if (is_sure) {
+            int32_t warns = beginning_stage(par, &meeting, margin, par->warning_deviations);
+            int32_t stage = beginning_stage(par, &meeting, margin, par->deviations);
+            if (stage == STAGE_NONE && warns > STAGE_NONE) stage = STAGE_WARNING;
             if (stage > highest) stage = highest;
             if (stage > all.begins) all.begins = stage;
         }
         if (meeting.clearance < margin + par->margin_hysteresis) {
             int32_t stage = self->out.stage > STAGE_WARNING ? self->out.stage
-                                                           : stage_for(par, &meeting, 1 + par->warning_hysteresis);
+                                                           : stage_for(par, &meeting, 1 + par->warning_hysteresis, 0);
             if (stage > highest) stage = highest;
             if (stage > all.stays) all.stays = stage;
         }

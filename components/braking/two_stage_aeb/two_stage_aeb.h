@@ -17,6 +17,12 @@
  * who cross with 5 and 8 km/h. Stages by time to collision and required deceleration: Winner et al., Handbook of Driver
  * Assistance Systems, 2016. These are engineering checks, not a claim of conformity.
  *
+ * A stage begins only for a track whose probability of existence is at least least_existence. Braking begins only if it
+ * would begin for an object that is *deviations* standard deviations farther outside the path when the car arrives, and
+ * *deviations* standard deviations of d minus the distance above farther away, by the track's covariance; the warning
+ * likewise by warning_deviations. So a track whose speed is not yet measured does not brake the car. 0: estimates count
+ * as exact. What has begun continues without these.
+ *
  * Limits: the path is the circle the car is on now, so before a curve an object behind the curve counts as ahead. A
  * track has no acceleration, so a leading car that brakes counts with its present speed. */
 #ifndef TWO_STAGE_AEB_H
@@ -32,6 +38,7 @@ typedef struct {
     double build_up_jerk, release_jerk, release_time, holding_time;
     double min_speed, max_speed, min_age;
     double vehicle_margin, vulnerable_margin, margin_hysteresis;
+    double deviations, warning_deviations, least_existence;
     int32_t unknown_class; /* the highest stage for objects without a class */
     double front_length, width, nominal_mass, wheel_radius;
 } two_stage_aeb_par;

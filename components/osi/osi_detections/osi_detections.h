@@ -32,11 +32,7 @@ typedef struct {
         osi_pose pose;
     } in;
     struct {
-        struct {
-            int32_t number;
-            double age, mount;
-            objects_detection returns[OBJECTS_RETURNS];
-        } scan;
+        objects_scan scan;
         int32_t messages, malformed, left_out;
     } out;
     struct {

@@ -99,8 +99,8 @@ static body body_of_host(const osi_sensor_view *self, double ahead) {
 
 static body body_of(const osi_sensor_view *self, const objects_actor *actor) {
     double ground = has_ground(self) ? actor->z : 0;
-    body base = {{actor->length, actor->width, actor->height},
-                 {actor->x, actor->y, ground + 0.5 * actor->height},
+    body base = {{actor->length, actor->width, actor->height - actor->clearance},
+                 {actor->x, actor->y, ground + 0.5 * (actor->height + actor->clearance)},
                  {0, 0, within_turn(actor->heading)},
                  {0, 0, 0},
                  {0, 0, 0}};

@@ -121,7 +121,8 @@ static void output(ray_scanner *self) {
     const ray_scanner_actor *lead = 0;
     for (int32_t i = 0; i < RAY_SCANNER_ACTORS; ++i) {
         const ray_scanner_actor *actor = &self->in.actors[i];
-        if (actor->class == 0) continue;
+        bool is_under = actor->height > 0 && actor->height <= self->par.ground_clearance;
+        if (actor->class == 0 || is_under || actor->clearance >= self->par.host_height) continue;
         seen_box box = see(self, actor, c, s);
         cast(self, &box, &nearest);
         if (touches(self, &box)) self->out.collision = true;

@@ -2,7 +2,8 @@
  *
  * The rays start at the middle of the front bumper. Boxes represent actors; the nearest intersection of a ray counts.
  * Doppler: the box's velocity relative to the bumper's, which turns with the host, along the ray. The gap is measured
- * along the middle of the path's own lane, to the nearest actor ahead whose middle is in the host's lane.
+ * along the middle of the path's own lane, to the nearest actor ahead whose middle is in the host's lane. Actors under or
+ * over which the host passes are left out.
  */
 #ifndef RAY_SCANNER_H
 #define RAY_SCANNER_H
@@ -15,7 +16,7 @@
 
 typedef struct {
     int32_t id, class;
-    double length, width, height;
+    double length, width, height, clearance;
     double x, y, z, heading;
     double speed, lateral_speed, acceleration;
     int32_t path, lane;
@@ -47,7 +48,7 @@ typedef struct {
         bool collision;
     } out;
     struct {
-        double host_front, host_length, host_width;
+        double host_front, host_length, host_width, host_height, ground_clearance;
         double ray_angle, ray_reach;
         int32_t ray_count;
     } par;

@@ -7,17 +7,6 @@
 
 #define POINTS LANE_SIGHT_POINTS
 
-/* Two standard normal numbers (Box, Muller). */
-typedef struct {
-    double first, second;
-} pair;
-
-static pair draw(uint64_t *state) {
-    double length = sqrt(-2 * log(sensing_uniform(state))), angle = 2 * 3.141592653589793 * sensing_uniform(state);
-    pair drawn = {length * cos(angle), length * sin(angle)};
-    return drawn;
-}
-
 /* Range of sight along the lane. */
 static double reach_of(const lane_sight *self) {
     double reach = self->par.max_range > 0 ? self->par.max_range : HUGE_VAL, dark = self->in.visibility.darkness;
@@ -114,18 +103,14 @@ static void disturb(lane_sight_seen *seen, double offset, double heading, double
     seen->lane.curvature += curvature;
 }
 
-/* The next value of a Gauss-Markov process. */
-static double drifted(double last, double deviation, double fade, double normal) {
-    return fade * last + deviation * sqrt(1 - fade * fade) * normal;
-}
-
 static lane_sight_seen measured(lane_sight *self, bool is_first) {
-    pair shape = draw(&self->random), bend = draw(&self->random), place = draw(&self->random);
+    sensing_pair shape = sensing_normal(&self->random), bend = sensing_normal(&self->random);
+    sensing_pair place = sensing_normal(&self->random);
     double missed = sensing_uniform(&self->random), reach = reach_of(self);
     double fade = is_first || !(self->par.correlation_time > 0) ? 0 : exp(-self->par.period / self->par.correlation_time);
-    self->along = drifted(self->along, self->par.along_error, fade, place.first);
-    self->across = drifted(self->across, self->par.across_error, fade, place.second);
-    self->turn = drifted(self->turn, self->par.turn_error, fade, bend.second);
+    self->along = sensing_drifted(self->along, self->par.along_error, fade, place.first);
+    self->across = sensing_drifted(self->across, self->par.across_error, fade, place.second);
+    self->turn = sensing_drifted(self->turn, self->par.turn_error, fade, bend.second);
     lane_sight_seen seen = {.valid = reach >= self->par.least_range && missed > self->par.dropout, .lane = self->in.lane};
     if (!seen.valid) return seen;
     memcpy(seen.preview, self->in.preview, sizeof seen.preview);

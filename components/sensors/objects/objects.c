@@ -9,17 +9,18 @@
 #define PI 3.141592653589793
 #define DRAWN 5                   /* uniform numbers of one noise */
 #define FOUND (3 * OBJECTS_ACTORS) /* objects, their images in a rail, their double bounces */
+#define AHEAD (UINT64_C(1) << 40) /* numbers between those of the noise and those of bias and drift */
+#define FLAT 0.1                  /* m: an object of this height hides nothing */
 #define LEAST_RATE_DEVIATION 1e-3 /* m/s */
 
-/* Standard normal numbers and a uniform one, the same for an object, independent of other seen objects. */
+/* Standard normal numbers; a uniform one follows them. */
 typedef struct {
-    double range, azimuth, doppler, uniform;
+    double range, azimuth, doppler, elevation;
 } noise;
 
 static noise draw(uint64_t *state) {
-    double first = sqrt(-2 * log(sensing_uniform(state))), a = 2 * PI * sensing_uniform(state);
-    double second = sqrt(-2 * log(sensing_uniform(state))), b = 2 * PI * sensing_uniform(state);
-    noise drawn = {first * cos(a), first * sin(a), second * cos(b), sensing_uniform(state)};
+    sensing_pair place = sensing_normal(state), rate = sensing_normal(state);
+    noise drawn = {place.first, place.second, rate.first, rate.second};
     return drawn;
 }
 
@@ -54,6 +55,7 @@ static double strength(const objects *self, double reflected, double share, doub
     if (range > reach) return 0;
     double veil = sensing_veil(self->in.sun.azimuth - self->in.motion.heading, self->in.sun.elevation, self->in.sun.glare);
     double contrast = self->par.contrast > 0 ? exp(-loss * range) / ((1 + veil) * self->par.contrast) : 1;
+    if (reflected > 0) contrast *= reflected;
     return self->par.threshold * contrast * contrast;
 }
 
@@ -66,13 +68,36 @@ static bool beams_meet(const objects *self, view_part *part) {
     return part->right <= part->left;
 }
 
-static bool layers_meet(const objects *self, double height, double range) {
+static bool layers_meet(const objects *self, const objects_actor *actor, double range) {
     if (!(self->par.layer_spacing > 0)) return true;
     for (int32_t i = 0; i < self->par.layers; ++i) {
         double above = self->par.mount_height + range * tan((i - 0.5 * (self->par.layers - 1)) * self->par.layer_spacing);
-        if (above >= 0 && above <= height) return true;
+        if (above >= actor->clearance && above <= actor->height) return true;
     }
     return false;
+}
+
+/* The object is large enough in the image. */
+static bool pixels_meet(const objects *self, const objects_actor *actor, const view_part *part, double range) {
+    double across = 2 * part->across * tan(0.5 * (part->left - part->right)); /* at a range of 1 m */
+    double high = (actor->height - actor->clearance) / range;
+    return !(self->par.least_pixels > 0) ||
+           self->par.focal_length * fmin(across, high) >= self->par.least_pixels;
+}
+
+/* Share of the power that a radar's lobe leaves, there and back, to the part of an object nearest to its axis. */
+static double lobe(const objects *self, const objects_actor *actor, double range) {
+    double above = fmax(actor->clearance - self->par.mount_height, 0), below = fmax(self->par.mount_height - actor->height, 0);
+    if (!(self->par.elevation_beam > 0) || !(above + below > 0)) return 1;
+    double beams = atan((above + below) / range) / self->par.elevation_beam;
+    return exp(-8 * log(2) * beams * beams);
+}
+
+/* By its measured height an object is not in the way. */
+static bool is_passable(const objects *self, const objects_actor *actor, double range, double normal) {
+    double error = range * self->par.elevation_noise * normal;
+    return (self->par.least_clearance > 0 && actor->clearance + error > self->par.least_clearance) ||
+           (self->par.least_height > 0 && actor->height + error < self->par.least_height);
 }
 
 /* Range rate of an object that moves over ground with *vx* along the car and *vy* to its left. */
@@ -86,8 +111,8 @@ static objects_detection detected(const objects *self, const objects_actor *acto
     objects_detection told = {false, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     if (!(part.share > 0) || part.share < self->par.min_visible || !beams_meet(self, &part)) return told;
     double range = sqrt(part.x * part.x + part.y * part.y);
-    if (!(range > 0) || !layers_meet(self, actor->height, range)) return told;
-    told.strength = strength(self, reflection(self, actor->class), part.share, range, loss);
+    if (!(range > 0) || !layers_meet(self, actor, range) || !pixels_meet(self, actor, &part, range)) return told;
+    told.strength = strength(self, reflection(self, actor->class), part.share * lobe(self, actor, range), range, loss);
     told.valid = told.strength > 0 && told.strength >= self->par.threshold;
     told.range = range;
     told.azimuth = atan2(part.y, part.x);
@@ -168,8 +193,9 @@ static double range_deviation(const objects *self, double range) {
 }
 
 static void disturb(const objects *self, objects_detection *told, const noise *drawn) {
-    told->range = fmax(told->range + range_deviation(self, told->range) * drawn->range, 0);
-    told->azimuth += self->par.azimuth_noise * drawn->azimuth;
+    double scale = 1 + self->bias.scale + self->drift.scale, turn = self->bias.azimuth + self->drift.azimuth;
+    told->range = fmax(told->range * scale + range_deviation(self, told->range) * drawn->range, 0);
+    told->azimuth += turn + self->par.azimuth_noise * drawn->azimuth;
     if (self->par.doppler) told->range_rate += self->par.doppler_noise * drawn->doppler;
     told->width *= told->range;
     told->range_deviation = range_deviation(self, told->range);
@@ -177,11 +203,48 @@ static void disturb(const objects *self, objects_detection *told, const noise *d
     told->rate_deviation = self->par.doppler ? fmax(self->par.doppler_noise, LEAST_RATE_DEVIATION) : 0;
 }
 
-/* The noise of object, image or bounce *number* of this scan, independent of other seen objects. */
+/* The numbers of object, image or bounce *number* of this scan, independent of other seen objects. */
 static noise noise_of(const objects *self, int32_t number) {
     uint64_t state = self->random;
     sensing_skip(&state, (uint64_t)number * DRAWN);
     return draw(&state);
+}
+
+static double uniform_of(const objects *self, int32_t number) {
+    uint64_t state = self->random;
+    sensing_skip(&state, (uint64_t)number * DRAWN + DRAWN - 1);
+    return sensing_uniform(&state);
+}
+
+/* Bias and drift of this scan. */
+static void drift(objects *self) {
+    bool is_first = self->tick == 0;
+    double fade = is_first || !(self->par.correlation_time > 0) ? 0 : exp(-self->par.period / self->par.correlation_time);
+    if (is_first) {
+        sensing_pair drawn = sensing_normal(&self->slow);
+        self->bias.scale = self->par.scale_bias * drawn.first;
+        self->bias.azimuth = self->par.azimuth_bias * drawn.second;
+    }
+    sensing_pair drawn = sensing_normal(&self->slow);
+    self->drift.scale = sensing_drifted(self->drift.scale, self->par.scale_drift, fade, drawn.first);
+    self->drift.azimuth = sensing_drifted(self->drift.azimuth, self->par.azimuth_drift, fade, drawn.second);
+}
+
+/* What a bias and a drift are together. */
+static objects_lasting lasting(double bias, double drift, double correlation_time) {
+    double variance = bias * bias + drift * drift;
+    objects_lasting told = {sqrt(variance), drift > 0 ? variance / (drift * drift) * correlation_time : 0};
+    return told;
+}
+
+/* Object *i* is lost in this scan: the next state of its chain. */
+static bool is_lost(objects *self, int32_t i) {
+    double share = self->par.dropout, scans = self->par.dropout_time / self->par.period, chance = share;
+    if (self->tick > 0 && scans * (1 - share) > 1) {
+        chance = self->is_lost[i] ? 1 - 1 / scans : share / (scans * (1 - share));
+    }
+    self->is_lost[i] = uniform_of(self, i) <= chance;
+    return self->is_lost[i];
 }
 
 static void ghosts(const objects *self, const view_part *parts, objects_detection found[FOUND], double loss) {
@@ -193,7 +256,30 @@ static void ghosts(const objects *self, const view_part *parts, objects_detectio
         if (self->par.own_reflection > 0) *bounce = bounced(self, &self->in.actors[i], found[i], parts[i].share, loss);
     }
     for (int32_t i = OBJECTS_ACTORS; i < FOUND; ++i) {
-        if (found[i].valid) found[i].valid = noise_of(self, i).uniform <= self->par.ghost_share;
+        if (found[i].valid) found[i].valid = uniform_of(self, i) <= self->par.ghost_share;
+    }
+}
+
+/* The visible parts of all boxes: of those that hide each other, and of those that hide nothing. */
+static void look(const objects *self, const view_box boxes[OBJECTS_ACTORS], view_part parts[OBJECTS_ACTORS]) {
+    view_box hiding[OBJECTS_ACTORS], flat[OBJECTS_ACTORS];
+    view_part seen[OBJECTS_ACTORS];
+    bool is_flat[OBJECTS_ACTORS], any = false;
+    for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
+        const objects_actor *actor = &self->in.actors[i];
+        bool is_low = actor->height > 0 && actor->height <= FLAT;
+        is_flat[i] = is_low || actor->clearance > self->par.mount_height;
+        hiding[i] = flat[i] = boxes[i];
+        if (is_flat[i]) hiding[i].length = -1;
+        else flat[i].length = -1;
+        any = any || (is_flat[i] && boxes[i].length >= 0);
+    }
+    double half = 0.5 * self->par.field_of_view;
+    view_of(hiding, half, !(self->par.min_visible > 0), parts);
+    if (!any) return;
+    view_of(flat, half, true, seen);
+    for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
+        if (is_flat[i]) parts[i] = seen[i];
     }
 }
 
@@ -211,17 +297,18 @@ static objects_sample measured(objects *self) {
         if (actor->class == 0) box.length = -1;
         boxes[i] = box;
     }
-    view_of(boxes, 0.5 * self->par.field_of_view, !(self->par.min_visible > 0), parts);
+    look(self, boxes, parts);
     for (int32_t i = 0; i < FOUND; ++i) found[i].valid = false;
     for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) found[i] = detected(self, &self->in.actors[i], parts[i], loss);
     ghosts(self, parts, found, loss);
     merge(self, found, FOUND);
     objects_sample sample = {{{false, 0, 0, 0, 0, 0, 0, 0, 0, 0}}};
     int32_t count = 0;
+    drift(self);
     for (int32_t i = 0; i < FOUND; ++i) {
-        if (!found[i].valid) continue;
+        if ((i < OBJECTS_ACTORS && is_lost(self, i)) || !found[i].valid) continue;
         noise drawn = noise_of(self, i);
-        if (i < OBJECTS_ACTORS && drawn.uniform <= self->par.dropout) continue;
+        if (i < OBJECTS_ACTORS && is_passable(self, &self->in.actors[i], found[i].range, drawn.elevation)) continue;
         disturb(self, &found[i], &drawn);
         int32_t at = count; /* nearest first */
         if (count < OBJECTS_RETURNS) {
@@ -242,7 +329,9 @@ static int32_t steps_of(double seconds, int32_t least) {
 }
 
 static void restart(objects *self) {
-    self->random = (uint64_t)self->par.seed;
+    self->random = self->slow = (uint64_t)self->par.seed;
+    sensing_skip(&self->slow, AHEAD);
+    self->drift.scale = self->drift.azimuth = 0;
     self->tick = -1;
     self->told = 0;
 }
@@ -263,6 +352,8 @@ void objects_step(objects *self) {
 void objects_init(objects *self) {
     memset(&self->out, 0, sizeof self->out);
     self->out.scan.mount = self->par.mount;
+    self->out.scan.scale = lasting(self->par.scale_bias, self->par.scale_drift, self->par.correlation_time);
+    self->out.scan.misalignment = lasting(self->par.azimuth_bias, self->par.azimuth_drift, self->par.correlation_time);
     restart(self);
     objects_step(self);
     restart(self); /* the first step is at time 0, too */

@@ -13,8 +13,14 @@
  * of a lidar), and grows with the object's reflection s and with its visible share:
  *   signal / noise = threshold (s / s_car) share (max_range / R)^n exp(-2 a R),
  * so that a whole car at max_range, in clear air, is just detected. a as in range_sensor.h. A camera (n = 0) sees by
- * contrast, signal / noise = threshold (exp(-a R) / ((1 + veil) contrast))^2 up to max_range, or night_range in the
- * dark; the veil is that of the sun (sensing.h).
+ * contrast, signal / noise = threshold (s exp(-a R) / ((1 + veil) contrast))^2 up to max_range, or night_range in the
+ * dark; s is the contrast of the object's class to what is behind it, 0: 1; the veil is that of the sun (sensing.h). The
+ * smaller of the object's height and visible width must be at least *least_pixels* in the image of *focal_length*.
+ *
+ * Height. An object reaches from its clearance to its height above the road. What is entirely above the sensor, or not
+ * higher than 0.1 m, hides nothing and is seen through others. A radar's lobe is Gaussian with *elevation_beam* between
+ * its half-power directions, level, so that a bridge fades as the car approaches. A sensor that measures height, with
+ * *elevation_noise*, does not report what is above least_clearance or below least_height.
  *
  * Resolution. Two objects that differ by less than a cell in range, azimuth and Doppler, in all three of them, are one
  * detection: the strongest absorbs the weaker ones, each with its power as weight. A lidar scans only the directions of
@@ -28,12 +34,20 @@
  * - a wave travels between object and own car twice: twice the range and Doppler in the same direction, weaker by
  *   s own_reflection exp(-2 a R) / (4 pi R^2)^2, s and own_reflection in m2 (bistatic radar equation, Skolnik).
  *
- * Accuracy. Standard deviations of range: range_noise and relative_noise R, and that of a stereo camera of *baseline*,
+ * Accuracy. An error has three parts. Range and azimuth of all objects have a constant one, drawn at the start of a run
+ * (*scale_bias* per range, *azimuth_bias*), and a slow one, a Gauss-Markov process with *correlation_time* (*scale_drift*,
+ * *azimuth_drift*): calibration, pitch of the car, assumed flatness of the road (Stein, Mano, Shashua: Vision-based ACC
+ * with a single camera, IEEE Intelligent Vehicles, 2003). They draw from a distant part of the stream of numbers, so that
+ * the noise of each scan is the same with and without them. White noise: standard deviations of range: range_noise and relative_noise R, and that of a stereo camera of *baseline*,
  * disparity_noise R^2 / (focal_length baseline), from R = f b / d (Szeliski, Computer Vision, 2nd ed. 2022, 12.1),
- * f and d in pixels.
+ * f and d in pixels. A share *dropout* of an object's detections is lost, in bursts of *dropout_time* on average: a
+ * Markov chain of two states for each object (Gilbert: Capacity of a burst-noise channel, BSTJ 39:1253, 1960). Each scan
+ * is independent if *dropout_time* is not longer than the bursts of independent scans, period / (1 - dropout).
  *
  * Timing. It scans every *period*, first at time 0, and reports *latency* later, with the values of the scan. The
- * reported deviations are those of the noise, at the measured range; without Doppler noise 1 mm/s, as 0: no Doppler.
+ * reported deviations of a detection are those of the white noise, at the measured range; without Doppler noise 1 mm/s,
+ * as 0: no Doppler. Those of the scan are those of the constant and the slow part together, with the correlation time of
+ * a single process that has their variance and the slow part's growth, deviation^2 / drift^2 correlation_time.
  */
 #ifndef OBJECTS_H
 #define OBJECTS_H
@@ -49,7 +63,7 @@
 
 typedef struct {
     int32_t id, class;
-    double length, width, height;
+    double length, width, height, clearance;
     double x, y, z, heading;
     double speed, lateral_speed, acceleration;
     int32_t path, lane;
@@ -69,6 +83,17 @@ typedef struct {
 } objects_sample;
 
 typedef struct {
+    double deviation, time; /* per range or rad; s, 0: constant */
+} objects_lasting;
+
+typedef struct {
+    int32_t number;
+    double age, mount;
+    objects_lasting scale, misalignment;
+    objects_detection returns[OBJECTS_RETURNS];
+} objects_scan;
+
+typedef struct {
     struct {
         struct {
             double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
@@ -86,26 +111,27 @@ typedef struct {
         } sun;
     } in;
     struct {
-        struct {
-            int32_t number;
-            double age, mount;
-            objects_detection returns[OBJECTS_RETURNS];
-        } scan;
+        objects_scan scan;
     } out;
     struct {
         double mount, mount_height;      /* m ahead of the centre of gravity; m above the road */
         double max_range, field_of_view; /* m; rad, from edge to edge */
         double echo_exponent;            /* n; 0: sees by contrast */
         double threshold;                /* the least signal to noise */
-        double car, truck, motorcycle, bicycle, pedestrian, obstacle; /* s, in any unit */
+        double car, truck, motorcycle, bicycle, pedestrian, obstacle; /* s, in any unit; of a camera: contrast */
         double min_visible;              /* the share of an object's angle that must be seen; 0: nothing is hidden */
         bool doppler, tells_class, tells_width;
         double range_cell, azimuth_cell, doppler_cell; /* 0: resolves all objects */
         double beam_spacing, layer_spacing;            /* rad; 0: all directions */
         int32_t layers;
+        double elevation_beam, elevation_noise;                       /* rad; 0: no lobe, exact */
+        double least_clearance, least_height;                         /* m; 0: reported at any height */
         double range_noise, relative_noise, azimuth_noise, doppler_noise; /* standard deviations; relative: per range */
         double baseline, focal_length, disparity_noise;                   /* m, pixels, pixels; baseline 0: no stereo */
-        double dropout;                                                   /* share of detections that are lost */
+        double scale_bias, scale_drift, azimuth_bias, azimuth_drift;      /* standard deviations; scale: per range */
+        double correlation_time;                                          /* s, of both drifts */
+        double dropout, dropout_time; /* share of detections that are lost; s, mean of a burst, 0: each by itself */
+        double least_pixels;          /* 0: any size is seen */
         double rail, rail_reflection, own_reflection, ghost_share;        /* m, 0: no rail; share of power; m2 */
         double period, latency; /* s, in whole steps: between two scans; from a scan to its report */
         int32_t seed;
@@ -114,7 +140,11 @@ typedef struct {
     } par;
     objects_sample made[OBJECTS_KEPT]; /* scan n at n % OBJECTS_KEPT */
     int32_t tick, told;                /* of this step; the number of the scan in out */
-    uint64_t random;
+    uint64_t random, slow;             /* states of the noise of scans, and of bias and drift */
+    struct {
+        double scale, azimuth;
+    } bias, drift;
+    bool is_lost[OBJECTS_ACTORS];
 } objects;
 
 void objects_init(objects *self);

@@ -105,7 +105,7 @@ static int32_t edges_of(const view_box boxes[OBJECTS_ACTORS], double half, edge 
     for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
         const view_box *box = &boxes[i];
         target *rays = &targets[i];
-        rays->width = rays->inside = 0;
+        rays->right = rays->width = rays->inside = 0;
         if (box->length < 0) continue;
         rays->from[0] = -box->cosine * box->x - box->sine * box->y;
         rays->from[1] = box->sine * box->x - box->cosine * box->y;

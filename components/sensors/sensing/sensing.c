@@ -3,6 +3,7 @@
 #include <math.h>
 
 #define DEGREES 57.29577951308232 /* in 1 rad */
+#define PI 3.141592653589793
 #define GAMMA UINT64_C(0x9E3779B97F4A7C15)
 
 double sensing_uniform(uint64_t *state) {
@@ -14,6 +15,16 @@ double sensing_uniform(uint64_t *state) {
 }
 
 void sensing_skip(uint64_t *state, uint64_t count) { *state += count * GAMMA; }
+
+sensing_pair sensing_normal(uint64_t *state) {
+    double length = sqrt(-2 * log(sensing_uniform(state))), angle = 2 * PI * sensing_uniform(state);
+    sensing_pair drawn = {length * cos(angle), length * sin(angle)};
+    return drawn;
+}
+
+double sensing_drifted(double last, double deviation, double fade, double normal) {
+    return fade * last + deviation * sqrt(1 - fade * fade) * normal;
+}
 
 double sensing_attenuation(double rate, double loss, double exponent) {
     if (!(rate > 0 && loss > 0)) return 0;

@@ -10,6 +10,16 @@ double sensing_uniform(uint64_t *state);
 /* Advances the state by *count* numbers. */
 void sensing_skip(uint64_t *state, uint64_t count);
 
+/* Two independent standard normal numbers, from two uniform ones (Box, Muller 1958). */
+typedef struct {
+    double first, second;
+} sensing_pair;
+
+sensing_pair sensing_normal(uint64_t *state);
+
+/* The next value of a Gauss-Markov process of *deviation*; *fade*: exp(-time / correlation time), 0 for the first. */
+double sensing_drifted(double last, double deviation, double fade, double normal);
+
 /* Attenuation of a wave by rain or snow of *rate* m/s, 1/m, one way: loss * r^exponent dB/km at r mm/h. */
 double sensing_attenuation(double rate, double loss, double exponent);
 

@@ -2,9 +2,12 @@
  * Estimation with applications to tracking and navigation, 2001: discrete white noise acceleration, section 6.3.2;
  * converted measurements, section 10.4.3, without their bias, which is small for the angles of these sensors).
  *
- * State: place from the car's centre of gravity, velocity over ground, both along the car's axes. In a step the car
+ * State: place from the car's centre of gravity, velocity over ground, both along the car's axes; for each sensor the
+ * errors of scale and azimuth that the scan declares (a constant, or a Gauss-Markov process with its deviation and
+ * correlation time; each track estimates them by itself). So a scale error that nothing else reveals stays in the
+ * covariance of place and velocity instead of being averaged away, and a second sensor reveals it. In a step the car
  * moves by d and turns by a, from the means of its motion at both ends: p' = R(-a) (p + v T - d), v' = R(-a) v.
- * Measured: place, with the deviations of range and azimuth that the sensor reports, and the speed along the ray if
+ * Measured: place, with the deviations of range and azimuth that the sensor reports as white noise, and the speed along the ray if
  * there is Doppler (rate_deviation > 0).
  *
  * A scan reports its age. Its detections are turned and moved by the car's motion since, and measure the object's place
@@ -18,19 +21,24 @@
  * the place, but hardly the velocity; the width reported for the other face applies, and until there is one, the side
  * that is nearer to the car stays. A detection without a track starts one. The track is reported once the sensor that
  * started it has hit it in *confirm* of its first *of* scans. It is deleted otherwise, or after *coast* without a hit.
- * The nearest are reported. */
+ * The nearest are reported, with the covariance of place and velocity.
+ *
+ * Existence: a new track exists with probability *birth*. Each scan of the sensor that started it multiplies the odds by
+ * detection_rate / false_rate with a hit, by (1 - detection_rate) / (1 - false_rate) without one (Bayes), and each hit of
+ * the other sensor by the first. A miss of the other sensor counts nothing: it may not see that far. At most 0.999, so
+ * that an object that is gone is doubted soon. */
 #ifndef KALMAN_TRACKER_H
 #define KALMAN_TRACKER_H
 
 #include "../tracker/tracker.h"
+#include "filter.h"
 
 #define KALMAN_TRACKER_KEPT 24 /* tracks, confirmed or not */
 
 typedef struct {
     int32_t id, class; /* id 0: free */
-    double state[4];   /* x, y, vx, vy */
-    double cov[4][4];
-    double width, age, missed; /* s since the last hit */
+    filter estimate;   /* x, y, vx, vy; scale and azimuth of the first sensor, of the second one */
+    double existence, width, age, missed; /* s since the last hit */
     int32_t widths;            /* measured so far */
     int32_t sensor, looks, hits;
     bool confirmed;
@@ -45,6 +53,7 @@ typedef struct {
         double gate;               /* squared */
         int32_t confirm, of;
         double coast; /* s */
+        double birth, detection_rate, false_rate;
     } par;
     kalman_tracker_kept kept[KALMAN_TRACKER_KEPT];
     tracker_history history;

@@ -21,8 +21,13 @@ typedef struct {
 } tracker_detection;
 
 typedef struct {
+    double deviation, time;
+} tracker_lasting;
+
+typedef struct {
     int32_t number;
     double age, mount;
+    tracker_lasting scale, misalignment;
     tracker_detection returns[TRACKER_RETURNS];
 } tracker_scan;
 
@@ -32,8 +37,13 @@ typedef struct {
 } tracker_in;
 
 typedef struct {
+    double x_x, x_y, x_vx, x_vy, y_y, y_vx, y_vy, vx_vx, vx_vy, vy_vy;
+} tracker_covariance;
+
+typedef struct {
     int32_t id, class;
-    double x, y, vx, vy, width, age;
+    double x, y, vx, vy, width, age, existence;
+    tracker_covariance covariance;
 } tracker_track;
 
 typedef struct {

@@ -22,7 +22,7 @@
 
 typedef struct {
     int32_t id, class;
-    double length, width, height;
+    double length, width, height, clearance;
     int32_t path, lane;
     double station, offset, turn;
     double speed, lateral_speed, acceleration;

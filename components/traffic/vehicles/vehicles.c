@@ -16,6 +16,7 @@ static void output(vehicles *self) {
             .length = self->par.length[i],
             .width = self->par.width[i],
             .height = self->par.height[i],
+            .clearance = self->par.clearance[i],
             .path = self->par.path[i],
             .lane = self->par.lane_number[i],
             .station = self->par.station[i] + self->ahead[i] * motion.travelled,

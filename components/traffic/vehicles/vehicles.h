@@ -1,4 +1,5 @@
-/* Up to eight road users, each on its own path and lane with a speed that changes once. */
+/* Up to eight road users, each on its own path and lane with a speed that changes once. What stands still and is not in
+ * the way is an obstacle of speed 0: a post beside the lane, a manhole cover 20 mm high, a bridge with a clearance. */
 #ifndef VEHICLES_H
 #define VEHICLES_H
 
@@ -14,6 +15,7 @@ typedef struct {
         double speed[TRAFFIC_MOVERS], change_time[TRAFFIC_MOVERS], change_rate[TRAFFIC_MOVERS];
         double final_speed[TRAFFIC_MOVERS];
         double length[TRAFFIC_MOVERS], width[TRAFFIC_MOVERS], height[TRAFFIC_MOVERS];
+        double clearance[TRAFFIC_MOVERS];
     } par;
     double ahead[TRAFFIC_MOVERS], aside[TRAFFIC_MOVERS]; /* of its heading in its lane */
     counted_time time;

@@ -240,6 +240,7 @@ static void place_actor(road *self, const host_place *host, int32_t i) {
     actor->length = mover->length;
     actor->width = mover->width;
     actor->height = mover->height;
+    actor->clearance = mover->clearance;
     actor->x = beside.x;
     actor->y = beside.y;
     actor->z = ground_at(path, &foot).height;

@@ -18,7 +18,7 @@ typedef struct {
 
 typedef struct {
     int32_t id, class;
-    double length, width, height;
+    double length, width, height, clearance;
     int32_t path, lane;
     double station, offset, turn;
     double speed, lateral_speed, acceleration;
@@ -26,7 +26,7 @@ typedef struct {
 
 typedef struct {
     int32_t id, class;
-    double length, width, height;
+    double length, width, height, clearance;
     double x, y, z, heading;
     double speed, lateral_speed, acceleration;
     int32_t path, lane;

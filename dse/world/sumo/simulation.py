@@ -250,7 +250,7 @@ class Simulation:
     def _movers(self) -> list[float]:
         movers: list[float] = []
         for name in self._slots:
-            movers += self._mover(name) if name else [0.0] * 13
+            movers += self._mover(name) if name else [0.0] * 14
         return movers
 
     def _mover(self, name: str) -> Sequence[float]:
@@ -258,7 +258,7 @@ class Simulation:
         vehicle = self._sumo.vehicle
         lane = self._lanes.get(vehicle.getLaneID(name))
         if lane is None:
-            return [0.0] * 13
+            return [0.0] * 14
         if name not in self._kinds:
             kind = _CLASSES.get(vehicle.getVehicleClass(name), _CAR)
             self._kinds[name] = kind, vehicle.getLength(name), vehicle.getWidth(name), vehicle.getHeight(name)
@@ -273,7 +273,7 @@ class Simulation:
         speed, aside = vehicle.getSpeed(name), vehicle.getLateralSpeed(name)
         turn = max(-_STEEPEST, min(math.atan2(aside, max(speed, 1.0)), _STEEPEST))
         return (
-            self._numbers[name], kind, length, width, height, lane.path, lane.number, station,
+            self._numbers[name], kind, length, width, height, 0.0, lane.path, lane.number, station,
             offset + vehicle.getLateralLanePosition(name), turn, math.hypot(speed * slope, aside), 0.0,
             vehicle.getAcceleration(name),
         )  # fmt: skip
