@@ -32,7 +32,7 @@ _one_at_a_time = threading.Lock()
 _runs_command = False
 
 
-def tell_command() -> None:
+def mark_command() -> None:
     """This process runs a command of dse and nothing else: a program that uses dse may have threads and locks."""
     global _runs_command  # noqa: PLW0603  # a process has one
     _runs_command = True

@@ -23,8 +23,8 @@ from .effects import (
 from .finding import Finding as Finding, Topic as Topic
 from .first_order import (
     Share as Share,
+    alias_sentences as alias_sentences,
     aliased as aliased,
-    aliases_told as aliases_told,
     courses as courses,
     going_together as going_together,
 )

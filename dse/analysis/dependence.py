@@ -8,7 +8,7 @@ from dataclasses import asdict
 
 from dse.analysis.data import StudyData, withheld
 from dse.analysis.finding import Finding, Topic
-from dse.analysis.first_order import LEAST, aliases_told, courses, going_together
+from dse.analysis.first_order import LEAST, alias_sentences, courses, going_together
 from dse.analysis.importance import importances, model_first_order_shares
 from dse.analysis.phrases import between, difference, listed, parts, percent
 from dse.analysis.probability import Interval
@@ -31,9 +31,9 @@ def shares(data: StudyData, metric: str) -> Iterator[Finding]:
     """What explains how much of its variance by itself. Raises DseError."""
     data = data.evenly(metric, LEAST)
     found = sorted(model_first_order_shares(data, metric), key=lambda share: -round(share.share.value, 9))
-    told_aliases = aliases_told(data, metric)
-    if not found and told_aliases:
-        raise withheld(metric, "; ".join(told_aliases))
+    alias_reasons = alias_sentences(data, metric)
+    if not found and alias_reasons:
+        raise withheld(metric, "; ".join(alias_reasons))
     if not found:
         raise fail(f"{metric}: its runs differ in nothing that could explain it")
     label, named = metric_label(data, metric), [each for each in found if each.share.low > 0][:_MOST_NAMED]
@@ -49,9 +49,9 @@ def shares(data: StudyData, metric: str) -> Iterator[Finding]:
     if pairs:
         named_pairs = listed([" and ".join(pair) for pair in pairs[:3]], "as well as")
         text += f"; {named_pairs} are not independent in these runs, so their shares overlap"
-    elif left >= 0.1 and told and not told_aliases:
+    elif left >= 0.1 and told and not alias_reasons:
         text += f"; {percent(left)} is interactions or noise"
-    text += "".join(f"; {each}" for each in told_aliases)
+    text += "".join(f"; {each}" for each in alias_reasons)
     facts = {"shares": [asdict(each) for each in found], "defined": len(defined), "together": pairs}
     yield Finding(Topic.SHARES, metric, text, facts)
 

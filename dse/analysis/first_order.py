@@ -132,7 +132,7 @@ def aliased(data: StudyData) -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(data.factors[k].name for k in group) for group in groups if len(group) > 1)
 
 
-def aliases_told(data: StudyData, metric: str) -> tuple[str, ...]:
+def alias_sentences(data: StudyData, metric: str) -> tuple[str, ...]:
     """For each group of `aliased` factors of the runs that define *metric*, why nothing is said of them."""
     there = data.response(metric, 1)[0]
     return tuple(

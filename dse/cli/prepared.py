@@ -19,9 +19,9 @@ def keep_prepared(prepared: PreparedRun, output: str, units: str, *, gate: bool)
 
 def simulate_prepared(kept: bytes) -> int:
     """Make and show the run of what was *kept*; the exit code."""
-    from dse.processes import import_numpy, tell_command
+    from dse.processes import import_numpy, mark_command
 
-    tell_command()
+    mark_command()
     import_numpy()
     from dse.api import unpacked_run
     from dse.cli.runs import exit_code, present_run

@@ -94,14 +94,14 @@ def _worst_conditions(found: Ranking, definition: StudyDefinition) -> Iterator[s
 
     variables = {each.name: each for each in definition.variables}
 
-    def told_of(name: str, value: float) -> str:
+    def value_at(name: str, value: float) -> str:
         variable = variables[name]
         return f"{name} = {variable.label(value) if variable.labels else quantity(value, variable.unit)}"
 
     for number, objective in enumerate(found.objectives):
         rows: dict[str, list[int]] = {}
         for place, each in enumerate(found.best, start=1):
-            told = ", ".join(told_of(name, value) for name, value in each.at[number].items())
+            told = ", ".join(value_at(name, value) for name, value in each.at[number].items())
             rows.setdefault(told, []).append(place)
         for told, places in rows.items():
             where = f" ({', '.join(f'{place}.' for place in places)})" if len(rows) > 1 else ""

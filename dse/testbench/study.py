@@ -224,7 +224,7 @@ def require_variables(study: Study, settings: Mapping[str, Mapping[str, Setting]
         if variable.name != TESTBENCH and not any(variable.name in known for known in settings.values()):
             if variable.name == DRAW:
                 what, hint = "no part has noise: all replicates would be the same", "leave 'replicates' out"
-                hint += ", or say which parameter is a seed: 'random: true' in component.yaml"
+                hint += ", or declare which parameter is a seed: 'random: true' in component.yaml"
                 problems.append(Problem(what, variable.where, hint))
                 continue
             what = f"none of {len(settings)} configurations can vary '{variable.name}', as {next(iter(settings))}"

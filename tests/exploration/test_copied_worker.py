@@ -20,7 +20,7 @@ from multiprocessing import util
 from dse.domain.run import Outcome, Run
 from fake_runners import METRICS, REQUIREMENTS, benches, make_fake
 from dse.exploration.supervision.single_run import simulate_alone
-from dse.processes import tell_command
+from dse.processes import mark_command
 from dse.storage import Measures
 
 mischief, copied = sys.argv[1], sys.argv[2] == "copied"
@@ -43,7 +43,7 @@ def make(bench, progress):
 
 
 if copied:
-    tell_command()
+    mark_command()
     util.spawnv_passfds = None  # no interpreter can be started
 prepared = benches("a", mischief=mischief.replace("looks", ""), when=(0,), timeout=1)["a"]
 run = simulate_alone(prepared, make if copied else make_fake, "a", Measures(METRICS, REQUIREMENTS))
@@ -77,7 +77,7 @@ def test_only_a_command_without_threads_is_copied(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(processes, "_runs_command", False)
     monkeypatch.setattr(processes, "_OPENMP", ())  # other tests may have loaded it
     assert not processes.can_be_copied()
-    processes.tell_command()
+    processes.mark_command()
     assert processes.can_be_copied()
     others = [threading.main_thread(), threading.Timer(1.0, print)]
     monkeypatch.setattr(threading, "enumerate", lambda: others)

@@ -122,9 +122,9 @@ def simulate(
     there = world_of_bench(world, parts)
     from dse.api import prepare_once
     from dse.cli.runs import exit_code, present_run, write_run
-    from dse.processes import tell_command
+    from dse.processes import mark_command
 
-    tell_command()
+    mark_command()
 
     tested = workspace_of(bench).bench(bench)
     with status_line() as say:

@@ -15,7 +15,7 @@ from dse.analysis import (
     IndexEstimates,
     Interval,
     StudyData,
-    aliases_told,
+    alias_sentences,
     centres_of,
     drawn,
     features,
@@ -135,7 +135,7 @@ def _response(data: StudyData, name: str, fits: _Fits, naming: Naming) -> Respon
     shares = _or_reason(lambda: model_first_order_shares(data, name), "what explains it", name, withheld)
     effects = _or_reason(lambda: main_effects(data, name), "means along factors", name, withheld)
     if effects is not None:
-        withheld += [f"{ALIASED}: {each}" for each in aliases_told(data.evenly(name, 1), name)]
+        withheld += [f"{ALIASED}: {each}" for each in alias_sentences(data.evenly(name, 1), name)]
     profile = None
     if name in fits.found:
         profile = _profile(fits, name, unit)
