@@ -156,7 +156,8 @@ def draws_sentence(definition: StudyDefinition, points: int) -> str:
     draws = definition.replicates
     if draws is None:
         where = f"in {len(streams)} parts" if len(streams) > 1 else f"of {next(iter(streams))}"
-        return f"verdicts rest on one draw of the noise {where}: 'replicates: 20' in the study estimates how often they hold"
+        hint = "'replicates: 20' in the study estimates how often they hold"
+        return f"verdicts rest on one draw of the noise {where}: {hint}"
     count = f"{draws.at_least} … {draws.at_most}" if draws.at_least < draws.at_most else str(draws.at_least)
     shares = sorted({requirement.met_in for requirement in definition.requirements})
     among = " … ".join(f"{100 * share:g}" for share in dict.fromkeys((shares[0], shares[-1]))) if shares else ""
