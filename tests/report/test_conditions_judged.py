@@ -274,7 +274,19 @@ def test_between_values_that_are_apart_nothing_is_interpolated(sampler):
     assert data.note == "Nothing is known between the values of rate: only the runs are shown, no boundaries."
     assert (data.x_apart, data.y_apart) == ({}, {0.0: "0", 0.5: "0.5", 1.0: "1"})
     assert constraint_plot_data(content, "gain", "rate", "c").layers
-    assert draw_constraint_plot(data).axes[0].yaxis.get_majorticklocs().tolist() == [0.0, 0.5, 1.0]
+    (axes,) = draw_constraint_plot(data).axes
+    assert axes.yaxis.get_majorticklocs().tolist() == [0.0, 0.5, 1.0]
+    assert axes.get_xscale() == "linear"
+
+
+def test_a_variable_that_is_sampled_on_a_logarithmic_scale_has_such_an_axis():
+    gain = _variable(variable("gain", low=0.1, high=10.0, scale="log"), np.array([0.1, 1.0, 10.0]), ())
+    assert (gain.log, gain.apart) == (True, ())
+    content = pairs()
+    drawn = dataclasses.replace(content, variables=(content.variables[0], gain, content.variables[2]))
+    data = dataclasses.replace(constraint_plot_data(content, "gain", "rate", "c"), log=(False, drawn.variables[1].log))
+    (axes,) = draw_constraint_plot(data).axes
+    assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
 
 
 @pytest.mark.parametrize(

@@ -395,3 +395,9 @@ def test_names_and_values_that_are_apart_are_chosen(open_report: Open) -> None:
     kinds[0].select_option(label="asphalt")
     settle(page)
     assert kinds[0].input_value() == "1"
+    only = opened(page, "runs").locator(".heading-choice").first
+    assert only.locator("option").all_inner_texts() == ["all", "gravel", "asphalt"]
+    only.select_option(label="gravel")
+    settle(page)
+    assert page.inner_text(".chip b") == "gravel \u2026 gravel"
+    assert "48 of 96" in page.inner_text("#within")

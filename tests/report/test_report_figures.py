@@ -22,6 +22,7 @@ from dse.report.drawing.constraint_plot import draw_constraint_plot
 from dse.report.drawing.style import save_drawing
 from dse.report.drawing.waveform_plot import draw_waveforms
 from dse.report.figures.constraints import axis_pairs, constraint_plot_data
+from dse.report.figures.parallel import _spaced
 from dse.report.figures.waveforms import default_run, waveform_data
 from dse.report.interpolation.radial import MOST_CENTRES, evaluate, radial_fields, unit_points
 from dse.report.verdicts import Mark, overall_marks
@@ -221,3 +222,14 @@ def on_plane(content: ReportContent, x: str, y: str) -> Flags:
 
 def nearest_level(variable: ReportVariable) -> float:
     return float(variable.values[np.argmin(np.abs(variable.values - variable.nominal))])
+
+
+def test_an_axis_of_names_or_values_that_are_apart_has_them_evenly_spaced_with_their_texts():
+    road = ReportVariable("road", "road", "", 0, 1, 2, 0, np.array([0.0, 1.0]), (), ("gravel", "ice"), apart=(0.0, 1.0))
+    fog = ReportVariable("fog", "fog", "m", 30, 1e4, 3, 50, np.array([50.0, 1e4]), apart=(30.0, 50.0, 1e4))
+    gain = ReportVariable("gain", "gain", "", 0, 1, 3, 0, np.array([0.2, 0.9]))
+    assert [(values.tolist(), texts) for values, texts in map(_spaced, (road, fog, gain))] == [
+        ([0.0, 1.0], ["gravel", "ice"]),
+        ([1.0, 2.0], ["30", "50", "10000"]),
+        ([0.2, 0.9], ()),
+    ]

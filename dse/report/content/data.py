@@ -34,7 +34,8 @@ class ReportVariable:
 
     Configurations that *lack* it are known by their places; their runs have the nominal value, to stand somewhere.
     *labels* are what the values 0, 1, … are called, if they are no quantities. *apart* are its values if nothing can be
-    said of what is between them: names, or a few values that were listed one by one.
+    said of what is between them: names, or a few values that were listed one by one. Axes are logarithmic where the
+    study samples it on a *log* scale.
     Its *role* is that of the study: ``design``, ``condition`` or ``uncertain``.
     """
 
@@ -50,6 +51,7 @@ class ReportVariable:
     labels: tuple[str, ...] = ()
     role: str = Role.DESIGN
     apart: tuple[float, ...] = ()
+    log: bool = False
 
     def shown(self, value: float) -> str:
         """A value as a person reads it: what it is called, or a number with its unit."""

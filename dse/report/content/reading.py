@@ -20,7 +20,7 @@ from dse.domain.definition import (
     StudyDefinition,
 )
 from dse.domain.run import TESTBENCH, Outcome, Run, Waveforms
-from dse.domain.sampler import Grid
+from dse.domain.sampler import Grid, Scale as Scaling
 from dse.errors import DseError, Location, Problem
 from dse.report.content.architecture import parts_and_links
 from dse.report.content.data import (
@@ -207,8 +207,9 @@ def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]
     levels = entry.levels or None
     labels = tuple(entry.label(float(value)) for value in range(int(entry.high) + 1)) if entry.labels else ()
     apart = tuple(scale.number(value) for value in sorted(entry.values)) if _are_apart(entry) else ()
+    is_log = entry.scale == Scaling.LOG
     return ReportVariable(
-        entry.name, entry.title, entry.unit, low, high, levels, nominal, values, lack, labels, entry.role, apart
+        entry.name, entry.title, entry.unit, low, high, levels, nominal, values, lack, labels, entry.role, apart, is_log
     )
 
 

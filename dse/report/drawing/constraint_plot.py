@@ -38,7 +38,7 @@ class ConstraintPlotData:
     """Figure 6: *xs* (nx,) and *ys* (ny,) span the grid of the *layers* and of *known*, which is below 0.5 where failed
     runs leave a hole; without regions they are empty. *note* says how boundaries were made, or why there are none.
     *points* (n, 2) are the runs with their *marks* (see Mark) and *strength*, 1 in the plane and less beside it. The
-    values of an axis that are *apart* are evenly spaced, each with its text.
+    values of an axis that are *apart* are evenly spaced, each with its text; axes are *log* or linear.
     """
 
     title: str
@@ -56,6 +56,7 @@ class ConstraintPlotData:
     note: str
     x_apart: Mapping[float, str] = field(default_factory=dict)
     y_apart: Mapping[float, str] = field(default_factory=dict)
+    log: tuple[bool, bool] = (False, False)
 
     @property
     def feasible(self) -> NDArray[np.bool_]:
@@ -75,6 +76,10 @@ def draw_constraint_plot(data: ConstraintPlotData) -> Figure:
         figure = Figure(figsize=(6.4, 5.6), layout="constrained")
         axes = figure.add_subplot()
         axes.set(xlim=data.x_range, ylim=data.y_range, xlabel=data.x_label, ylabel=data.y_label)
+        if data.log[0]:
+            axes.set_xscale("log")
+        if data.log[1]:
+            axes.set_yscale("log")
         if len(data.x_apart) > 1:
             axes.set_xscale("function", functions=_evenly(list(data.x_apart)))
             axes.set_xticks(list(data.x_apart), list(data.x_apart.values()))

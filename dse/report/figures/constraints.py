@@ -63,6 +63,7 @@ def constraint_plot_data(content: ReportContent, x: str, y: str, configuration: 
         note=note,
         x_apart=_apart(horizontal),
         y_apart=_apart(vertical),
+        log=(horizontal.log, vertical.log),
     )
 
 

@@ -75,6 +75,7 @@ def _document(content: ReportContent) -> Json:
                 "lack": v.lack,
                 "labels": v.labels,
                 "apart": () if v.labels else v.apart,
+                "log": v.log,
                 "role": str(v.role),
             }
             for v in content.variables

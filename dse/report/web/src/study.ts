@@ -30,6 +30,8 @@ export interface Variable extends Column {
   labels: string[];
   /** Its values, evenly spaced on axes, if nothing is known between them. */
   apart: number[];
+  /** Sampled on a logarithmic scale, which its axes have as well. */
+  log: boolean;
   names?: string[];
   role: "design" | "condition" | "uncertain";
 }
@@ -158,6 +160,7 @@ interface Document {
     role: Variable["role"];
     labels: string[];
     apart: number[];
+    log: boolean;
   }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: Pick<Requirement, "name" | "title" | "metric" | "atMost" | "atLeast" | "metIn">[];

@@ -173,10 +173,15 @@ test("between a few listed values nothing is interpolated, and each has its even
   const { fields, note } = createPlanes(study)(stateOf(study));
   equal(fields, null);
   equal(note, "Nothing is known between the values of x: only the runs are shown, no boundaries.");
-  const { x, y } = frameOf(482, 464, { x: [30, 10000], y: [0, 4] }, false, { x: [30, 50, 10000], y: [] });
+  const { x, y } = frameOf(482, 464, { x: [30, 10000], y: [0, 4] }, false, {
+    x: { apart: [30, 50, 10000] },
+    y: {},
+  });
   ok([30, 50, 10000].every((value, index) => near(x(value), 66 + (400 / 6) * (1 + 2 * index), 1e-9)));
   equal(x.invert(266), 50);
   equal(y(2), 214);
+  const { x: decades } = frameOf(482, 464, { x: [1, 100], y: [0, 4] }, false, { x: { log: true }, y: {} });
+  ok([1, 10, 100].every((value, index) => near(decades(value), 66 + 200 * index, 1e-9)));
 });
 
 test("a plane has the runs at the fixed values, and moves through a run", () => {

@@ -9,7 +9,7 @@ export function column(name: string, values: ArrayLike<number>, unit = ""): Colu
 }
 
 export function variable(name: string, values: ArrayLike<number>, facts: Partial<Variable> = {}): Variable {
-  const base = { low: 0, high: 1, nominal: 0, levels: 0, role: "design" } as const;
+  const base = { low: 0, high: 1, nominal: 0, levels: 0, log: false, role: "design" } as const;
   return { ...column(name, values, facts.unit), ...base, lack: [], labels: [], apart: [], ...facts };
 }
 

@@ -1,7 +1,7 @@
 // A range in the heading of a table's column: dragging across it, or its two handles, filters every view.
 import { rebrushed } from "../brush";
 import { columnOf } from "../columns";
-import { el } from "../dom";
+import { choose, el } from "../dom";
 import { withUnit } from "../format";
 import { type Axis, axisOf } from "../plot/parallel";
 import type { Store } from "../store";
@@ -31,6 +31,7 @@ export function createHeading(store: Store, key: string): Heading | null {
   const axis = columnOf(store.study, key) && axisOf(store.study, key);
   if (!axis || !(axis.most > axis.least)) return null;
   const { title, unit, text } = columnOf(store.study, key)!;
+  if (axis.apart.length) return createChoice(store, key, axis, title);
   const band = el("span", { class: "band" });
   const handles = (["from", "to"] as const).map((end) =>
     el("span", {
@@ -89,6 +90,25 @@ export function createHeading(store: Store, key: string): Heading | null {
   dragged(element, range, set);
   show();
   return { element, show };
+}
+
+/** Of values that are names, or between which nothing is known, one is chosen. */
+function createChoice(store: Store, key: string, { apart, texts }: Axis, title: string): Heading {
+  const options = apart.map((value, index): [string, string] => [String(value), texts[index]!]);
+  const select = choose([["", "all"], ...options], "", (value) =>
+    store.set({
+      brushes: rebrushed(store.state.brushes, key, value === "" ? null : [Number(value), Number(value)]),
+    }),
+  );
+  select.className = "heading-choice";
+  select.setAttribute("aria-label", `Only one value of ${title}`);
+  const show = (): void => {
+    const brush = store.state.brushes.find(({ column }) => column === key);
+    const within = brush ? apart.filter((value) => value >= brush.low && value <= brush.high) : [];
+    select.value = within.length === 1 ? String(within[0]) : "";
+  };
+  show();
+  return { element: select, show };
 }
 
 function dragged(element: HTMLElement, range: () => [number, number], set: (a: number, b: number) => void): void {

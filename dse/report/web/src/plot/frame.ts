@@ -1,5 +1,5 @@
 // Where the plot lies on the canvas and how data become pixels.
-import { type ScaleContinuousNumeric, scaleLinear } from "d3-scale";
+import { type ScaleContinuousNumeric, scaleLinear, scaleLog } from "d3-scale";
 import { number } from "../format";
 import type { Zoom } from "../store";
 import { axisLabel } from "../study";
@@ -37,18 +37,27 @@ export function frameOf(
   height: number,
   { x, y }: Zoom,
   bar: boolean,
-  apart: { x: number[]; y: number[] } = { x: [], y: [] },
+  axes: { x: Spacing; y: Spacing } = { x: {}, y: {} },
 ): Frame {
   const frame = { left: 66, right: width - (bar ? 96 : 16), top: 14, bottom: height - 50 };
   return {
     ...frame,
-    x: spaced(x, apart.x, frame.left, frame.right),
-    y: spaced(y, apart.y, frame.bottom, frame.top),
+    x: spaced(x, axes.x, frame.left, frame.right),
+    y: spaced(y, axes.y, frame.bottom, frame.top),
   };
 }
 
+/** How values are spaced on an axis: evenly by default. */
+export type Spacing = Pick<AxisText, "apart" | "log">;
+
 /** From values to pixels; each step from one of *apart* to the next is as wide as any other. */
-export function spaced([low, high]: readonly [number, number], apart: number[], from: number, to: number): Scale {
+export function spaced(
+  [low, high]: readonly [number, number],
+  { apart = [], log = false }: Spacing,
+  from: number,
+  to: number,
+): Scale {
+  if (log && low > 0 && apart.length < 2) return scaleLog([low, high], [from, to]);
   if (apart.length < 2) return scaleLinear([low, high], [from, to]);
   const step = scaleLinear(
     apart,

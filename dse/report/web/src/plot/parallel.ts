@@ -1,11 +1,11 @@
 // Axes beside each other, and runs as lines across them.
-import { type ScaleLinear, scaleLinear } from "d3-scale";
 import { columnOf, columnsOf, type Keyed } from "../columns";
 import { number } from "../format";
 import type { Store } from "../store";
 import { axisLabel, type Study } from "../study";
 import { type Palette, palette } from "../theme";
 import { PASS } from "../verdicts";
+import { fitted, type Scale, spaced } from "./frame";
 import type { Pen } from "./pen";
 import { colourOf } from "./regions";
 import type { Sheet } from "./sheet";
@@ -25,6 +25,9 @@ export interface Axis {
   /** Of all values. */
   least: number;
   most: number;
+  /** Values that are evenly spaced, each with its text: names, and those between which nothing is known. */
+  apart: number[];
+  texts: string[];
 }
 
 const known = new WeakMap<Study, Map<string, Axis>>();
@@ -46,6 +49,7 @@ function axisFor(study: Study, column: Keyed): Axis {
   const sorted = column.values.filter((value, run) => Number.isFinite(value) && study.done[run] === 1).sort();
   const at = (part: number): number => sorted[Math.round(part * (sorted.length - 1))] ?? 0;
   const variable = column.key.startsWith("variable.") ? study.variables[Number(column.key.slice(9))] : undefined;
+  const apart = variable?.labels.length ? variable.labels.map((_, index) => index) : (variable?.apart ?? []);
   const [low, high] = variable ? [variable.low, variable.high] : [at(0.01), at(0.99)];
   return {
     key: column.key,
@@ -55,11 +59,13 @@ function axisFor(study: Study, column: Keyed): Axis {
     high: high > low ? high : low + 1,
     least: Math.min(at(0), low),
     most: Math.max(at(1), high),
+    apart,
+    texts: apart.map((value) => (variable?.labels.length ? variable.labels[value]! : number(value, 6))),
   };
 }
 
-export function heightsOf(axes: Axis[], height: number): ScaleLinear<number, number>[] {
-  return axes.map(({ low, high }) => scaleLinear([low, high], [height - FOOT, TOP]).clamp(true));
+export function heightsOf(axes: Axis[], height: number): Scale[] {
+  return axes.map(({ low, high, apart }) => spaced([low, high], { apart }, height - FOOT, TOP).clamp(true));
 }
 
 export function placeOf(axes: number, width: number, index: number): number {
@@ -78,15 +84,18 @@ export function paintLines(
   const { overall } = store.judgement();
   const xs = axes.map((_, index) => placeOf(axes.length, width, index));
   // The scales are linear; asking them for every value would take most of the time.
+  const scales = heightsOf(axes, height);
   const slopes = axes.map(({ low, high }) => (height - FOOT - TOP) / (high - low));
   const add = (run: number): void => {
     let started = false;
     for (let index = 0; index < axes.length; index++) {
-      const { values, low } = axes[index]!;
+      const { values, low, apart } = axes[index]!;
       const value = values[run]!;
       if (!Number.isFinite(value)) started = false;
       else {
-        const y = Math.min(height - FOOT, Math.max(TOP, height - FOOT - (value - low) * slopes[index]!));
+        const y = apart.length
+          ? scales[index]!(value)
+          : Math.min(height - FOOT, Math.max(TOP, height - FOOT - (value - low) * slopes[index]!));
         if (started) pen.lineTo(xs[index]!, y);
         else pen.moveTo(xs[index]!, y);
         started = true;
@@ -145,8 +154,11 @@ function drawAxis(pen: Pen, { study, state }: Store, axis: Axis, x: number, heig
   pen.textBaseline = "alphabetic";
   pen.fillStyle = colours.muted;
   pen.font = `11.5px ${colours.font}`;
-  pen.fillText(number(axis.high, 3), x, TOP - 7);
-  pen.fillText(number(axis.low, 3), x, height - FOOT + 16);
+  if (axis.apart.length) writeTexts(pen, axis, scale, x, colours);
+  else {
+    pen.fillText(number(axis.high, 3), x, TOP - 7);
+    pen.fillText(number(axis.low, 3), x, height - FOOT + 16);
+  }
   const brush = state.brushes.find(({ column }) => column === axis.key);
   if (brush) {
     const [from, to] = [scale(brush.high), scale(brush.low)];
@@ -171,6 +183,18 @@ function drawAxis(pen: Pen, { study, state }: Store, axis: Axis, x: number, heig
       segment(pen, x - 11, scale(bound), x + 11, scale(bound));
     }
   });
+}
+
+function writeTexts(pen: Pen, { apart, texts }: Axis, scale: Scale, x: number, colours: Palette): void {
+  pen.lineWidth = 3;
+  pen.strokeStyle = colours.plot;
+  pen.textAlign = "left";
+  apart.forEach((value, index) => {
+    const shown = fitted(pen, texts[index]!, 2 * SIDE - 34);
+    pen.strokeText(shown, x + 5, scale(value) - 4);
+    pen.fillText(shown, x + 5, scale(value) - 4);
+  });
+  pen.textAlign = "center";
 }
 
 function segment(pen: Pen, x0: number, y0: number, x1: number, y1: number): void {

@@ -97,8 +97,8 @@ function paintGround({ pen, width, height }: Sheet, store: Store, plane: Plane):
   const [horizontal, vertical] = [study.variables[plane.x]!, study.variables[plane.y]!];
   const metric = state.fill >= 0 && plane.fields ? study.metrics[state.fill]! : null;
   const frame = frameOf(width, height, state.zoom ?? wholeOf(study, plane), metric !== null, {
-    x: horizontal.apart,
-    y: vertical.apart,
+    x: horizontal,
+    y: vertical,
   });
   pen.fillStyle = colours.plot;
   pen.fillRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);

@@ -184,8 +184,8 @@ function paint({ pen, width, height }: Sheet, store: Store, { x, y, runs }: Cell
   } = judgedOn(store, x, y);
   const colours = palette();
   const place = (variable: number, run: number, from: number, to: number): number => {
-    const { values, low, high, apart } = study.variables[variable]!;
-    return spaced([low, high], apart, from, to)(values[run]!);
+    const { values, low, high, apart, log } = study.variables[variable]!;
+    return spaced([low, high], { apart, log }, from, to)(values[run]!);
   };
   const across = (run: number): number => place(x, run, RIM, width - RIM);
   const up = (run: number): number => place(y, run, height - RIM, RIM);
