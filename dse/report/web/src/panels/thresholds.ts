@@ -163,12 +163,9 @@ function showLight({ study, state, judgement }: Store, { requirement, light }: R
   const by = margin(metric.values[run]!, state.thresholds[requirement]!);
   const text =
     mark <= FAIL && !Number.isNaN(by) ? withUnit(`${by > 0 ? "+" : ""}${number(by, 3)}`, metric.unit) : WORDS[mark]!;
+  const shown = mark === NOT_APPLICABLE ? SIGNS[mark] : `${SIGNS[mark]} ${text}`;
   light.replaceChildren(
-    el(
-      "span",
-      { class: `badge ${CLASSES[mark]}`, title: `Run ${study.number[run]}: ${WORDS[mark]}` },
-      `${SIGNS[mark]} ${text}`,
-    ),
+    el("span", { class: `badge ${CLASSES[mark]}`, title: `Run ${study.number[run]}: ${WORDS[mark]}` }, shown),
   );
 }
 
