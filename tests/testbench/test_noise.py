@@ -263,3 +263,25 @@ def test_what_has_no_noise_is_made_once_and_more_draws_are_made_where_it_is_open
     assert judged.min() >= 3
     assert judged.max() <= 30
     assert len(set(judged.tolist())) > 1
+
+
+@pytest.mark.thorough
+def test_two_designs_are_compared_in_the_same_draws(explored: Path, root: Path) -> None:
+    noisy, quiet = identity(root, "noisy", "quiet"), identity(root, "quiet", "quiet")
+    with pytest.raises(DseError, match="is the start of several designs"):
+        dse.Results(explored).against(noisy, quiet)
+    with StudyFolder.open(explored) as stored:
+        table = stored.table()
+    lowest, highest = (
+        next(
+            n
+            for n, name, level in zip(table.numbers, table.configurations, table.points["left.level"], strict=True)
+            if name == noisy and level == at
+        )
+        for at in (0.5, 1.0)
+    )
+    (found,) = dse.Results(explored).against(str(lowest), str(highest))
+    # The same noise, half a metre higher: the second design is never worse.
+    assert found.margin == pytest.approx(-0.5)
+    assert found.first == 0
+    assert found.both + found.second + found.neither == 6

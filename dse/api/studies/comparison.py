@@ -114,7 +114,8 @@ def _compared(folder: Path, first: RunTable, table: RunTable) -> Compared:
 
 def _counted(codes: Sequence[int]) -> dict[str, int]:
     counts = Counter(codes)
-    return {str(verdict): counts[code] for code, verdict in enumerate(VERDICTS)}
+    counted = ((code, verdict) for code, verdict in enumerate(VERDICTS) if verdict is not Verdict.NOT_APPLICABLE)
+    return {str(verdict): counts[code] for code, verdict in counted}
 
 
 def _renamed(before: StudyDefinition, after: StudyDefinition) -> Iterator[str]:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from numpy.typing import NDArray
 
-    from dse.analysis import Finding, Ranking
+    from dse.analysis import Finding, PairedDraws, Ranking
     from dse.api.studies.replay import Replay
     from dse.api.studies.single_run import Tell
     from dse.domain import study as nouns
@@ -287,6 +287,19 @@ class Results:
         def answer(folder: StudyFolder) -> Ranking:
             wanted = objectives_of(folder.header.definition, minimize, maximize)
             return ranked(judged(folder), wanted, number)
+
+        return self._read(answer)
+
+    def against(self, one: str, other: str) -> tuple[PairedDraws, ...]:
+        """Two designs case by case, each named by the number of a run or the start of its configuration's id.
+
+        Their draws are paired, as both met the same ones. Raises DseError for what is no design of the study.
+        """
+        from dse.analysis import paired, rows_of_design
+
+        def answer(folder: StudyFolder) -> tuple[PairedDraws, ...]:
+            table = folder.table()
+            return tuple(paired(table, rows_of_design(table, one), rows_of_design(table, other)))
 
         return self._read(answer)
 
