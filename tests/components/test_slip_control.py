@@ -1,0 +1,99 @@
+"""Slip control on cars whose wheels can lock and spin, against closed forms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+NewPart = Callable[..., Any]
+G, LIMIT = 9.81, 5 / 3.6
+PEAK = {"two_track": 0.8 * 1.1739, "single_track": 0.9}  # friction on dry asphalt, at the nominal load
+SURFACES = {"dry": 1.0, "wet": 0.71, "snow": 0.3, "ice": 0.1}
+
+
+class Car:
+    """A chassis with slip control, on ground of one friction at the left and one at the right."""
+
+    def __init__(self, new_part: NewPart, chassis: str, control: str, left: float, right: float, speed: float) -> None:
+        self.chassis, self.control = new_part(chassis, initial_speed=speed, drag_area=0.0), new_part(control)
+        for i in range(1, 5):
+            self.chassis[f"ground[{i}].friction"] = left if i % 2 else right
+        self.chassis.init()
+        self.control.init()
+        self.time = 0.0
+
+    def step(self, front: float = 0.0, rear: float = 0.0) -> None:
+        self.control["demand.front"], self.control["demand.rear"] = front, rear
+        for i in range(1, 5):
+            self.control[f"wheel_speeds[{i}]"] = self.chassis[f"wheel_speeds[{i}]"]
+        for name in ("speed", "yaw_rate", "acceleration", "lateral_speed"):
+            self.control[f"motion.{name}"] = self.chassis[f"motion.{name}"]
+        self.control.step()
+        for name in ("brake.front", "brake.rear", *(f"wheel_brake[{i}]" for i in range(1, 5))):
+            self.chassis[name] = self.control[name]
+        self.chassis.step()
+        self.time += 0.01
+
+    def slips(self) -> list[float]:
+        return [1 - 0.31 * self.chassis[f"wheel_speeds[{i}]"] / self.chassis["speed"] for i in range(1, 5)]
+
+    def stop(self, steered: bool = False) -> Iterator[list[float]]:
+        """Full braking, built up as by a booster, until 5 km/h. With steering, a driver keeps the heading."""
+        while self.chassis["speed"] > LIMIT and self.time < 60:
+            torque = 6500.0 * (1 - math.exp(-self.time / 0.12))
+            if steered:
+                self.chassis["steering"] = -1.0 * self.chassis["motion.heading"] - 0.3 * self.chassis["motion.yaw_rate"]
+            self.step(0.65 * torque, 0.35 * torque)
+            yield self.slips()
+
+
+@pytest.mark.parametrize("chassis", PEAK)
+@pytest.mark.parametrize("friction", SURFACES.values(), ids=SURFACES)
+def test_anti_lock_brakes_stop_within_a_tenth_of_the_friction_limit(
+    new_part: NewPart, chassis: str, friction: float
+) -> None:
+    car = Car(new_part, chassis, "anti_lock", friction, friction, 25.0)
+    slips = [(car.chassis["speed"], max(row)) for row in car.stop()]
+    limit = (25.0**2 - LIMIT**2) / (2 * PEAK[chassis] * friction * G)
+    # The brake builds up in 0.12 s, in 3 m. Front wheels on ice have more grip per load than the nominal load, by 2 %.
+    assert 0.95 * limit < car.chassis["position"] - 3.0 < 1.1 * limit
+    # The peak is at 0.13 * friction, the single-track tyre has none. At walking speed the force follows the slip late.
+    assert max(slip for speed, slip in slips[50:] if speed > 3) < 0.02 + 0.15 * friction
+    assert max(slip for _, slip in slips) < 0.6
+
+
+@pytest.mark.parametrize("friction", [0.71, 0.1])
+def test_without_slip_control_wheels_lock_and_the_magic_formula_brakes_less(new_part: NewPart, friction: float) -> None:
+    car = Car(new_part, "two_track", "no_slip_control", friction, friction, 25.0)
+    slips = list(car.stop())
+    assert min(slips[-1]) == 1.0
+    assert car.chassis["position"] > 1.3 * (25.0**2 - LIMIT**2) / (2 * PEAK["two_track"] * friction * G)
+
+
+def test_split_friction_brakes_each_front_wheel_by_its_own_and_the_rear_by_the_lower(new_part: NewPart) -> None:
+    car = Car(new_part, "two_track", "anti_lock", 1.0, 0.1, 25.0)
+    slips = list(car.stop(steered=True))
+    # Front: the mean of both sides. Rear: the lower one, as both wheels have its torque. Loads move by a h / wheelbase.
+    high, low = PEAK["two_track"], 0.1 * PEAK["two_track"]
+    share = 0.55 * 0.5 * (high + low) + 0.45 * low
+    deceleration = share / (1 - 0.55 / 2.7 * (0.5 * (high + low) - low)) * G
+    limit = (25.0**2 - LIMIT**2) / (2 * deceleration)
+    assert car.chassis["position"] - 3.0 == pytest.approx(limit, rel=0.1)
+    assert max(max(row) for row in slips[50:]) < 0.25
+    assert abs(car.chassis["motion.heading"]) < math.radians(10)
+    assert abs(car.chassis["motion.y"]) < 1.8
+
+
+def test_brakes_that_need_no_control_pass_unchanged_and_wheels_lock_at_walking_speed(new_part: NewPart) -> None:
+    gentle = Car(new_part, "two_track", "anti_lock", 1.0, 1.0, 25.0)
+    for _ in range(300):
+        gentle.step(601.7, 399.3)
+        assert (gentle.control["brake.front"], gentle.control["brake.rear"]) == (601.7, 399.3)
+        assert not gentle.control["anti_lock"]
+    slow = Car(new_part, "two_track", "anti_lock", 0.1, 0.1, 4.9 / 3.6)
+    for _ in range(30):
+        slow.step(3000.0, 2000.0)
+    assert max(abs(slow.chassis[f"wheel_speeds[{i}]"]) for i in range(1, 5)) == 0.0
