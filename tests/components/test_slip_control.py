@@ -17,21 +17,35 @@ SURFACES = {"dry": 1.0, "wet": 0.71, "snow": 0.3, "ice": 0.1}
 class Car:
     """A chassis with slip control, on ground of one friction at the left and one at the right."""
 
-    def __init__(self, new_part: NewPart, chassis: str, control: str, left: float, right: float, speed: float) -> None:
-        self.chassis, self.control = new_part(chassis, initial_speed=speed, drag_area=0.0), new_part(control)
+    def __init__(
+        self, new_part: NewPart, chassis: str, control: str, left: float, right: float, speed: float, **more: float
+    ) -> None:
+        self.chassis, self.control = new_part(chassis, initial_speed=speed, drag_area=0.0, **more), new_part(control)
         for i in range(1, 5):
             self.chassis[f"ground[{i}].friction"] = left if i % 2 else right
         self.chassis.init()
         self.control.init()
         self.time = 0.0
 
-    def step(self, front: float = 0.0, rear: float = 0.0) -> None:
+        self.powertrain: Any = None
+
+    def step(self, front: float = 0.0, rear: float = 0.0, drive: float = 0.0) -> None:
         self.control["demand.front"], self.control["demand.rear"] = front, rear
         for i in range(1, 5):
             self.control[f"wheel_speeds[{i}]"] = self.chassis[f"wheel_speeds[{i}]"]
         for name in ("speed", "yaw_rate", "acceleration", "lateral_speed"):
             self.control[f"motion.{name}"] = self.chassis[f"motion.{name}"]
+        self.control["drive_demand"] = drive
+        if self.powertrain:
+            for axle in ("front", "rear"):
+                self.control[f"wheels.{axle}"] = self.powertrain[f"wheels.{axle}"]
         self.control.step()
+        if self.powertrain:
+            self.powertrain["torque_demand"] = self.control["drive_torque"]
+            self.powertrain.step()
+            for axle in ("front", "rear"):
+                self.chassis[f"wheels.{axle}"] = self.powertrain[f"wheels.{axle}"]
+                self.powertrain[f"wheel_speed.{axle}"] = self.chassis[f"wheel_speed.{axle}"]
         for name in ("brake.front", "brake.rear", *(f"wheel_brake[{i}]" for i in range(1, 5))):
             self.chassis[name] = self.control[name]
         self.chassis.step()
@@ -97,3 +111,36 @@ def test_brakes_that_need_no_control_pass_unchanged_and_wheels_lock_at_walking_s
     for _ in range(30):
         slow.step(3000.0, 2000.0)
     assert max(abs(slow.chassis[f"wheel_speeds[{i}]"]) for i in range(1, 5)) == 0.0
+
+
+def started(new_part: NewPart, control: str, share: float, friction: float, chassis: str = "two_track") -> Car:
+    """Eight seconds of full drive torque, built up within half a second, of an electric drive."""
+    car = Car(new_part, chassis, control, friction, friction, 0.0, rolling_resistance=0.0)
+    car.powertrain = new_part("bev_ideal", front_share=share)
+    car.powertrain.init()
+    while car.time < 8.0:
+        car.step(drive=3000.0 * min(car.time / 0.5, 1.0))
+    return car
+
+
+@pytest.mark.parametrize("chassis", PEAK)
+@pytest.mark.parametrize(("share", "friction"), [(0.0, 0.1), (1.0, 0.1), (0.0, 0.3), (1.0, 0.3), (0.5, 0.3)])
+def test_traction_control_starts_within_a_tenth_of_the_friction_limit(
+    new_part: NewPart, chassis: str, share: float, friction: float
+) -> None:
+    car = started(new_part, "traction_control", share, friction, chassis)
+    mu, lever = PEAK[chassis] * friction, 0.55 / 2.7
+    # Loads move to the rear. With half of the torque at each axle, the rear one slips first.
+    limits = {0.0: mu * 0.45 / (1 - mu * lever), 1.0: mu * 0.55 / (1 + mu * lever)}
+    limits[0.5] = 2 * mu * 0.45 / (1 - 2 * mu * lever)
+    # The demand reaches the limit after 0.25 s at most.
+    assert car.chassis["speed"] == pytest.approx(limits[share] * G * 7.75, rel=0.1)
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0, 0.5])
+def test_without_traction_control_driven_wheels_spin_and_the_start_is_slower(new_part: NewPart, share: float) -> None:
+    plain, controlled = (started(new_part, name, share, 0.1) for name in ("anti_lock", "traction_control"))
+    fastest = max(plain.chassis[f"wheel_speeds[{i}]"] for i in range(1, 5)) * 0.31
+    assert fastest > 5 * plain.chassis["speed"]
+    assert controlled.chassis["speed"] > 1.1 * plain.chassis["speed"]
+    assert not plain.control["traction"]

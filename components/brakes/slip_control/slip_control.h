@@ -1,4 +1,4 @@
-/* Slip control between the service brake and the wheels: an anti-lock brake at each wheel.
+/* Slip control between demands and wheels: anti-lock brakes, and drive torque limited by the slip of the driven axles.
  *
  * The tyre force follows from the torques of a wheel and its spin:  F = (T + I spin') / R
  * Magic Formula tyres of all frictions have their peak where force per load = stiffness * slip, with the same *stiffness*
@@ -8,7 +8,14 @@
  *   T = R F - I a / R + I v / (R response) (target - slip)
  * the slip follows its target with the time constant *response*. The torque is never above the brake's, its rates
  * are limited, and the rear wheels have the lower torque of both (select low). Below *lowest_speed* the brake acts as it
- * is. Loads are those at rest, shifted by the acceleration. The reference speed is the car's true speed. */
+ * is.
+ *
+ * The drive torque follows the same law with the torques of an axle and its faster wheel: the demand is at most what the
+ * axle with the least to spare can use, in the shares that the powertrain has at present. With one demand for two driven
+ * axles on ice, about 70 % of the friction limit are reached.
+ *
+ * Loads are those at rest, shifted by the acceleration. The reference speed is the car's true speed.
+ */
 #ifndef SLIP_CONTROL_H
 #define SLIP_CONTROL_H
 
@@ -29,6 +36,8 @@ typedef struct {
 typedef struct {
     struct {
         slip_control_axles demand;
+        double drive_demand;
+        slip_control_axles wheels; /* torques of the powertrain */
         double wheel_speeds[4];
         struct {
             double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
@@ -37,14 +46,16 @@ typedef struct {
     struct {
         slip_control_axles brake; /* the part that both wheels of an axle have */
         double wheel_brake[4];    /* and what single wheels have on top */
-        bool anti_lock;
+        double drive_torque;
+        bool anti_lock, traction;
     } out;
     struct {
         int32_t functions;
         double mass, front_load_share, cg_height, wheelbase, track, wheel_radius, wheel_inertia;
-        double stiffness, lowest_slip, highest_slip, entry_slip, response, release_rate, apply_rate, lowest_speed;
+        double stiffness, lowest_slip, highest_slip, entry_slip, response, traction_response, release_rate, apply_rate, lowest_speed;
     } par;
     slip_control_wheel wheel[4];
+    double torque; /* drives */
     bool started;
 } slip_control;
 
