@@ -33,9 +33,9 @@ class Car:
         self.control["demand.front"], self.control["demand.rear"] = front, rear
         for i in range(1, 5):
             self.control[f"wheel_speeds[{i}]"] = self.chassis[f"wheel_speeds[{i}]"]
-        for name in ("speed", "yaw_rate", "acceleration", "lateral_speed"):
+        for name in ("speed", "yaw_rate", "acceleration", "lateral_speed", "lateral_acceleration"):
             self.control[f"motion.{name}"] = self.chassis[f"motion.{name}"]
-        self.control["drive_demand"] = drive
+        self.control["drive_demand"], self.control["steering"] = drive, self.chassis["steering"]
         if self.powertrain:
             for axle in ("front", "rear"):
                 self.control[f"wheels.{axle}"] = self.powertrain[f"wheels.{axle}"]
@@ -144,3 +144,59 @@ def test_without_traction_control_driven_wheels_spin_and_the_start_is_slower(new
     assert fastest > 5 * plain.chassis["speed"]
     assert controlled.chassis["speed"] > 1.1 * plain.chassis["speed"]
     assert not plain.control["traction"]
+
+
+def change_lanes(new_part: NewPart, control: str, speed: float, friction: float) -> tuple[float, float, float]:
+    """Largest distance from a double lane change of 3.5 m as in ISO 3888-1, the largest drift angle, and
+    the distance 80 m after it."""
+    car = Car(new_part, "two_track", control, friction, friction, speed)
+    off = drift = 0.0
+    while car.chassis["motion.x"] < 175.0 and car.time < 12.0:
+        x, y, heading = (car.chassis[f"motion.{name}"] for name in ("x", "y", "heading"))
+        ahead = 0.6 * speed + 4.0
+        aside = lane(x + ahead) - y - ahead * math.sin(heading)
+        car.chassis["steering"] = max(-0.5, min(0.5, 2 * 2.7 * aside / ahead**2))
+        car.step()
+        off = max(off, abs(y - lane(x)))
+        drift = max(drift, abs(math.atan2(car.chassis["motion.lateral_speed"], car.chassis["speed"])))
+    return off, drift, abs(y)
+
+
+def lane(x: float) -> float:
+    """Lanes of ISO 3888-1: 30 m to the left, 25 m there, 25 m back."""
+    left = min(max((x - 15.0) / 30.0, 0.0), 1.0) - min(max((x - 70.0) / 25.0, 0.0), 1.0)
+    return 3.5 * 0.5 * (1 - math.cos(math.pi * left))
+
+
+@pytest.mark.parametrize("speed", [22.0, 23.0, 24.0])
+def test_stability_control_holds_a_double_lane_change_on_snow_that_the_plain_car_does_not(
+    new_part: NewPart, speed: float
+) -> None:
+    """The lanes ask for more than 9 m/s2, snow gives less than 3: cars cut the corners, but need not spin."""
+    off, drift, after = change_lanes(new_part, "traction_control", speed, 0.3)
+    assert (off > 3.0, drift > math.radians(20)) == (True, True)
+    held, held_drift, held_after = change_lanes(new_part, "stability_control", speed, 0.3)
+    assert held < off
+    assert held_drift < math.radians(5)
+    assert held_after < min(0.5, after)
+
+
+def test_stability_control_leaves_a_car_alone_that_follows_its_steering(new_part: NewPart) -> None:
+    plain, controlled = (change_lanes(new_part, f"{name}_control", 24.0, 1.0) for name in ("traction", "stability"))
+    assert plain == controlled
+
+
+@pytest.mark.parametrize("value", [math.nan, 1e308, -1e308])
+@pytest.mark.parametrize(
+    "port", ["demand.front", "drive_demand", "wheels.rear", "wheel_speeds[2]", "motion.speed", "motion.yaw_rate"]
+)
+def test_an_input_that_is_no_sensible_number_makes_no_such_output(new_part: NewPart, port: str, value: float) -> None:
+    control = new_part("stability_control")
+    control["demand.front"], control["motion.speed"], control["drive_demand"] = 3000.0, 20.0, 500.0
+    control["wheels.rear"], control["steering"] = 500.0, 0.1
+    control.init()
+    outputs = [each.name for each in control.component.interface.ports if each.causality == "output"]
+    for k in range(20):
+        control[port] = value if 5 < k < 10 else 0.0
+        control.step()
+        assert [name for name in outputs if not abs(float(control[name])) <= 2e5] == []

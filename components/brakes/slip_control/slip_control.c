@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-enum { NONE, ANTI_LOCK, TRACTION };
+enum { NONE, ANTI_LOCK, TRACTION, STABILITY };
 
 #define GRAVITY 9.81
 #define LEAST_LOAD 100.0 /* N, of a wheel */
@@ -11,7 +11,8 @@ enum { NONE, ANTI_LOCK, TRACTION };
 #define CRAWL 0.6 /* m/s: below it, slip is relative to this speed */
 
 static double clamp(double value, double low, double high) {
-    return value > low ? value < high ? value : high : low; /* NaN: low */
+    if (isnan(value)) value = 0;
+    return value < low ? low : value > high ? high : value;
 }
 
 static double forwards(const slip_control *self) {
@@ -85,7 +86,25 @@ static void traction(slip_control *self, const double spin_rate[4]) {
     self->out.drive_torque = self->torque;
 }
 
+static void stability(slip_control *self) {
+    double speed = clamp(self->in.motion.speed, 0, 150), steering = clamp(self->in.steering, -1, 1), relative = speed / self->par.characteristic_speed;
+    double rate = clamp(self->in.motion.yaw_rate, -10, 10), aside = fabs(clamp(self->in.motion.lateral_acceleration, -20, 20));
+    bool acts = self->par.functions >= STABILITY && speed > self->par.lowest_speed;
+    double most = (aside + self->par.yaw_margin) / fmax(speed, CRAWL), lag = self->par.yaw_lag + SLIP_CONTROL_STEP;
+    double wanted = clamp(speed * tan(steering) / (self->par.wheelbase * (1 + relative * relative)), -most, most);
+    self->yaw_rate += SLIP_CONTROL_STEP / lag * (wanted - self->yaw_rate);
+    double excess = rate - self->yaw_rate, torque = self->par.yaw_gain * fmax(fabs(excess) - self->par.yaw_tolerance, 0);
+    int axle = excess * rate > 0 ? 0 : 1, braked = 2 * axle + (excess > 0 ? 1 : 0);
+    self->out.stability = acts && torque > 0;
+    for (int i = 0; i < 4; ++i) {
+        double target = self->out.stability && i == braked ? clamp(torque, 0, MOST_TORQUE) : 0;
+        double change = target - self->yaw_brake[i];
+        self->yaw_brake[i] += clamp(change, -self->par.release_rate * SLIP_CONTROL_STEP, self->par.apply_rate * SLIP_CONTROL_STEP);
+    }
+}
+
 static void select_low(slip_control_wheel *left, slip_control_wheel *right) {
+    if (!left->active && !right->active) return;
     left->active = right->active = left->active || right->active;
     left->torque = right->torque = fmin(left->torque, right->torque);
 }
@@ -107,22 +126,25 @@ static void output(slip_control *self) {
 void slip_control_init(slip_control *self) {
     slip_control_wheel released = {0};
     for (int i = 0; i < 4; ++i) self->wheel[i] = released;
-    self->torque = self->out.drive_torque = self->in.drive_demand;
-    self->out.traction = self->started = false;
+    self->yaw_rate = 0;
+    for (int i = 0; i < 4; ++i) self->yaw_brake[i] = 0;
+    self->torque = self->out.drive_torque = clamp(self->in.drive_demand, -MOST_TORQUE, MOST_TORQUE);
+    self->out.traction = self->out.stability = self->started = false;
     output(self);
 }
 
 void slip_control_step(slip_control *self) {
     double spin_rate[4];
+    stability(self);
     for (int i = 0; i < 4; ++i) {
         double spin = clamp(self->in.wheel_speeds[i], -1e4, 1e4), before = self->started ? self->wheel[i].spin : spin;
-        double demand = 0.5 * clamp(i < 2 ? self->in.demand.front : self->in.demand.rear, 0, MOST_TORQUE);
+        double demand = 0.5 * clamp(i < 2 ? self->in.demand.front : self->in.demand.rear, 0, MOST_TORQUE) + self->yaw_brake[i];
         self->wheel[i].spin = spin;
         spin_rate[i] = (spin - before) / SLIP_CONTROL_STEP;
         anti_lock(self, i, spin_rate[i], demand);
     }
     self->started = true;
     traction(self, spin_rate);
-    select_low(&self->wheel[2], &self->wheel[3]);
+    if (!self->out.stability) select_low(&self->wheel[2], &self->wheel[3]);
     output(self);
 }
