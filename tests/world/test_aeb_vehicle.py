@@ -88,13 +88,20 @@ def test_who_never_brakes_hits_with_the_speed_it_drives(folder: Path) -> None:
         "sensor is object_perfect and second_sensor is absent and tracker is kalman_tracker and aeb is two_stage_aeb"
         " and brake is hydraulic_booster",
         "[aeb_pedestrian, aeb_car_to_car]",
-        "{" + speeds(20, 50) + ", aeb.min_speed: {values: [60 km/h]}}",
+        "{" + speeds(20, 30, 40, 50) + ", aeb.min_speed: {values: [60 km/h]}}",
     )
-    assert len(rows) == 4
+    assert len(rows) == 8
     # The cruise control lets the speed sag by some 0.1 km/h in the first second.
     assert (rows["impact_speed"] - rows["chassis.initial_speed"]).abs().max() < 0.1 * KMH
     assert set(rows["R1.verdict"]) == {"fail"}
     assert rows["braked"].isna().all()
+    risk = rows[rows["testbench"] == "aeb_pedestrian"].set_index("chassis.initial_speed")["fatality_risk"].to_list()
+    # Rosen and Sander 2009: at 50 km/h more than five times as high as at 30 km/h, more than twice as high as at 40 km/h.
+    assert len(risk) == 4
+    assert risk[3] > 5 * risk[1] > 0
+    assert risk[3] > 2 * risk[2]
+    assert risk[3] == pytest.approx(1 / (1 + math.exp(6.9 - 0.090 * 50)), rel=0.02)
+    assert set(rows.loc[rows["testbench"] == "aeb_car_to_car", "fatality_risk"]) == {0.0}
 
 
 def impact(speed: float, brake: dict[str, float]) -> float:
