@@ -96,7 +96,7 @@ def test_who_never_brakes_hits_with_the_speed_it_drives(folder: Path) -> None:
     assert set(rows["R1.verdict"]) == {"fail"}
     assert rows["braked"].isna().all()
     risk = rows[rows["testbench"] == "aeb_pedestrian"].set_index("chassis.initial_speed")["fatality_risk"].to_list()
-    # Rosen and Sander 2009: at 50 km/h more than five times as high as at 30 km/h, more than twice as high as at 40 km/h.
+    # Rosen and Sander 2009: at 50 km/h more than five times as high as at 30, more than twice as high as at 40.
     assert len(risk) == 4
     assert risk[3] > 5 * risk[1] > 0
     assert risk[3] > 2 * risk[2]
