@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.definition import StudyDefinition
 from dse.domain.noise import DRAW, draw_of
+from dse.domain.rates import settled
 from dse.domain.sampler import Brief, Candidate, Everywhere, Outcomes, Role, Search
 from dse.domain.study import Replicates, Study
-from dse.domain.rates import settled
 from dse.storage import groups_of, outcomes_over_draws, shares_of
 
 Points = NDArray[np.float64]

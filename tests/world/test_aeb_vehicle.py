@@ -88,13 +88,20 @@ def test_who_never_brakes_hits_with_the_speed_it_drives(folder: Path) -> None:
         "sensor is object_perfect and second_sensor is absent and tracker is kalman_tracker and aeb is two_stage_aeb"
         " and brake is hydraulic_booster",
         "[aeb_pedestrian, aeb_car_to_car]",
-        "{" + speeds(20, 50) + ", aeb.min_speed: {values: [60 km/h]}}",
+        "{" + speeds(20, 30, 40, 50) + ", aeb.min_speed: {values: [60 km/h]}}",
     )
-    assert len(rows) == 4
+    assert len(rows) == 8
     # The cruise control lets the speed sag by some 0.1 km/h in the first second.
     assert (rows["impact_speed"] - rows["chassis.initial_speed"]).abs().max() < 0.1 * KMH
     assert set(rows["R1.verdict"]) == {"fail"}
     assert rows["braked"].isna().all()
+    risk = rows[rows["testbench"] == "aeb_pedestrian"].set_index("chassis.initial_speed")["fatality_risk"].to_list()
+    # Rosen and Sander 2009: at 50 km/h more than five times as high as at 30, more than twice as high as at 40.
+    assert len(risk) == 4
+    assert risk[3] > 5 * risk[1] > 0
+    assert risk[3] > 2 * risk[2]
+    assert risk[3] == pytest.approx(1 / (1 + math.exp(6.9 - 0.090 * 50)), rel=0.02)
+    assert set(rows.loc[rows["testbench"] == "aeb_car_to_car", "fatality_risk"]) == {0.0}
 
 
 def impact(speed: float, brake: dict[str, float]) -> float:
@@ -215,3 +222,50 @@ def test_a_cut_in_is_judged_where_r157_says_it_can_be_avoided(folder: Path) -> N
     assert verdicts == {22.0: "not exercised", 28.0: "fail"}
     braked = bench.simulate(configuration)
     assert braked.verdicts["R1"] == "pass"
+
+
+# Nothing is to be braked for. A set-up that brakes all the same, by the reason in docs/aeb.md.
+NEEDLESS: dict[str, tuple[str, dict[str, Any]]] = {
+    "aeb_bystander": ("aeb_early", {}),
+    "aeb_parked_bend": ("aeb_early", {}),
+    "aeb_oncoming_turn": ("aeb_early", {}),
+    "aeb_cyclist": ("aeb_late", {"aeb.vulnerable_margin": "1.5 m"}),
+    "aeb_bridge": ("aeb_late", {"sensor.least_clearance": "0 m"}),
+    "aeb_manhole": ("aeb_late", {"sensor.least_height": "0 m"}),
+}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", NEEDLESS)
+def test_where_nothing_is_to_be_braked_for_only_a_gullible_set_up_brakes(folder: Path, name: str) -> None:
+    bench = dse.open(folder).benches[name]
+    place = {"chassis.initial_speed": "60 km/h", "controller.set_speed": "60 km/h"}
+    if name == "aeb_bystander":
+        place["road.start_station"] = "66.667 m"  # contact after five seconds
+    heights = {"sensor.least_clearance": "2.5 m", "sensor.least_height": "0.15 m"}
+
+    def run(aeb: str, **values: Any) -> Any:
+        where = f"{REST} and sensor is object_perfect and second_sensor is absent and tracker is kalman_tracker"
+        configuration, *_ = bench.design.list(1, where=f"{where} and aeb is {aeb} and brake is brake_by_wire")
+        return bench.simulate(configuration, set={**place, **heights, **values})
+
+    exact, gullible = run("aeb_late"), run(NEEDLESS[name][0], **NEEDLESS[name][1])
+    for each in (exact, gullible):
+        assert each.metrics["met"] > 0.5
+        assert set(each.verdicts) == {"R3"}
+    # The cruise control lets the speed sag by some 0.1 km/h.
+    assert exact.metrics["needless"] < 0.2 * KMH
+    assert gullible.metrics["needless"] > 2 * KMH
+    assert (exact.verdicts["R3"], gullible.verdicts["R3"]) == ("pass", "fail")
+    # It drives on and passes, without contact.
+    assert exact.metrics["hit"] == 0
+    assert exact.waveforms.to_pandas()["road.actors[1].ahead"].iloc[-1] < 0
+
+
+def test_each_bench_without_a_reason_to_brake_is_judged_by_its_needless_braking() -> None:
+    """A bench that R3 does not name would not be judged."""
+    benches = dse.open(ROOT).benches
+    judged = {name for name in benches for each in benches[name].noun.requirements if each.metric == "needless"}
+    texts = {file.stem: file.read_text("utf-8") for file in (ROOT / "testbenches").glob("aeb_*.yaml")}
+    assert judged == {name for name, text in texts.items() if "_aeb_needless.yaml" in text} | {"aeb_bystander"}
+    assert judged == set(NEEDLESS)
