@@ -44,7 +44,7 @@ from .narrowing import (
     of_box as of_box,
 )
 from .optimality import Stage as Stage, stages as stages, static_bound as static_bound, strength as strength
-from .paired import PairedDraws as PairedDraws, paired as paired, rows_of_design as rows_of_design
+from .paired import PairedDraws as PairedDraws, paired_draws as paired_draws, rows_of_design as rows_of_design
 from .probability import (
     Basis as Basis,
     Interval as Interval,

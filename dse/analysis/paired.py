@@ -76,7 +76,7 @@ def rows_of_design(table: RunTable, name: str) -> NDArray[np.intp]:
     return np.flatnonzero((ids == ids[row]) & (points == points[:, [row]]).all(axis=0))
 
 
-def paired(table: RunTable, one: NDArray[np.intp], other: NDArray[np.intp]) -> Iterator[PairedDraws]:
+def paired_draws(table: RunTable, one: NDArray[np.intp], other: NDArray[np.intp]) -> Iterator[PairedDraws]:
     """The designs of rows *one* and *other* of *table*, whose runs were not merged, case by case."""
     definition = table.header.definition
     given = [v for v in definition.variables if v.role in (Role.CONDITION, Role.UNCERTAIN)]

@@ -295,11 +295,11 @@ class Results:
 
         Their draws are paired, as both met the same ones. Raises DseError for what is no design of the study.
         """
-        from dse.analysis import paired, rows_of_design
+        from dse.analysis import paired_draws, rows_of_design
 
         def answer(folder: StudyFolder) -> tuple[PairedDraws, ...]:
             table = folder.table()
-            return tuple(paired(table, rows_of_design(table, one), rows_of_design(table, other)))
+            return tuple(paired_draws(table, rows_of_design(table, one), rows_of_design(table, other)))
 
         return self._read(answer)
 
