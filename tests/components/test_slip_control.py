@@ -147,7 +147,7 @@ def test_without_traction_control_driven_wheels_spin_and_the_start_is_slower(new
 
 
 def change_lanes(new_part: NewPart, control: str, speed: float, friction: float) -> tuple[float, float, float]:
-    """Largest distance from a double lane change of 3.5 m as in ISO 3888-1, the largest drift angle, and
+    """Largest distance from a double lane change of 3.5 m, the largest drift angle, and
     the distance 80 m after it."""
     car = Car(new_part, "two_track", control, friction, friction, speed)
     off = drift = 0.0
@@ -163,7 +163,7 @@ def change_lanes(new_part: NewPart, control: str, speed: float, friction: float)
 
 
 def lane(x: float) -> float:
-    """Lanes of ISO 3888-1: 30 m to the left, 25 m there, 25 m back."""
+    """Like the lanes of ISO 3888-1: 30 m to the left, 25 m there, 25 m back."""
     left = min(max((x - 15.0) / 30.0, 0.0), 1.0) - min(max((x - 70.0) / 25.0, 0.0), 1.0)
     return 3.5 * 0.5 * (1 - math.cos(math.pi * left))
 
