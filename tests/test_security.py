@@ -8,6 +8,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 
 UNPICKLING = {
+    "dse/api/studies/prepared_run.py": "what this user's command has kept in the cache, beside the libraries it loads",
     "dse/exploration/packed_configuration.py": "a configuration of our coordinator, on another machine or compared",
     "dse/exploration/remote/messages.py": "what our coordinator has sent to another machine",
     "dse/exploration/supervision/channel.py": "what a supervisor has sent to its worker",
