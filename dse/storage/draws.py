@@ -150,12 +150,13 @@ def outcomes_over_draws(outcomes: Outcomes, group: NDArray[np.intp], definition:
 def draws_sentence(definition: StudyDefinition, points: int) -> str:
     """How many draws verdicts on so many *points* rest on; "" if there is no noise."""
     varied = {variable.name for variable in definition.variables}
-    streams = {name.rpartition(".")[0] for each in definition.configurations for name in each.streams} - varied
+    streams = {name for each in definition.configurations for name in each.streams} - varied
     if not streams:
         return ""
     draws = definition.replicates
     if draws is None:
-        where = f"in {len(streams)} parts" if len(streams) > 1 else f"of {next(iter(streams))}"
+        parts = {name.rpartition(".")[0] for name in streams}
+        where = f"in {len(parts)} parts" if len(parts) > 1 else f"of {next(iter(parts))}"
         hint = "'replicates: 20' in the study estimates how often they hold"
         return f"verdicts rest on one draw of the noise {where}: {hint}"
     count = f"{draws.at_least} … {draws.at_most}" if draws.at_least < draws.at_most else str(draws.at_least)
@@ -203,13 +204,12 @@ def _at(values: NDArray[np.float64], rows: NDArray[np.intp]) -> NDArray[np.float
 
 
 def _leading(decided: Decided, first: NDArray[np.intp]) -> NDArray[np.intp]:
-    """The row that stands for each group."""
-    found = first.copy()
-    for column in reversed(range(decided.codes.shape[1])):
-        if column == 0:
-            found = np.where(np.isin(found, first), decided.rows[:, 0], found)
-        found = np.where(decided.codes[:, column] == _FAIL, decided.rows[:, column], found)
-    return found
+    """The row that stands for each group: of the first requirement that is missed, else of the first one."""
+    missed = decided.codes == _FAIL
+    if not missed.shape[1]:
+        return first
+    column = np.where(missed.any(axis=1), missed.argmax(axis=1), 0)
+    return np.take_along_axis(decided.rows, column[:, None], axis=1)[:, 0]
 
 
 def _problems(

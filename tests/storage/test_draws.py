@@ -14,7 +14,7 @@ from dse.domain.definition import DefinedReplicates, DefinedVariable, StudyDefin
 from dse.domain.noise import DRAW, draw_of, replicate_of
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.storage import RunTable, over_draws
-from dse.storage.draws import decide, draws_sentence
+from dse.storage.draws import _leading, decide, draws_sentence
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import Measures, block_of
 
@@ -116,6 +116,16 @@ def test_a_table_over_draws_has_a_row_for_each_point(table: RunTable) -> None:
     assert found.rates.judged[:, 0].tolist() == [3, 1]
 
 
+def test_the_run_of_a_point_shows_the_requirement_that_is_missed() -> None:
+    """R1 is met by three draws, R2 missed by all: the row is that of R2's deciding draw, though it is the first."""
+    codes = np.array([[PASS, FAIL], [PASS, FAIL], [PASS, FAIL]], dtype=np.uint8)
+    margins = np.array([[3.0, -9.0], [1.0, -2.0], [2.0, -1.0]])
+    found = decide(np.zeros(3, dtype=np.intp), codes, margins, [1.0, 1.0], np.ones(3, dtype=np.bool_))
+    assert _leading(found, np.array([0])).tolist() == [0]
+    met = decide(np.zeros(3, dtype=np.intp), codes[:, :1], margins[:, :1], [1.0], np.ones(3, dtype=np.bool_))
+    assert _leading(met, np.array([0])).tolist() == [1]
+
+
 def test_what_does_not_depend_on_the_draw_has_no_interval_and_differing_draws_are_doubtful(table: RunTable) -> None:
     found = over_draws(table)
     assert found.rates is not None
@@ -134,6 +144,8 @@ def test_a_study_says_how_many_draws_its_verdicts_rest_on(table: RunTable) -> No
     )
     alone = replace(study, variables=study.variables[:1], replicates=None)
     assert "rest on one draw of the noise of sensor" in draws_sentence(alone, 2)
+    seed = replace(study.variables[0], name="sensor.seed")
+    assert draws_sentence(replace(alone, variables=(seed,)), 2) == ""  # the study varies it
     silent = tuple(replace(each, streams=()) for each in study.configurations)
     assert draws_sentence(replace(alone, configurations=silent), 2) == ""
 
