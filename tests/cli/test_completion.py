@@ -48,7 +48,7 @@ def workspace(dse_in, tmp_path_factory):
         ("dse explore acc_gains_", ["acc_gains_4d", "acc_gains_boundary", "acc_gains_coded"]),
         ("dse explore acc_gains --sh", ["--shard"]),
         ("dse run ", example_benches()),
-        ("dse simulate e", ["electric_acc_motorway"]),
+        ("dse simulate electric_acc_m", ["electric_acc_motorway"]),
         ("dse report ", ["acc_gains", "all"]),
         ("dse merge al", ["all"]),
         ("dse enumerate ", example_designs()),
