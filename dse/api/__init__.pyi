@@ -74,7 +74,6 @@ from .studies.run import Run as Run, Waveforms as Waveforms
 from .studies.single_run import (
     fused_libraries as fused_libraries,
     prepare_once as prepare_once,
-    simulate_once as simulate_once,
     study_of_bench as study_of_bench,
     write_package as write_package,
 )

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from dse.domain.bench import Verdict
 from dse.domain.sampler import DesignVariable, Objective, Outcomes, Role
+from dse.storage import groups_of
 
 Array = NDArray[np.float64]
 
@@ -115,15 +116,26 @@ def front_of(objectives: Array) -> NDArray[np.bool_]:
     return on_front
 
 
+def joined(told: Sequence[Outcomes]) -> Outcomes:
+    """Several outcomes of a study as one, one after the other."""
+    first = told[0]
+    return Outcomes(
+        tuple(name for each in told for name in each.configurations),
+        {name: np.concatenate([each.points[name] for each in told]) for name in first.points},
+        np.concatenate([each.done for each in told]),
+        {name: np.concatenate([each.metrics[name] for each in told]) for name in first.metrics},
+        {name: np.concatenate([each.margins[name] for each in told]) for name in first.margins},
+        {name: tuple(one for each in told for one in each.verdicts[name]) for name in first.verdicts},
+        {name: np.concatenate([each.totals[name] for each in told]) for name in first.totals},
+    )
+
+
 def equal_rows(keys: Array) -> list[NDArray[np.intp]]:
     """Positions of the rows of *keys*, (n, k), that are equal, in the order of the first of each."""
     if not len(keys):
         return []
-    _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.intp)
-    rank[np.argsort(first)] = np.arange(len(first))
-    order = np.argsort(rank[inverse.reshape(-1)], kind="stable")
-    ends = np.cumsum(np.bincount(rank[inverse.reshape(-1)]))
+    group = groups_of(keys)
+    order, ends = np.argsort(group, kind="stable"), np.cumsum(np.bincount(group))
     return [np.asarray(part) for part in np.split(order, ends[:-1])]
 
 

@@ -20,6 +20,7 @@ from dse.domain.noise import DRAW, draw_of
 from dse.domain.rates import settled
 from dse.domain.sampler import Brief, Candidate, Everywhere, Outcomes, Role, Search
 from dse.domain.study import Replicates, Study
+from dse.exploration.designs import joined
 from dse.storage import groups_of, outcomes_over_draws, shares_of
 
 Points = NDArray[np.float64]
@@ -74,10 +75,11 @@ class ReplicatedSearch:
     def tell(self, outcomes: Outcomes) -> None:
         """The sampler is told when no verdict is open any more."""
         self._made.append((self._cells, outcomes))
-        joined, cells = _joined(self._made)
-        self._left = self._open(joined, cells) if self._replicates.is_sequential else []
+        cells = np.concatenate([cells for cells, _ in self._made])
+        whole = joined([made for _, made in self._made])
+        self._left = self._open(whole, cells) if self._replicates.is_sequential else []
         if not self._left:
-            merged = outcomes_over_draws(joined, cells, self._definition)
+            merged = outcomes_over_draws(whole, cells, self._definition)
             self._inner.tell(_rows(merged, np.array(self._order, dtype=np.intp)))
 
     def _more(self) -> Sequence[Candidate]:
@@ -123,20 +125,6 @@ class ReplicatedSearch:
             certain = settled(met.astype(np.int64), judged, share, self._replicates.confidence, sequential=True)
             is_open |= (judged > 0) & ~certain
         return [cell for cell in np.flatnonzero(is_open).tolist() if self._counts[cell] < self._replicates.at_most]
-
-
-def _joined(parts: Sequence[tuple[NDArray[np.intp], Outcomes]]) -> tuple[Outcomes, NDArray[np.intp]]:
-    first = parts[0][1]
-    made = [outcomes for _, outcomes in parts]
-    return Outcomes(
-        tuple(name for each in made for name in each.configurations),
-        {name: np.concatenate([each.points[name] for each in made]) for name in first.points},
-        np.concatenate([each.done for each in made]),
-        {name: np.concatenate([each.metrics[name] for each in made]) for name in first.metrics},
-        {name: np.concatenate([each.margins[name] for each in made]) for name in first.margins},
-        {name: tuple(verdict for each in made for verdict in each.verdicts[name]) for name in first.verdicts},
-        {name: np.concatenate([each.totals[name] for each in made]) for name in first.totals},
-    ), np.concatenate([cells for cells, _ in parts])
 
 
 def _rows(outcomes: Outcomes, rows: NDArray[np.intp]) -> Outcomes:

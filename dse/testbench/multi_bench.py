@@ -56,17 +56,17 @@ class PreparedBenches:
         """The columns stored as waveforms; those that a bench does not have are NaN there."""
         return tuple(dict.fromkeys(name for bench in self.benches for name in bench.recording.kept))
 
-    def completed(self, run: Run) -> tuple[dict[str, float], tuple[Judgement, ...]]:
-        """What *run* gave, with what only other benches ask for: undefined metrics, requirements that do not apply."""
-        there = {judgement.requirement for judgement in run.judgements}
-        judged = dict.fromkeys(one.name for bench in self.benches for one in bench.requirements)
-        no_judgements = (Judgement(name, Verdict.NOT_APPLICABLE, math.nan) for name in judged if name not in there)
-        if run.outcome is Outcome.FAILED:
-            return {}, (*run.judgements, *no_judgements)
+    @property
+    def measured(self) -> tuple[str, ...]:
+        """The metrics of all benches, with their error bars if they have some."""
         names = dict.fromkeys(name for bench in self.benches for name in bench.program.metrics)
         bars = [f"{name}{ERROR_BAR}" for name in names] if self.benches[0].simulation.check_step else []
-        undefined = dict.fromkeys((name for name in (*names, *bars) if name not in run.metrics), math.nan)
-        return {**run.metrics, **undefined}, (*run.judgements, *no_judgements)
+        return (*names, *bars)
+
+    @property
+    def required(self) -> tuple[str, ...]:
+        """The requirements of all benches."""
+        return tuple(dict.fromkeys(one.name for bench in self.benches for one in bench.requirements))
 
     @property
     def timeout(self) -> float:
@@ -129,6 +129,8 @@ class SeveralRunner(AbstractContextManager["SeveralRunner"]):
         self._runners: dict[int, Runner] = {}
         self._most = prepared.most_runs
         self._made = 0
+        self._metrics = dict.fromkeys(prepared.measured, math.nan)
+        self._none = {name: Judgement(name, Verdict.NOT_APPLICABLE, math.nan) for name in prepared.required}
 
     @property
     def runs_left(self) -> int | None:
@@ -144,9 +146,14 @@ class SeveralRunner(AbstractContextManager["SeveralRunner"]):
         unused = {TESTBENCH} if DRAW in self.prepared.benches[number].settings else {TESTBENCH, DRAW}
         point = {name: value for name, value in request.point.items() if name not in unused}
         made = self._runner(number).run(replace(request, point=point), keep=keep)
-        metrics, judgements = self.prepared.completed(made)
-        columns = made.waveforms and self._all_columns(made.waveforms)
-        return replace(made, request=request, metrics=metrics, judgements=judgements, waveforms=columns)
+        return replace(
+            made,
+            request=request,
+            # What only other benches ask for is undefined, or does not apply.
+            metrics={} if made.outcome is Outcome.FAILED else {**self._metrics, **made.metrics},
+            judgements=tuple({**self._none, **{one.requirement: one for one in made.judgements}}.values()),
+            waveforms=made.waveforms and self._all_columns(made.waveforms),
+        )
 
     def close(self) -> None:
         """Free the FMU instances."""

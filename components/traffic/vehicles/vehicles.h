@@ -1,5 +1,5 @@
-/* Up to eight road users, each on its own path and lane with a speed that changes once. What stands still and is not in
- * the way is an obstacle of speed 0: a post beside the lane, a manhole cover 20 mm high, a bridge with a clearance. */
+/* Up to eight road users, each on its own path and lane with a speed that changes once. A stationary object that is not
+ * in the way is an obstacle of speed 0: a post beside the lane, a manhole cover 20 mm high, a bridge with a clearance. */
 #ifndef VEHICLES_H
 #define VEHICLES_H
 

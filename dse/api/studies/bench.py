@@ -84,11 +84,12 @@ class Bench(_Named[TestBench]):
         no network and write in their scratch folder only (Linux). Raises DseError if something cannot be built; a
         failed run is a result, too.
         """
-        from dse.api.studies.single_run import simulate_once
+        from dse.api.studies.single_run import prepare_once
 
         wanted = configuration if configuration is None or isinstance(configuration, str) else configuration.id
         given = set or {}
-        return simulate_once(self.noun, wanted, given, check_step=check_step, fuse=fuse, sandbox=sandbox, fmi=fmi)
+        prepared = prepare_once(self.noun, wanted, given, check_step=check_step, fuse=fuse, sandbox=sandbox, fmi=fmi)
+        return prepared.simulate(sandbox=sandbox)
 
     def run(self, folder: str | Path, **options: Unpack[Exploring]) -> Results:
         """Run the bench on every valid configuration, into a study folder; see `Study.explore`."""

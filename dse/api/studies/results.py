@@ -58,7 +58,6 @@ class Summary:
     """How many of *verdicts* finer numerics or more draws may change, counted likewise: those are not certain."""
     remarks: Mapping[int, str] = field(default_factory=dict)
     """What the repetitions of runs have to say, by number: above all why nobody can tell how exact one is."""
-
     draws: str = ""
     """How many draws of the noise the verdicts rest on, in words; "" without noise."""
 

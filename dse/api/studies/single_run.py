@@ -23,7 +23,6 @@ from dse.testbench import (
 )
 
 if TYPE_CHECKING:
-    from dse.api.studies.run import Run
     from dse.domain.bench import TestBench
     from dse.domain.definition import StudyDefinition
     from dse.domain.design import Configuration
@@ -38,24 +37,6 @@ Tell = Callable[[str], None]
 
 OnChanged = Callable[[tuple[str, ...]], object]
 """Takes what has changed since a study was made, before anything is simulated; it may raise."""
-
-
-def simulate_once(
-    bench: TestBench,
-    configuration: str | None,
-    settings: Mapping[str, Raw],
-    *,
-    check_step: bool = False,
-    fuse: bool = False,
-    sandbox: bool = False,
-    fmi: int = 2,
-    world: WorldPlace | None = None,
-) -> Run:
-    """The run that `prepare_once` prepares. Raises DseError."""
-    prepared = prepare_once(
-        bench, configuration, settings, check_step=check_step, fuse=fuse, sandbox=sandbox, fmi=fmi, world=world
-    )
-    return prepared.simulate(sandbox=sandbox)
 
 
 def prepare_once(
@@ -109,7 +90,7 @@ def write_package(
     fmi: int = 2,
     platforms: Sequence[str] = (),
 ) -> tuple[Configuration, int]:
-    """Write the configuration as `simulate_once` has it as an SSP package; returns it and how many elements it has.
+    """Write the configuration as `prepare_once` has it as an SSP package; returns it and how many elements it has.
 
     Its FMUs get libraries for *platforms*, too, which FMI names: ``win64``, ``aarch64-darwin``.
     """

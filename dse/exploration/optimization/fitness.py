@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dse.domain.bench import Verdict
 from dse.domain.sampler import DesignVariable, Objective, Outcomes
-from dse.exploration.designs import Designs, designs_of, violations
+from dse.exploration.designs import Designs, designs_of, joined, violations
 
 Array = NDArray[np.float64]
 
@@ -69,20 +69,6 @@ def lost(outcomes: Outcomes, objectives: Sequence[Objective]) -> list[bool]:
     for each in objectives:
         found = found | np.isnan((outcomes.totals if each.is_total else outcomes.metrics)[each.name])
     return [bool(one) for one in found]
-
-
-def joined(told: Sequence[Outcomes]) -> Outcomes:
-    """Several outcomes of a study as one, one after the other."""
-    first = told[0]
-    return Outcomes(
-        tuple(name for each in told for name in each.configurations),
-        {name: np.concatenate([each.points[name] for each in told]) for name in first.points},
-        np.concatenate([each.done for each in told]),
-        {name: np.concatenate([each.metrics[name] for each in told]) for name in first.metrics},
-        {name: np.concatenate([each.margins[name] for each in told]) for name in first.margins},
-        {name: tuple(one for each in told for one in each.verdicts[name]) for name in first.verdicts},
-        {name: np.concatenate([each.totals[name] for each in told]) for name in first.totals},
-    )
 
 
 def _slack(designs: Designs, scale: Array) -> Array:

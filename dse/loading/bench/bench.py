@@ -99,9 +99,11 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
     stop = read_positive(entry["simulation"]["stop"], file.simulation.stop, "s", Problems()) or math.inf
     metrics = _metrics(entry["metrics"], file, stop, problems)
     requirements = []
+    named = any(section.on for section in file.requirements.values())
+    known = {path.name.removesuffix(".yaml") for path in (inside / "testbenches").rglob("*.yaml")} if named else set()
     for name, section in file.requirements.items():
         with problems:
-            if _applies(entry["requirements"][name]["on"], section.on, file.testbench, inside):
+            if _applies(entry["requirements"][name]["on"], section.on, file.testbench, known):
                 requirements.append(_requirement(entry["requirements"][name], section, set(file.metrics)))
     connections = read_connections(entry["connections"], file.connections, problems)
     try:
@@ -205,16 +207,16 @@ def _metrics(entries: Entry, file: BenchFile, stop: float, problems: Problems) -
     return tuple(metrics)
 
 
-def _applies(entry: Entry, on: str | list[str], bench: str, inside: Path) -> bool:
-    """Whether a requirement *on* some benches is one of this *bench*. DseError for a bench that does not exist."""
+def _applies(entry: Entry, on: str | list[str], bench: str, known: set[str]) -> bool:
+    """Whether a requirement *on* some of the *known* benches is one of this *bench*. DseError for an unknown one."""
     named = [on] if isinstance(on, str) else on
-    others = [name for name in named if name != bench]
-    if others:
-        known = {path.name.removesuffix(".yaml") for path in (inside / "testbenches").rglob("*.yaml")}
-        for number, name in enumerate(named):
-            if name in others and name not in known:
-                where = entry.where if isinstance(on, str) else entry[number].where
-                raise fail(f"unknown test bench '{name}'", where, closest(name, known))
+    for number, name in enumerate(named):
+        if name not in (bench, *known):
+            raise fail(
+                f"unknown test bench '{name}'",
+                (entry if isinstance(on, str) else entry[number]).where,
+                closest(name, known),
+            )
     return not named or bench in named
 
 
