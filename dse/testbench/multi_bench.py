@@ -57,18 +57,6 @@ class PreparedBenches:
         return tuple(dict.fromkeys(name for bench in self.benches for name in bench.recording.kept))
 
     @property
-    def measured(self) -> tuple[str, ...]:
-        """The metrics of all benches, with their error bars if they have some."""
-        names = dict.fromkeys(name for bench in self.benches for name in bench.program.metrics)
-        bars = [f"{name}{ERROR_BAR}" for name in names] if self.benches[0].simulation.check_step else []
-        return (*names, *bars)
-
-    @property
-    def required(self) -> tuple[str, ...]:
-        """The requirements of all benches."""
-        return tuple(dict.fromkeys(one.name for bench in self.benches for one in bench.requirements))
-
-    @property
     def timeout(self) -> float:
         """Seconds a single run may take."""
         return max(bench.timeout for bench in self.benches)
@@ -129,8 +117,11 @@ class SeveralRunner(AbstractContextManager["SeveralRunner"]):
         self._runners: dict[int, Runner] = {}
         self._most = prepared.most_runs
         self._made = 0
-        self._metrics = dict.fromkeys(prepared.measured, math.nan)
-        self._none = {name: Judgement(name, Verdict.NOT_APPLICABLE, math.nan) for name in prepared.required}
+        names = {name for bench in prepared.benches for name in bench.program.metrics}
+        bars = {f"{name}{ERROR_BAR}" for name in names if prepared.benches[0].simulation.check_step}
+        self._metrics = dict.fromkeys(sorted(names | bars), math.nan)
+        required = dict.fromkeys(one.name for bench in prepared.benches for one in bench.requirements)
+        self._none = {name: Judgement(name, Verdict.NOT_APPLICABLE, math.nan) for name in required}
 
     @property
     def runs_left(self) -> int | None:

@@ -212,11 +212,8 @@ def _applies(entry: Entry, on: str | list[str], bench: str, known: set[str]) -> 
     named = [on] if isinstance(on, str) else on
     for number, name in enumerate(named):
         if name not in (bench, *known):
-            raise fail(
-                f"unknown test bench '{name}'",
-                (entry if isinstance(on, str) else entry[number]).where,
-                closest(name, known),
-            )
+            where = (entry if isinstance(on, str) else entry[number]).where
+            raise fail(f"unknown test bench '{name}'", where, closest(name, known))
     return not named or bench in named
 
 
