@@ -25,7 +25,16 @@ _LINE_NUMBERS = 6  # of x and of y in a row; the core counts on it
 
 def road_files(tables: RoadTables) -> dict[str, str]:
     """The files by name, for the FMU of a component of the interface ``road``."""
-    files = {path.name: path.read_text("utf-8") for path in sorted(_CORE.glob("*.[ch]"))}
+    return {**core_files("*.[ch]"), **table_files(tables)}
+
+
+def core_files(pattern: str) -> dict[str, str]:
+    """The files of the core with names like *pattern*."""
+    return {path.name: path.read_text("utf-8") for path in sorted(_CORE.glob(pattern))}
+
+
+def table_files(tables: RoadTables) -> dict[str, str]:
+    """The file with the tables."""
     laid = [_lengths(path, _common_starts(path)) for path in tables.paths]
     texts = [_path_text(path, number, *laid[number]) for number, path in enumerate(tables.paths)]
     arrays = [_array("path_table paths", [table for _, table in texts])]
@@ -34,8 +43,7 @@ def road_files(tables: RoadTables) -> dict[str, str]:
         arrays.append(_array("path_conflict conflicts", rows))
     count, conflicts = len(tables.conflicts), "conflicts" if tables.conflicts else "0"
     network = f"const road_network road_tables = {{{len(texts)}, {count}, paths, {conflicts}}};\n"
-    files["road_tables.c"] = "\n".join(['#include "path.h"\n', *(numbers for numbers, _ in texts), *arrays, network])
-    return files
+    return {"road_tables.c": "\n".join(['#include "path.h"\n', *(numbers for numbers, _ in texts), *arrays, network])}
 
 
 def along_own_lane(path: RoadPath) -> Piecewise:

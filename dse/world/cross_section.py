@@ -44,11 +44,14 @@ def borders_of(road: Road, section: Section) -> dict[int, tuple[Piecewise, Piece
     return borders
 
 
-def bands_of(road: Road, place: LanePlace, *, along: bool) -> dict[int, Band]:
-    """The lanes for vehicles in the section of *place*, numbered from its own to the left, seen *along* the road."""
+def bands_of(road: Road, place: LanePlace, *, along: bool, every_lane: bool = False) -> dict[int, Band]:
+    """The lanes for vehicles, or *every_lane*, in the section of *place*, numbered from its own to the left.
+
+    They are seen *along* the road.
+    """
     section = road.sections[place.section]
     borders = borders_of(road, section)
-    ids = sorted(id_ for id_ in borders if id_ == place.lane or section.lanes[id_].type in DRIVEN)
+    ids = sorted(id_ for id_ in borders if every_lane or id_ == place.lane or section.lanes[id_].type in DRIVEN)
     own = ids.index(place.lane)
     sign = 1 if along else -1
     return {

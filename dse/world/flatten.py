@@ -78,8 +78,11 @@ class _Passage:
         return self.turned(from_cubics(cubics, self.start, self.end), sign)
 
 
-def path_along(graph: LaneGraph, way: Way, name: str) -> RoadPath:
-    """The path along *way*. Raises DseError where something along it is not supported or does not fit together."""
+def path_along(graph: LaneGraph, way: Way, name: str, *, every_lane: bool = False) -> RoadPath:
+    """The path along *way*, with its lanes for vehicles or *every_lane*.
+
+    Raises DseError where something along it is not supported or does not fit together.
+    """
     passages = [_passage(graph, places) for places in way.passages]
     raise_if_any(problem for passage in passages for problem in _refused(graph, passage))
     lengths = [passage.length for passage in passages]
@@ -89,7 +92,7 @@ def path_along(graph: LaneGraph, way: Way, name: str) -> RoadPath:
     def along(parts: Iterable[Piecewise]) -> Piecewise:
         return joined(list(zip(parts, lengths, strict=True)))
 
-    lanes = tuple(_lanes(passages))
+    lanes = tuple(_lanes(passages, every_lane=every_lane))
     leftmost, rightmost = _same_direction(passages[0], lanes)
     path = RoadPath(
         name,
@@ -146,9 +149,9 @@ def _line(passage: _Passage) -> tuple[Piecewise, Piecewise]:
     return passage.turned(x), passage.turned(y)
 
 
-def _lanes(passages: Sequence[_Passage]) -> Iterator[LaneBand]:
+def _lanes(passages: Sequence[_Passage], *, every_lane: bool) -> Iterator[LaneBand]:
     """The bands beside the path, its own first; each all along it."""
-    sections = [[bands_of(p.road, place, along=p.along) for place in p.places] for p in passages]
+    sections = [[bands_of(p.road, place, along=p.along, every_lane=every_lane) for place in p.places] for p in passages]
     numbers = {number for passage in sections for bands in passage for number in bands}
     for number in sorted(numbers, key=lambda number: (abs(number), -number)):
         rows = [[_band(bands, number) for bands in passage] for passage in sections]

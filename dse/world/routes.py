@@ -87,8 +87,8 @@ def _made_for(graph: LaneGraph, route: Route) -> Way | None:
 
 def _longest(graph: LaneGraph, route: Route) -> Way:
     """The longest way straight on; the first of those that are as long to a mm."""
-    onward = _Onward(graph)
-    ways = [_straight_on(onward, start) for start in _starts(graph.network, route)]
+    onward = Onward(graph)
+    ways = [straight_on(onward, start) for start in _starts(graph.network, route)]
     lengths = [round(way_length(graph.network, way), 3) for way in ways]
     return ways[lengths.index(max(lengths))]
 
@@ -110,12 +110,12 @@ def list_ways(graph: LaneGraph, most: int = 200) -> tuple[Way, ...]:
 def _all_ways(graph: LaneGraph) -> Iterator[Way]:
     listed = list(entries(graph.network))
     reached = {next_ for place in listed for end in _ends(graph, place) for next_ in next_places(graph, end)}
-    onward = _Onward(graph)
+    onward = Onward(graph)
     for start in [place for place in listed if place not in reached] or listed:
         yield from _ways_from(onward, start)
 
 
-def _ways_from(onward: _Onward, start: LanePlace) -> Iterator[Way]:
+def _ways_from(onward: Onward, start: LanePlace) -> Iterator[Way]:
     """Depth first, without recursion: ways are longer than Python's stack."""
     stack: list[tuple[LanePlace, ...]] = [(start,)]
     while stack:
@@ -124,7 +124,7 @@ def _ways_from(onward: _Onward, start: LanePlace) -> Iterator[Way]:
         following = onward.from_(places[-1])
         fresh = [n for n in following if n.road not in used or (n.road == places[-1].road and n not in places)]
         if start in following or not fresh or len(places) >= _MOST_PLACES:
-            yield _way(onward.graph, places, start in following)
+            yield way_in(onward.graph, places, start in following)
         else:
             stack += [(*places, next_) for next_ in reversed(fresh)]
 
@@ -168,20 +168,21 @@ def _starts(network: Network, route: Route) -> Iterator[LanePlace]:
     raise fail(what, route.where or road.where, f"lanes for vehicles: {some_of(ids)}")
 
 
-def _straight_on(onward: _Onward, start: LanePlace) -> Way:
+def straight_on(onward: Onward, start: LanePlace) -> Way:
+    """The way straight on from *start* until a lane ends or one comes back."""
     places = [start]
     seen = {start}
     while len(places) < _MOST_PLACES:
         following = onward.from_(places[-1])
         fresh = next((place for place in following if place not in seen), None)
         if start in following or fresh is None:
-            return _way(onward.graph, tuple(places), start in following)
+            return way_in(onward.graph, tuple(places), start in following)
         places.append(fresh)
         seen.add(fresh)
-    return _way(onward.graph, tuple(places), False)
+    return way_in(onward.graph, tuple(places), False)
 
 
-class _Onward:
+class Onward:
     """Where lanes go on, the straightest first; remembers what it has been asked."""
 
     def __init__(self, graph: LaneGraph) -> None:
@@ -246,7 +247,7 @@ class _Search:
         if not found:
             return None
         places = next((places for places in found if _reaches_an_end(graph.network, places[-1])), found[0])
-        return _way(graph, places, places[0] in next_places(graph, places[-1]))
+        return way_in(graph, places, places[0] in next_places(graph, places[-1]))
 
     def failed(self, starts: list[LanePlace]) -> DseError:
         """What to say if nothing was found."""
@@ -282,7 +283,8 @@ def _reaches_an_end(network: Network, place: LanePlace) -> bool:
     return place.section == (len(road.sections) - 1 if runs_along(road, lane_at(network, place)) else 0)
 
 
-def _way(graph: LaneGraph, places: tuple[LanePlace, ...], closed: bool) -> Way:
+def way_in(graph: LaneGraph, places: tuple[LanePlace, ...], closed: bool = False) -> Way:
+    """The way along *places*, by the roads that they are in."""
     passages = [[places[0]]]
     for one, other in pairwise(places):
         if _leaves(graph.network, one, other):

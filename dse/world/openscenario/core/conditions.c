@@ -1,0 +1,291 @@
+/* Conditions of triggers, on the state that the last step left. */
+#include "storyboard.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#define STILL 1e-3     /* m/s */
+#define SAME 1e-6      /* of two equal numbers */
+#define NEVER NAN      /* a time to something that does not happen fits nothing */
+#define MOST_BESIDE 60.0 /* m: a point farther from a road is off it */
+
+static bool fits(int32_t rule, double a, double b) {
+    switch (rule) {
+    case GREATER: return a > b + 1e-9;
+    case LESS: return a < b - 1e-9;
+    case EQUAL: return fabs(a - b) <= SAME;
+    case GREATER_OR_EQUAL: return a >= b - 1e-9;
+    case LESS_OR_EQUAL: return a <= b + 1e-9;
+    default: return fabs(a - b) > SAME;
+    }
+}
+
+/* How far (x, y) is ahead of an actor: along its path, else along its heading; and how far to its left. */
+double gap_ahead(storyboard *board, int32_t number, double x, double y, sb_memory *memory, double *aside) {
+    const sb_actor *actor = &board->actors[number];
+    if (actor->at.path == SB_NONE) {
+        double c = cos(actor->at.heading), s = sin(actor->at.heading), dx = x - actor->at.x, dy = y - actor->at.y;
+        if (aside) *aside = dy * c - dx * s;
+        return dx * c + dy * s;
+    }
+    const path_table *path = &road_tables.paths[actor->at.path];
+    path_foot foot;
+    bool is_near = !isnan(memory->hint) && foot_from(path, x, y, memory->hint, memory->piece, &foot);
+    if (!is_near) foot = foot_of_all(path, x, y);
+    memory->hint = path_station(foot.line.place);
+    memory->piece = foot.line.place.piece;
+    double t = place_middle(actor->at.path, actor->at.s, actor->at.lane, actor->piece) + actor->at.offset;
+    if (aside) *aside = actor->at.sense * (foot.t - t);
+    return actor->at.sense * (memory->hint - actor->at.s);
+}
+
+/* Between two intervals of half widths a and b around centres *off* apart; 0 if they overlap. */
+static double between(double off, double a, double b) {
+    double gap = fabs(off) - a - b;
+    return gap > 0 ? copysign(gap, off) : 0;
+}
+
+static void corners(const storyboard *board, int32_t number, double x[4], double y[4]) {
+    const sb_entity *entity = &scenario_tables.entities[number];
+    const sb_place *at = &board->actors[number].at;
+    double c = cos(at->heading), s = sin(at->heading);
+    for (int32_t i = 0; i < 4; ++i) {
+        double dx = entity->centre_x + (i < 2 ? 0.5 : -0.5) * entity->length;
+        double dy = entity->centre_y + (i == 1 || i == 2 ? 0.5 : -0.5) * entity->width;
+        x[i] = at->x + dx * c - dy * s;
+        y[i] = at->y + dx * s + dy * c;
+    }
+}
+
+/* Largest gap between the boxes along the normals of both; <= 0 if they touch. */
+static double apart(const storyboard *board, int32_t a, int32_t b) {
+    double ax[4], ay[4], bx[4], by[4], most = -HUGE_VAL;
+    corners(board, a, ax, ay);
+    corners(board, b, bx, by);
+    for (int32_t k = 0; k < 4; ++k) {
+        double heading = board->actors[k < 2 ? a : b].at.heading + (k % 2 ? 0.5 * 3.14159265358979323846 : 0);
+        double c = cos(heading), s = sin(heading), low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+        for (int32_t i = 0; i < 4; ++i) {
+            double one = ax[i] * c + ay[i] * s, other = bx[i] * c + by[i] * s;
+            low[0] = fmin(low[0], one);
+            high[0] = fmax(high[0], one);
+            low[1] = fmin(low[1], other);
+            high[1] = fmax(high[1], other);
+        }
+        most = fmax(most, fmax(low[1] - high[0], low[0] - high[1]));
+    }
+    return most;
+}
+
+static double segment_distance(double px, double py, double ax, double ay, double bx, double by) {
+    double dx = bx - ax, dy = by - ay, square = dx * dx + dy * dy;
+    double part = square > 0 ? fmin(fmax(((px - ax) * dx + (py - ay) * dy) / square, 0), 1) : 0;
+    return hypot(ax + part * dx - px, ay + part * dy - py);
+}
+
+static double box_distance(const storyboard *board, int32_t a, int32_t b) {
+    if (apart(board, a, b) <= 0) return 0;
+    double x[2][4], y[2][4], least = HUGE_VAL;
+    corners(board, a, x[0], y[0]);
+    corners(board, b, x[1], y[1]);
+    for (int32_t k = 0; k < 2; ++k) {
+        for (int32_t i = 0; i < 16; ++i) {
+            int32_t m = i % 4, n = i / 4;
+            least = fmin(least, segment_distance(x[k][m], y[k][m], x[1 - k][n], y[1 - k][n], x[1 - k][(n + 1) % 4],
+                                                 y[1 - k][(n + 1) % 4]));
+        }
+    }
+    return least;
+}
+
+/* Signed: > 0 ahead or to the left. */
+static double distance_to(storyboard *board, const sb_condition *condition, int32_t actor, double x, double y, int32_t other,
+                          int32_t distance, sb_memory *memory) {
+    const sb_place *at = &board->actors[actor].at;
+    double c = cos(at->heading), s = sin(at->heading), aside;
+    if (distance == EUCLIDIAN) {
+        double away = condition->is_freespace && other != SB_NONE ? box_distance(board, actor, other) : hypot(x - at->x, y - at->y);
+        return copysign(away, (x - at->x) * c + (y - at->y) * s);
+    }
+    double ahead = condition->system == OF_ROAD
+                       ? gap_ahead(board, actor, x, y, memory, &aside)
+                       : (aside = (y - at->y) * c - (x - at->x) * s, (x - at->x) * c + (y - at->y) * s);
+    if (!condition->is_freespace) return distance == LONGITUDINALLY ? ahead : aside;
+    const sb_entity *own = &scenario_tables.entities[actor];
+    if (other == SB_NONE) {
+        return distance == LONGITUDINALLY ? between(ahead - own->centre_x, 0.5 * own->length, 0)
+                                          : between(aside - own->centre_y, 0.5 * own->width, 0);
+    }
+    const sb_entity *its = &scenario_tables.entities[other];
+    double turn = board->actors[other].at.heading - at->heading, ct = cos(turn), st = sin(turn);
+    ahead += ct * its->centre_x - st * its->centre_y;
+    aside += st * its->centre_x + ct * its->centre_y;
+    double half_length = 0.5 * (fabs(ct) * its->length + fabs(st) * its->width);
+    double half_width = 0.5 * (fabs(st) * its->length + fabs(ct) * its->width);
+    return distance == LONGITUDINALLY ? between(ahead - own->centre_x, 0.5 * own->length, half_length)
+                                      : between(aside - own->centre_y, 0.5 * own->width, half_width);
+}
+
+static double along_heading(const sb_actor *actor, int32_t direction) {
+    if (direction == LATERALLY) return actor->drift * actor->at.sense;
+    if (direction == LONGITUDINALLY) return copysign(sqrt(fmax(actor->speed * actor->speed - actor->drift * actor->drift, 0)), actor->speed);
+    return actor->speed;
+}
+
+static double time_to_collision(storyboard *board, int32_t actor, int32_t other, double gap) {
+    double own = board->actors[actor].speed, its = 0;
+    if (other != SB_NONE) {
+        double turn = board->actors[other].at.heading - board->actors[actor].at.heading;
+        its = board->actors[other].speed * cos(turn);
+    }
+    double closing = gap >= 0 ? own - its : its - own;
+    return closing > 1e-6 ? fabs(gap) / closing : NEVER;
+}
+
+static bool lasts(double seconds, double duration) {
+    return seconds > 0 && seconds >= duration - 1e-9;
+}
+
+static double angle_between(double angle) {
+    return fabs(remainder(angle, 2 * 3.14159265358979323846));
+}
+
+static bool is_clear(storyboard *board, const sb_condition *condition, int32_t actor) {
+    const sb_actor *own = &board->actors[actor];
+    for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
+        const sb_actor *other = &board->actors[i];
+        if (i == actor || !other->is_present) continue;
+        sb_memory memory = {.hint = NAN};
+        sb_place at = other->at;
+        int32_t piece = 0;
+        if (own->at.path != SB_NONE && at.path != own->at.path) place_on_path(board, &at, own->at.path, &piece);
+        double ahead = distance_to(board, condition, actor, other->at.x, other->at.y, i, LONGITUDINALLY, &memory);
+        int32_t lanes = own->at.sense * (at.lane - own->at.lane);
+        if (ahead <= board->values[condition->numbers[0]] && -ahead <= board->values[condition->numbers[1]] &&
+            lanes >= board->values[condition->numbers[2]] && lanes <= board->values[condition->numbers[3]]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool of_actor(storyboard *board, const sb_condition *condition, int32_t actor, sb_memory *memory) {
+    const sb_actor *own = &board->actors[actor];
+    double value = board->values[condition->numbers[0]], x = 0, y = 0, gap;
+    if (!own->is_present) return false;
+    if (condition->entity != SB_NONE) {
+        if (!board->actors[condition->entity].is_present) return false;
+        x = board->actors[condition->entity].at.x;
+        y = board->actors[condition->entity].at.y;
+    } else if (condition->position != SB_NONE) {
+        sb_place place = place_of(board, condition->position, SB_NONE);
+        x = place.x;
+        y = place.y;
+    }
+    switch (condition->kind) {
+    case IF_SPEED: return fits(condition->rule, along_heading(own, condition->direction), value);
+    case IF_RELATIVE_SPEED: return fits(condition->rule, along_heading(own, condition->direction) -
+                                        along_heading(&board->actors[condition->entity], condition->direction), value);
+    case IF_ACCELERATION: return fits(condition->rule, own->acceleration, value);
+    case IF_STANDSTILL: return lasts(own->standing, value);
+    case IF_TRAVELLED: return own->travelled >= value;
+    case IF_REACHED: return hypot(x - own->at.x, y - own->at.y) <= value;
+    case IF_END_OF_ROAD: return lasts(own->ended, value);
+    case IF_OFF_ROAD: return lasts(own->off_road, value);
+    case IF_COLLISION:
+        if (condition->entity != SB_NONE) return apart(board, actor, condition->entity) <= 0;
+        for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
+            bool is_of_class = condition->state == SB_NONE || scenario_tables.entities[i].class == condition->state;
+            if (i != actor && is_of_class && board->actors[i].is_present && apart(board, actor, i) <= 0) return true;
+        }
+        return false;
+    case IF_DISTANCE:
+    case IF_RELATIVE_DISTANCE:
+        gap = distance_to(board, condition, actor, x, y, condition->entity, condition->distance, memory);
+        return fits(condition->rule, fabs(gap), value);
+    case IF_HEADWAY:
+        gap = distance_to(board, condition, actor, x, y, condition->entity, condition->distance, memory);
+        return fits(condition->rule, gap >= 0 && own->speed > STILL ? gap / own->speed : NEVER, value);
+    case IF_TIME_TO_COLLISION:
+        gap = distance_to(board, condition, actor, x, y, condition->entity, condition->distance, memory);
+        return fits(condition->rule, time_to_collision(board, actor, condition->entity, gap), value);
+    case IF_ANGLE: {
+        double zero = condition->system == OF_ROAD ? own->at.heading - own->at.turn : 0;
+        return angle_between(own->at.heading - zero - value) <= board->values[condition->numbers[1]];
+    }
+    case IF_RELATIVE_ANGLE: {
+        double turn = own->at.heading - board->actors[condition->entity].at.heading;
+        return angle_between(turn - value) <= board->values[condition->numbers[1]];
+    }
+    default: return is_clear(board, condition, actor);
+    }
+}
+
+static bool state_is(const storyboard *board, const sb_condition *condition) {
+    const sb_progress *progress = &board->progress[condition->element];
+    switch (condition->state) {
+    case ON_STANDBY: return progress->state == STANDBY;
+    case ON_RUNNING: return progress->state == RUNNING;
+    case ON_COMPLETE: return progress->state == COMPLETE;
+    case ON_START: return progress->changed & HAS_STARTED;
+    case ON_END: return progress->changed & HAS_ENDED;
+    case ON_STOP: return progress->changed & HAS_STOPPED;
+    default: return progress->changed & HAS_SKIPPED;
+    }
+}
+
+static bool is_true_now(storyboard *board, const sb_condition *condition, sb_memory *memory) {
+    if (condition->kind == IF_ALWAYS) return true;
+    if (condition->kind == IF_STATE) return state_is(board, condition);
+    double value = board->values[condition->numbers[0]];
+    if (condition->kind == IF_TIME) return fits(condition->rule, board->now, value);
+    if (condition->kind == IF_VARIABLE) return fits(condition->rule, board->variables[condition->variable], value);
+    for (int32_t i = 0; i < condition->count; ++i) {
+        sb_memory *hint = memory + i; /* one for each triggering entity */
+        bool is_true = of_actor(board, condition, scenario_tables.triggering[condition->first + i], hint);
+        if (is_true != condition->needs_all) return is_true;
+    }
+    return condition->needs_all && condition->count > 0;
+}
+
+/* With an edge: true for one step, *delay* after it. Without: true if it was *delay* ago. */
+static bool holds(storyboard *board, int32_t number) {
+    const sb_condition *condition = &scenario_tables.conditions[number];
+    sb_memory *memory = &board->memories[condition->memory];
+    double delay = board->values[condition->delay], now = board->now;
+    sb_memory before = *memory;
+    bool is_true = is_true_now(board, condition, memory);
+    memory->was = is_true;
+    memory->is_known = true;
+    if (is_true && !(before.is_known && before.was)) memory->since = now;
+    if (is_true) memory->until = now;
+    if (condition->edge == NO_EDGE) {
+        bool was_ever = is_true || before.until > -HUGE_VAL;
+        return delay <= 0 ? is_true : was_ever && memory->since <= now - delay + 1e-9 && memory->until >= now - delay - 1e-9;
+    }
+    bool rises = is_true && before.is_known && !before.was, falls = !is_true && before.is_known && before.was;
+    bool is_edge = condition->edge == RISING ? rises : condition->edge == FALLING ? falls : rises || falls;
+    if (is_edge && !memory->is_pending) {
+        memory->is_pending = true;
+        memory->fired = now;
+    }
+    if (!memory->is_pending || now < memory->fired + delay - 1e-9) return false;
+    memory->is_pending = false;
+    return true;
+}
+
+bool trigger_is_true(storyboard *board, int32_t trigger) {
+    if (trigger == SB_NONE) return false;
+    const sb_range *groups = &scenario_tables.triggers[trigger];
+    bool any = false;
+    for (int32_t i = 0; i < groups->count; ++i) {
+        const sb_range *group = &scenario_tables.groups[groups->first + i];
+        bool all = true;
+        for (int32_t k = 0; k < group->count; ++k) {
+            bool is_true = holds(board, group->first + k); /* each is asked, for its edge */
+            all = all && is_true;
+        }
+        any = any || all;
+    }
+    return any;
+}

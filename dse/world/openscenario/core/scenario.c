@@ -1,0 +1,107 @@
+#include "scenario.h"
+
+#include <math.h>
+#include <stddef.h>
+
+static sb_actor *host_of(scenario *self) {
+    return scenario_tables.host == SB_NONE ? NULL : &self->board.actors[scenario_tables.host];
+}
+
+/* From the centre of gravity of the host to its reference point: both have the same front bumper. */
+static double host_shift(const scenario *self) {
+    const sb_entity *entity = &scenario_tables.entities[scenario_tables.host];
+    return entity->centre_x + 0.5 * entity->length - self->par.host_front;
+}
+
+static scenario_mover mover_of(const scenario *self, int32_t i) {
+    const sb_entity *entity = &scenario_tables.entities[i];
+    const sb_actor *actor = &self->board.actors[i];
+    scenario_mover nobody = {0};
+    if (!actor->is_present || actor->is_hidden) return nobody;
+    double c = cos(actor->at.heading), s = sin(actor->at.heading);
+    return (scenario_mover){
+        .id = i + 1,
+        .class = entity->class,
+        .length = entity->length,
+        .width = entity->width,
+        .height = entity->height,
+        .path = SB_NONE,
+        .station = actor->at.x + entity->centre_x * c - entity->centre_y * s,
+        .offset = actor->at.y + entity->centre_x * s + entity->centre_y * c,
+        .turn = actor->at.heading,
+        .speed = actor->ended > 0 ? 0 : actor->speed,
+        .acceleration = actor->acceleration,
+    };
+}
+
+/* The nearest ones to the host that have no index yet, as long as there is one. */
+static void show_nearest(scenario *self) {
+    const sb_actor *host = host_of(self);
+    double x = host ? host->at.x : 0, y = host ? host->at.y : 0;
+    bool is_wanted[SB_ENTITIES] = {false}, is_shown[SB_ENTITIES] = {false};
+    for (int32_t k = 0; k < SCENARIO_MOVERS; ++k) {
+        int32_t best = SB_NONE;
+        double nearest = HUGE_VAL;
+        for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
+            const sb_actor *actor = &self->board.actors[i];
+            double away = hypot(actor->at.x - x, actor->at.y - y);
+            bool is_seen = actor->is_present && !actor->is_hidden && i != scenario_tables.host && !is_wanted[i];
+            if (is_seen && away < nearest) {
+                nearest = away;
+                best = i;
+            }
+        }
+        if (best != SB_NONE) is_wanted[best] = true;
+    }
+    for (int32_t k = 0; k < SCENARIO_MOVERS; ++k) {
+        int32_t i = self->shown[k];
+        if (i != SB_NONE && !is_wanted[i]) self->shown[k] = i = SB_NONE;
+        if (i != SB_NONE) is_shown[i] = true;
+    }
+    for (int32_t k = 0, i = 0; k < SCENARIO_MOVERS; ++k) {
+        if (self->shown[k] == SB_NONE) {
+            while (i < scenario_tables.entity_count && !(is_wanted[i] && !is_shown[i])) ++i;
+            if (i < scenario_tables.entity_count) self->shown[k] = i++;
+        }
+        self->out.movers[k] = self->shown[k] == SB_NONE ? (scenario_mover){0} : mover_of(self, self->shown[k]);
+    }
+}
+
+static void output(scenario *self) {
+    show_nearest(self);
+    for (int32_t i = 0; i < scenario_tables.entity_count && i < SCENARIO_SEEN; ++i) self->out.everyone[i] = mover_of(self, i);
+    for (int32_t i = 0; i < scenario_tables.element_count && i < SCENARIO_STATES; ++i) {
+        self->out.states[i] = self->board.progress[i].state;
+    }
+    self->out.ended = self->board.has_ended;
+}
+
+void scenario_init(scenario *self) {
+    scenario_numbers(self);
+    self->board.has_host = !self->par.drives_host && scenario_tables.host != SB_NONE;
+    for (int32_t k = 0; k < SCENARIO_MOVERS; ++k) self->shown[k] = SB_NONE;
+    storyboard_begin(&self->board);
+    const sb_actor *host = host_of(self);
+    if (host) {
+        double shift = host_shift(self);
+        self->out.start.x = host->at.x + shift * cos(host->at.heading);
+        self->out.start.y = host->at.y + shift * sin(host->at.heading);
+        self->out.start.heading = host->at.heading;
+        self->out.start.speed = host->speed;
+    }
+    output(self);
+}
+
+void scenario_step(scenario *self, double h) {
+    sb_actor *host = host_of(self);
+    if (self->board.has_host) {
+        double shift = host_shift(self);
+        host->at.heading = self->in.motion.heading;
+        host->at.x = self->in.motion.x - shift * cos(host->at.heading);
+        host->at.y = self->in.motion.y - shift * sin(host->at.heading);
+        host->speed = self->in.motion.speed;
+        host->acceleration = self->in.motion.acceleration;
+    }
+    storyboard_step(&self->board, h);
+    output(self);
+}

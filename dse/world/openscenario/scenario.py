@@ -1,0 +1,326 @@
+"""A scenario file → the tables of its road users and its storyboard."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from dse.errors import Problem, Problems, closest, fail, raise_if_any
+from dse.formats import shown
+from dse.world.opendrive.reading import read_network
+from dse.world.openscenario.actions import Actions
+from dse.world.openscenario.conditions import Conditions
+from dse.world.openscenario.document import Context, Document, Node, Parameter, open_document
+from dse.world.openscenario.paths import Paths, ScenarioPath
+from dse.world.openscenario.positions import Layout
+from dse.world.openscenario.tables import NONE, Tables
+
+MOST_ENTITIES, MOST_ELEMENTS = 48, 10_000
+_MOST_PASSES = 4
+_CLASSES = {
+    "car": 1, "van": 1, "truck": 2, "semitrailer": 2, "trailer": 2, "bus": 2, "tram": 2, "train": 2, "motorbike": 3,
+    "bicycle": 4,
+}  # fmt: skip
+PEDESTRIAN, OBSTACLE = 5, 6
+_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_KINDS = {
+    "STORY": "story",
+    "ACT": "act",
+    "GROUP": "maneuverGroup",
+    "MANEUVER": "maneuver",
+    "EVENT": "event",
+    "ACTION": "action",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """An element of the storyboard: its *kind* as OpenSCENARIO calls it, and its *name* with those it is in."""
+
+    kind: str
+    name: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scenario:
+    """A scenario: what its FMU is made of.
+
+    *parameters* can be tuned, *decided* ones are texts that were fixed. *entities* are in the order of the file, *host*
+    is the number of the one that is simulated, or NONE. *elements* are those of the storyboard, in the order of their
+    states. *ignored* does not matter to a simulation.
+    """
+
+    parameters: tuple[Parameter, ...]
+    decided: Mapping[str, str]
+    entities: tuple[str, ...]
+    host: int
+    elements: tuple[Element, ...]
+    paths: tuple[ScenarioPath, ...]
+    tables: Tables
+    ignored: tuple[Problem, ...]
+    road: Path | None
+
+
+def read_scenario(
+    path: Path, given: Mapping[str, str] | None = None, host: str | None = None, inside: Path | None = None
+) -> Scenario:
+    """The scenario in the OpenSCENARIO file at *path*, with *given* values of parameters.
+
+    *host* is the entity that the configuration under test drives, "Ego" by default if there is one. Files that the
+    scenario names are *inside* a folder, if that is given. Raises DseError with everything that is wrong or not
+    supported, each located in its file.
+    """
+    fixed: frozenset[str] = frozenset()
+    for _ in range(_MOST_PASSES):
+        context = Context(path, given or {}, fixed, inside)
+        document = open_document(context)
+        unfit = {each.name for each in document.parameters if not _IDENTIFIER.fullmatch(each.name)}
+        scenario = None if unfit - fixed else _Compiler(document).scenario(host)
+        decided = frozenset(context.found_fixed) | fixed | unfit
+        if decided == fixed and scenario is not None:
+            return scenario
+        fixed = decided
+    raise fail("its parameters depend on each other", document.root.where)
+
+
+@dataclass(slots=True)
+class _Compiler:
+    document: Document
+    tables: Tables = field(default_factory=Tables)
+    problems: Problems = field(default_factory=Problems)
+    names: dict[str, list[tuple[str, int]]] = field(default_factory=dict)
+    elements: list[Element] = field(default_factory=list)
+
+    def scenario(self, host: str | None) -> Scenario:
+        """All of it."""
+        root = self.document.root
+        for name, value in root.scope.items():
+            self.tables.variables[name] = self.tables.text(value) if isinstance(value, str) else value
+        self._variables(root)
+        road, paths = self._roads(root)
+        entities: dict[str, int] = {}
+        listed = root.need("Entities")
+        for each in listed.children():
+            with self.problems:
+                if each.tag != "ScenarioObject":
+                    raise each.unsupported()
+                name = each.text("name")
+                if name in entities:
+                    raise fail(f"there is another entity '{name}'", each.where)
+                entities[name] = len(entities)
+        if len(entities) > MOST_ENTITIES:
+            raise fail(f"{len(entities)} entities: a scenario has at most {MOST_ENTITIES}", listed.where)
+        layout = Layout(self.tables, entities, paths)
+        actions = Actions(layout)
+        storyboard = root.need("Storyboard")
+        self._starts(storyboard, layout)
+        for each in listed.all("ScenarioObject"):
+            with self.problems:
+                start = layout.starts.get(entities.get(each.text("name"), NONE))
+                self.tables.add("entities", self._entity(each, NONE if start is None else start.path))
+        self._init(storyboard, actions)
+        self._stories(storyboard, actions)
+        raise_if_any(self.problems)
+        found = self._host(host, entities)
+        made = tuple(paths.made) if paths else ()
+        self._lanes(made)
+        ignored = tuple(dict.fromkeys(root.context.ignored))
+        return Scenario(
+            self.document.parameters, self.document.decided, tuple(entities), found, tuple(self.elements), made,
+            self.tables, ignored, road,
+        )  # fmt: skip
+
+    def _variables(self, root: Node) -> None:
+        declared = root.child("VariableDeclarations")
+        for each in declared.all("VariableDeclaration") if declared else ():
+            value = each.value("value")
+            self.tables.variables[each.text("name")] = self.tables.text(value) if isinstance(value, str) else value
+
+    def _roads(self, root: Node) -> tuple[Path | None, Paths | None]:
+        network = root.child("RoadNetwork")
+        logic = network.child("LogicFile") if network else None
+        if logic is None or not logic.has("filepath"):
+            return None, None
+        name = logic.text("filepath")
+        if not name.lower().endswith(".xodr"):
+            raise fail(f"the road network '{name}' is not supported", logic.where, "supported: OpenDRIVE (.xodr)")
+        path = root.context.file(name, logic.where, "the road network")
+        return path, Paths(read_network(path, shown(path)))
+
+    def _host(self, wanted: str | None, entities: Mapping[str, int]) -> int:
+        if wanted is None:
+            return entities.get("Ego", NONE)
+        if wanted not in entities:
+            raise fail(f"the scenario has no entity '{wanted}'", self.document.root.where, closest(wanted, entities))
+        return entities[wanted]
+
+    def _entity(self, node: Node, path: int) -> dict[str, object]:
+        kinds = "Vehicle", "Pedestrian", "MiscObject", "CatalogReference", "ExternalObjectReference"
+        described = node.need(*kinds).resolved()
+        if described.tag not in kinds[:3]:
+            raise described.unsupported()
+        category = described.text("vehicleCategory", "car") if described.tag == "Vehicle" else ""
+        class_ = PEDESTRIAN if described.tag == "Pedestrian" else _CLASSES.get(category, OBSTACLE)
+        performance = described.child("Performance")
+        names = {"top_speed": "maxSpeed", "top_acceleration": "maxAcceleration", "top_deceleration": "maxDeceleration"}
+        limits = {key: performance.real(name, 0.0) if performance else 0.0 for key, name in names.items()}
+        limits = {key: value if value < 1e9 else 0.0 for key, value in limits.items()}
+        box = described.need("BoundingBox")
+        centre, size = box.need("Center"), box.need("Dimensions")
+        return {
+            "class": class_, "path": path, "length": size.real("length"), "width": size.real("width"),
+            "height": size.real("height"), "centre_x": centre.real("x"), "centre_y": centre.real("y"), **limits,
+        }  # fmt: skip
+
+    def _starts(self, storyboard: Node, layout: Layout) -> None:
+        """Where entities start, those by another entity after it."""
+        places = []
+        for private in self._privates(storyboard):
+            for action in private.all("PrivateAction"):
+                place = action.only()
+                routing = place.only() if place.tag == "RoutingAction" else place
+                target = routing.child("Position") if routing.tag == "TeleportAction" else None
+                if target is not None:
+                    places.append((private, target))
+        for _ in places:
+            for private, target in places:
+                with self.problems:
+                    layout.start(target, layout.entity(private))
+            if self.problems:
+                return
+        routes = [
+            (private, action.only().only())
+            for private in self._privates(storyboard)
+            for action in private.all("PrivateAction")
+            if action.only().tag == "RoutingAction"
+        ]
+        for private, routing in routes:
+            if routing.tag in {"AssignRouteAction", "AcquirePositionAction"}:
+                with self.problems:
+                    actor = layout.entity(private)
+                    path = Actions(layout).assign_route(routing, actor)["target"]
+                    if actor in layout.starts and isinstance(path, int):
+                        layout.starts[actor].path = path
+
+    def _privates(self, storyboard: Node) -> Iterator[Node]:
+        init = storyboard.need("Init").child("Actions")
+        return init.all("Private") if init else iter(())
+
+    def _init(self, storyboard: Node, actions: Actions) -> None:
+        init = storyboard.need("Init").child("Actions")
+        rows = []
+        for each in init.children() if init else ():
+            with self.problems:
+                if each.tag == "GlobalAction":
+                    rows += actions.global_(each)
+                elif each.tag == "Private":
+                    actor = actions.layout.entity(each)
+                    for action in each.all("PrivateAction"):
+                        with self.problems:
+                            rows += actions.private(action, actor)
+                else:
+                    raise each.unsupported()
+        for row in rows:
+            self.tables.add("actions", row)
+        self.tables.init_count = len(rows)
+
+    def _stories(self, storyboard: Node, actions: Actions) -> None:
+        waiting: list[tuple[dict[str, object], str, Node]] = []
+        for story in storyboard.all("Story"):
+            self._element(story.resolved(), "STORY", NONE, "", actions, waiting, [])
+        conditions = Conditions(actions, self.names)
+        for row, key, trigger in waiting:
+            with self.problems:
+                row[key] = conditions.trigger(trigger)
+        with self.problems:
+            self.tables.stop = conditions.trigger(storyboard.child("StopTrigger"))
+
+    def _element(
+        self,
+        node: Node,
+        kind: str,
+        parent: int,
+        prefix: str,
+        actions: Actions,
+        waiting: list[tuple[dict[str, object], str, Node]],
+        actors: list[int],
+    ) -> None:
+        """The rows of an element and of all that is in it."""
+        name = node.text("name", node.tag)
+        full = f"{prefix}/{name}" if prefix else name
+        row: dict[str, object] = {
+            "kind": kind, "parent": parent, "end": 0, "start": NONE, "stop": NONE, "most": 1, "priority": "PARALLEL",
+            "action": NONE,
+        }  # fmt: skip
+        number = self.tables.add("elements", row)
+        if number >= MOST_ELEMENTS:
+            raise fail(f"a storyboard has at most {MOST_ELEMENTS} elements", node.where)
+        self.names.setdefault(_KINDS[kind], []).append((full, number))
+        self.elements.append(Element(_KINDS[kind], full))
+        for key, tag in (("start", "StartTrigger"), ("stop", "StopTrigger")):
+            trigger = node.child(tag)
+            if trigger is not None:
+                waiting.append((row, key, trigger))
+        if kind in {"EVENT", "GROUP"}:
+            row["most"] = min(node.whole("maximumExecutionCount", 1), 10**6) if node.has("maximumExecutionCount") else 1
+        if kind == "EVENT":
+            words = {"override": "OVERRIDE", "overwrite": "OVERRIDE", "skip": "SKIP", "parallel": "PARALLEL"}
+            row["priority"] = node.word("priority", words, "parallel")
+        if kind == "GROUP":
+            with self.problems:
+                actors = self._actors(node, actions)
+        for child in node.children():
+            with self.problems:
+                inner = _CHILDREN.get((kind, child.tag))
+                if inner is not None:
+                    self._element(child.resolved(), inner, number, full, actions, waiting, actors)
+                elif kind == "EVENT" and child.tag == "Action":
+                    self._action(child, number, full, actions, actors)
+                elif child.tag not in _KNOWN:
+                    raise child.unsupported()
+        row["end"] = self.tables.count("elements")
+
+    def _actors(self, group: Node, actions: Actions) -> list[int]:
+        who = group.need("Actors")
+        if who.flag("selectTriggeringEntities"):
+            raise fail("actors selected by the triggering entities are not supported", who.where, "name them")
+        return [actions.layout.entity(each) for each in who.all("EntityRef")]
+
+    def _action(self, node: Node, parent: int, prefix: str, actions: Actions, actors: list[int]) -> None:
+        """A row for each actor; an action that does nothing ends at once."""
+        choice = node.only()
+        if choice.tag == "PrivateAction":
+            rows = [row for actor in actors for row in actions.private(choice, actor)]
+        elif choice.tag == "GlobalAction":
+            rows = actions.global_(choice)
+        else:
+            raise choice.unsupported()
+        nothing: dict[str, object] = {"kind": "DO_NOTHING", "actor": NONE}
+        full = f"{prefix}/{node.text('name', 'Action')}"
+        for row in rows or [nothing]:
+            action = self.tables.add("actions", row)
+            element = {
+                "kind": "ACTION", "parent": parent, "start": NONE, "stop": NONE, "most": 1, "priority": "PARALLEL",
+                "action": action,
+            }  # fmt: skip
+            number = self.tables.add("elements", {**element, "end": self.tables.count("elements") + 1})
+            self.names.setdefault("action", []).append((full, number))
+            self.elements.append(Element("action", full))
+
+    def _lanes(self, paths: tuple[ScenarioPath, ...]) -> None:
+        for number, path in enumerate(paths):
+            for row in path.rows:
+                fields = {"start": row.start, "id": row.id, "number": row.number, "sense": row.sense, "road": row.road}
+                self.tables.add("lanes", {"path": number, **fields})
+
+
+_CHILDREN = {
+    ("STORY", "Act"): "ACT",
+    ("ACT", "ManeuverGroup"): "GROUP",
+    ("GROUP", "Maneuver"): "MANEUVER",
+    ("GROUP", "CatalogReference"): "MANEUVER",
+    ("MANEUVER", "Event"): "EVENT",
+}
+_KNOWN = frozenset({"StartTrigger", "StopTrigger", "Actors", "ParameterDeclarations"})
