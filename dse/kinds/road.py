@@ -67,7 +67,7 @@ class RoadKind(ComponentKind[RoadSection, RoadSource]):
 
     def read(self, section: RoadSection, place: SourcePlace) -> RoadSource:
         """The host's way, and those under ``paths``. The file is opened when it is needed."""
-        file = place.file(section.file, (".xodr", ".yaml"), "file")
+        file = place.file(section.file, (".xodr", ".yaml", ".xosc"), "file")
         return RoadSource(file, place.inside, written_ways(section, place))
 
     def build(self, component: Component, source: RoadSource, *, version: int, cache: Path | None) -> Path:
@@ -85,8 +85,10 @@ class RoadKind(ComponentKind[RoadSection, RoadSource]):
 
 def tables_along(source: RoadSource) -> RoadTables:
     """The paths along the ways of *source*. Raises DseError with what is wrong with them and the roads."""
-    from dse.world import Route, road_tables
+    from dse.world import Route, host_tables, read_scenario, road_tables
 
+    if source.file.suffix.lower() == ".xosc":
+        return host_tables(read_scenario(source.file, inside=source.inside), source.ways[0].where)
     routes = [Route(way.roads, way.lane, way.name, way.where) for way in source.ways]
     return road_tables(roads_of(source), routes)
 

@@ -15,6 +15,13 @@ from .opendrive.driving import DRIVEN as DRIVEN, runs_along as runs_along
 from .opendrive.reading import network_in as network_in, read_network as read_network
 from .opendrive.roadside import COLOURS as COLOURS, PHASES as PHASES, SHIFT as SHIFT
 from .opendrive.structure import Lane as Lane, Network as Network, Road as Road, Signal as Signal
+from .openscenario.code import (
+    OWN_PARAMETERS as OWN_PARAMETERS,
+    SCENARIO as SCENARIO,
+    host_tables as host_tables,
+    scenario_files as scenario_files,
+)
+from .openscenario.scenario import Scenario as Scenario, read_scenario as read_scenario
 from .pieces import from_cubics as from_cubics, value as value
 from .road_reader import open_roads as open_roads, opendrive_text as opendrive_text
 from .routes import Route as Route, Way as Way, list_ways as list_ways, way_length as way_length, way_of as way_of

@@ -70,7 +70,7 @@ void longitudinal_init(longitudinal *self) {
     plane_slopes slopes = plane_slopes_of(in.ground, self->par.wheelbase);
     plane p = plane_below(self->heading, &slopes);
     host_data host = data(self, &in, &p);
-    host_start(&self->host, &host, self->par.initial_speed);
+    host_start(&self->host, &host, chassis_start_speed(&self->in, self->par.initial_speed));
     output(self, &in, &host, &p);
 }
 

@@ -7,6 +7,10 @@ double chassis_limited(double value, double low, double high) {
     return value < low ? low : value > high ? high : value;
 }
 
+double chassis_start_speed(const chassis_inputs *in, double otherwise) {
+    return in->host_start.given ? chassis_limited(in->host_start.speed, -100, 100) : otherwise;
+}
+
 chassis_inputs chassis_within_reason(const chassis_inputs *in, double steering_limit) {
     chassis_inputs out = *in;
     out.wheels.front = chassis_limited(in->wheels.front, -TORQUE, TORQUE);

@@ -2,6 +2,8 @@
 #ifndef CHASSIS_PORTS_H
 #define CHASSIS_PORTS_H
 
+#include <stdbool.h>
+
 typedef struct {
     double front, rear;
 } chassis_axles;
@@ -27,6 +29,10 @@ typedef struct {
     double wheel_torque[4], wheel_brake[4], steering;
     chassis_ground ground[4];
     chassis_pose start;
+    struct {
+        bool given;
+        double x, y, heading, speed;
+    } host_start; /* as a scenario states it */
     chassis_air air;
 } chassis_inputs;
 
@@ -46,6 +52,9 @@ chassis_inputs chassis_within_reason(const chassis_inputs *in, double steering_l
 
 /* Of a body whose first states are x, y, heading, speed, lateral speed, yaw rate and the travelled distance. */
 void chassis_tell_motion(chassis_outputs *out, const double *body, double acceleration, double lateral_acceleration);
+
+/* The speed at the start: as a scenario states it, else *otherwise*. */
+double chassis_start_speed(const chassis_inputs *in, double otherwise);
 
 double chassis_limited(double value, double low, double high);
 

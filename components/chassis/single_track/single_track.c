@@ -123,11 +123,11 @@ static void output(single_track *self, const car *c) {
 
 void single_track_init(single_track *self) {
     car c = prepare(self);
-    double spin = self->par.initial_speed / self->par.wheel_radius;
+    double speed = chassis_start_speed(&c.in, self->par.initial_speed), spin = speed / self->par.wheel_radius;
     ars_state start = {
         .states = STATES,
         .wheels = 2,
-        .body = {c.in.start.x, c.in.start.y, c.in.start.heading, self->par.initial_speed},
+        .body = {c.in.start.x, c.in.start.y, c.in.start.heading, speed},
         .wheel = {{spin, 0, 0}, {spin, 0, 0}},
     };
     self->state = start;

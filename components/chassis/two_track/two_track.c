@@ -173,18 +173,18 @@ static void output(two_track *self, const car *c) {
 /* Upright on a plane through the ground below the wheels, rolling freely. */
 void two_track_init(two_track *self) {
     car c = prepare(self);
-    double spin = self->par.initial_speed / self->par.wheel_radius;
+    double speed = chassis_start_speed(&c.in, self->par.initial_speed), spin = speed / self->par.wheel_radius;
     plane p = plane_below(c.in.start.heading, &c.slopes);
     ars_state start = {
         .states = STATES,
         .wheels = 4,
-        .body = {c.in.start.x, c.in.start.y, c.in.start.heading, self->par.initial_speed},
+        .body = {c.in.start.x, c.in.start.y, c.in.start.heading, speed},
         .wheel = {{spin, 0, 0}, {spin, 0, 0}, {spin, 0, 0}, {spin, 0, 0}},
     };
     double *y = start.body;
     y[ROLL] = p.left[2];
     y[PITCH] = -p.ahead[2];
-    y[HEAVE] = self->par.initial_speed * p.ahead[2];
+    y[HEAVE] = speed * p.ahead[2];
     for (int i = 0; i < 4; ++i) y[HEIGHT] += 0.25 * (c.in.ground[i].height + c.ahead[i] * y[PITCH] - c.left[i] * y[ROLL]);
     plane_contacts(&p, y[X], y[Y], c.ahead, c.left, c.from);
     self->state = start;

@@ -8,6 +8,7 @@
 #define PI 3.14159265358979323846
 #define JUMP 10.0 /* m: what moves farther in a step was put there; its foot is looked for everywhere */
 #define NOBODY 0
+#define IN_PLANE -1
 #define NO_LIGHT 0
 #define UNLIT 1
 #define SLACK 1e-9 /* s: a change of phase that is due now is not a step late */
@@ -210,6 +211,33 @@ static void cross(road *self, const host_place *host, int32_t i, double vx, doub
     actor->approach = host->rate - rate_along(host->path, &foot, vx, vy);
 }
 
+/* A mover in the plane has the place that it states; its lane is seen from the host's path. */
+static void place_in_plane(road *self, const host_place *host, int32_t i) {
+    const road_mover *mover = &self->in.movers[i];
+    road_actor *actor = &self->out.actors[i];
+    double c = cos(mover->turn), s = sin(mover->turn);
+    actor->x = mover->station;
+    actor->y = mover->offset;
+    actor->heading = wrapped(mover->turn);
+    actor->speed = mover->speed;
+    actor->lateral_speed = mover->lateral_speed;
+    cross(self, host, i, mover->speed * c - mover->lateral_speed * s, mover->speed * s + mover->lateral_speed * c);
+    path_foot foot;
+    path_place place = path_find(host->path, self->crossing_stations[i], self->crossing_pieces[i]);
+    foot.line = path_line_at(place);
+    foot.t = actor->aside + (host->lane ? path_value(place, host->lane->middle).value : NAN);
+    actor->z = ground_at(host->path, &foot).height;
+    actor->station = path_along(&host->path->lanes[0], place).value;
+    double nearest = HUGE_VAL;
+    for (int32_t k = 0; k < host->path->lane_count; ++k) {
+        double offset = foot.t - path_value(place, host->path->lanes[k].middle).value;
+        if (fabs(offset) >= nearest) continue;
+        nearest = fabs(offset);
+        actor->lane = host->path->lanes[k].number;
+        actor->offset = offset;
+    }
+}
+
 static void place_actor(road *self, const host_place *host, int32_t i) {
     const road_mover *mover = &self->in.movers[i];
     road_actor *actor = &self->out.actors[i];
@@ -217,6 +245,18 @@ static void place_actor(road *self, const host_place *host, int32_t i) {
     *actor = nobody;
     if (mover->class == NOBODY) {
         self->crosses[i] = false;
+        return;
+    }
+    actor->id = mover->id;
+    actor->class = mover->class;
+    actor->length = mover->length;
+    actor->width = mover->width;
+    actor->height = mover->height;
+    actor->clearance = mover->clearance;
+    actor->acceleration = mover->acceleration;
+    actor->path = mover->path;
+    if (mover->path == IN_PLANE) {
+        place_in_plane(self, host, i);
         return;
     }
     bool is_known = mover->path >= 0 && mover->path < road_tables.count;
@@ -235,20 +275,12 @@ static void place_actor(road *self, const host_place *host, int32_t i) {
     double across = mover->speed * s + mover->lateral_speed * c;
     double lx = (line.tx * beside.ahead - line.ty * beside.aside) / beside.length;
     double ly = (line.ty * beside.ahead + line.tx * beside.aside) / beside.length;
-    actor->id = mover->id;
-    actor->class = mover->class;
-    actor->length = mover->length;
-    actor->width = mover->width;
-    actor->height = mover->height;
-    actor->clearance = mover->clearance;
     actor->x = beside.x;
     actor->y = beside.y;
     actor->z = ground_at(path, &foot).height;
     actor->heading = wrapped(atan2(ly, lx) + mover->turn);
     actor->speed = along * c + across * s;
     actor->lateral_speed = across * c - along * s;
-    actor->acceleration = mover->acceleration;
-    actor->path = mover->path;
     actor->lane = mover->lane;
     actor->station = mover->station;
     actor->offset = mover->offset;
@@ -354,6 +386,11 @@ void road_init(road *self) {
     self->out.start.y = beside.y;
     self->out.start.heading = atan2(line.ty * beside.ahead + line.tx * beside.aside,
                                     line.tx * beside.ahead - line.ty * beside.aside);
+    if (self->in.host_start.given) {
+        self->out.start.x = self->in.host_start.x;
+        self->out.start.y = self->in.host_start.y;
+        self->out.start.heading = self->in.host_start.heading;
+    }
     self->x = beside.x;
     self->y = beside.y;
     self->station = path_station(place);

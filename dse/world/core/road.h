@@ -44,6 +44,10 @@ typedef struct {
         struct {
             double friction_loss, water_film, temperature;
         } surface;
+        struct {
+            bool given;
+            double x, y, heading, speed;
+        } host_start;
     } in;
     struct {
         struct {

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
+from dse.errors import Location, fail
 from dse.world.code import core_files, table_files
+from dse.world.flatten import path_along
+from dse.world.lane_graph import lane_graph
 from dse.world.openscenario.scenario import Scenario
+from dse.world.openscenario.tables import NONE
 from dse.world.tables import RoadTables
 
-STRUCT = "scenario"
+SCENARIO = "scenario"
 """The name of the struct in C, and of the header."""
-MOST_STATES = 256
 OWN_PARAMETERS = ("drives_host", "host_front")
 _CORE = Path(__file__).parent / "core"
 
@@ -32,6 +36,17 @@ def scenario_files(scenario: Scenario) -> dict[str, str]:
         "scenario_tables.c": scenario.tables.c(scenario.host),
         "scenario_numbers.c": _NUMBERS.replace("@NUMBERS@", scenario.tables.numbers_c()),
     }
+
+
+def host_tables(scenario: Scenario, where: Location | None) -> RoadTables:
+    """The road that the host of a scenario drives, with its lanes for vehicles. Raises DseError: there is none."""
+    host = scenario.tables.rows["entities"][scenario.host] if scenario.host != NONE else {"path": NONE}
+    assert isinstance(host, Mapping)  # noqa: S101  # by construction
+    number = host["path"]
+    if scenario.network is None or not isinstance(number, int) or number == NONE:
+        raise fail("the scenario has no host on a road", where, "name its entity: 'host'")
+    path = path_along(lane_graph(scenario.network), scenario.paths[number].way, "host")
+    return RoadTables((path,))
 
 
 _HEADER = """\
@@ -58,12 +73,17 @@ typedef struct {
         struct {
             double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
         } motion;
+        struct {
+            double station, offset, heading, curvature, width, grade, bank, speed_limit;
+            bool on_road;
+        } lane;
     } in;
     struct {
         scenario_mover movers[SCENARIO_MOVERS], everyone[SCENARIO_SEEN];
         struct {
+            bool given;
             double x, y, heading, speed;
-        } start;
+        } host_start;
         int32_t states[SCENARIO_STATES];
         bool ended;
     } out;

@@ -58,6 +58,7 @@ class Stretch:
 class ScenarioPath:
     """A path with the roads and lanes that it passes."""
 
+    way: Way
     path: RoadPath
     stretches: tuple[Stretch, ...]
     rows: tuple[LaneRow, ...]
@@ -231,7 +232,7 @@ def _scenario_path(graph: LaneGraph, way: Way) -> ScenarioPath:
             at = base + section.s if along else base - section.end
             rows += _rows(road, place, section, max(at, begin), along=along)
         begin += end - start
-    return ScenarioPath(path, tuple(stretches), tuple(rows))
+    return ScenarioPath(way, path, tuple(stretches), tuple(rows))
 
 
 def _rows(road: Road, place: LanePlace, section: Section, start: float, *, along: bool) -> Iterator[LaneRow]:

@@ -9,13 +9,16 @@ from pathlib import Path
 
 from dse.errors import Problem, Problems, closest, fail, raise_if_any
 from dse.formats import shown
+from dse.loading import Workspace
 from dse.world.opendrive.reading import read_network
+from dse.world.opendrive.structure import Network
 from dse.world.openscenario.actions import Actions
 from dse.world.openscenario.conditions import Conditions
 from dse.world.openscenario.document import Context, Document, Node, Parameter, open_document
 from dse.world.openscenario.paths import Paths, ScenarioPath
 from dse.world.openscenario.positions import Layout
 from dse.world.openscenario.tables import NONE, Tables
+from dse.world.road_reader import open_roads
 
 MOST_ENTITIES, MOST_ELEMENTS = 48, 10_000
 _MOST_PASSES = 4
@@ -60,7 +63,7 @@ class Scenario:
     paths: tuple[ScenarioPath, ...]
     tables: Tables
     ignored: tuple[Problem, ...]
-    road: Path | None
+    network: Network | None
 
 
 def read_scenario(
@@ -99,7 +102,7 @@ class _Compiler:
         for name, value in root.scope.items():
             self.tables.variables[name] = self.tables.text(value) if isinstance(value, str) else value
         self._variables(root)
-        road, paths = self._roads(root)
+        paths = self._roads(root)
         entities: dict[str, int] = {}
         listed = root.need("Entities")
         for each in listed.children():
@@ -129,7 +132,7 @@ class _Compiler:
         ignored = tuple(dict.fromkeys(root.context.ignored))
         return Scenario(
             self.document.parameters, self.document.decided, tuple(entities), found, tuple(self.elements), made,
-            self.tables, ignored, road,
+            self.tables, ignored, paths.network if paths else None,
         )  # fmt: skip
 
     def _variables(self, root: Node) -> None:
@@ -138,16 +141,20 @@ class _Compiler:
             value = each.value("value")
             self.tables.variables[each.text("name")] = self.tables.text(value) if isinstance(value, str) else value
 
-    def _roads(self, root: Node) -> tuple[Path | None, Paths | None]:
+    def _roads(self, root: Node) -> Paths | None:
         network = root.child("RoadNetwork")
         logic = network.child("LogicFile") if network else None
         if logic is None or not logic.has("filepath"):
-            return None, None
+            return None
         name = logic.text("filepath")
-        if not name.lower().endswith(".xodr"):
-            raise fail(f"the road network '{name}' is not supported", logic.where, "supported: OpenDRIVE (.xodr)")
         path = root.context.file(name, logic.where, "the road network")
-        return path, Paths(read_network(path, shown(path)))
+        kind, inside = path.suffix.lower(), root.context.inside
+        if kind == ".xodr":
+            return Paths(read_network(path, shown(path)))
+        if kind == ".yaml" and inside is not None:
+            return Paths(open_roads(str(path), Workspace(inside)))
+        hint = "supported: OpenDRIVE (.xodr), and in a workspace its roads (.yaml)"
+        raise fail(f"the road network '{name}' is not supported", logic.where, hint)
 
     def _host(self, wanted: str | None, entities: Mapping[str, int]) -> int:
         if wanted is None:

@@ -84,10 +84,11 @@ void scenario_init(scenario *self) {
     const sb_actor *host = host_of(self);
     if (host) {
         double shift = host_shift(self);
-        self->out.start.x = host->at.x + shift * cos(host->at.heading);
-        self->out.start.y = host->at.y + shift * sin(host->at.heading);
-        self->out.start.heading = host->at.heading;
-        self->out.start.speed = host->speed;
+        self->out.host_start.given = true;
+        self->out.host_start.x = host->at.x + shift * cos(host->at.heading);
+        self->out.host_start.y = host->at.y + shift * sin(host->at.heading);
+        self->out.host_start.heading = host->at.heading;
+        self->out.host_start.speed = host->speed;
     }
     output(self);
 }
