@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -66,6 +67,10 @@ class ScenarioKind(ComponentKind[ScenarioSection, ScenarioSource]):
         """Raise DseError with what is wrong in the scenario, or not supported."""
         _checked(component, source)
         return ()
+
+    def labels(self, component: Component, source: ScenarioSource) -> Mapping[str, tuple[str, ...]]:
+        """The elements of the storyboard, for its states."""
+        return {"states": tuple(element.name for element in scenario_of(source).elements)}
 
 
 def scenario_of(source: ScenarioSource) -> Scenario:

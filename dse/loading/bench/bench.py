@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Mapping
 from math import prod
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates, bench_candidates, outputs, settable, split_name, types_of
 from dse.loading.bench.inputs import INPUTS, InputSection, read_inputs
 from dse.loading.bench.method import SimulationSection, read_positive, read_simulation
+from dse.loading.component.kind import kind_of
 from dse.loading.design.connections import read_connections
 from dse.loading.design.tree import FindComponent
 from dse.loading.include import read_document
@@ -97,7 +99,8 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
     file = read_section(entry, BenchFile)
     problems = Problems()
     stop = read_positive(entry["simulation"]["stop"], file.simulation.stop, "s", Problems()) or math.inf
-    metrics = _metrics(entry["metrics"], file, stop, problems)
+    labels = _Labels(file.test_components, find_component)
+    metrics = _metrics(entry["metrics"], file, stop, labels, problems)
     requirements = []
     named = any(section.on for section in file.requirements.values())
     known = {path.name.removesuffix(".yaml") for path in (inside / "testbenches").rglob("*.yaml")} if named else set()
@@ -189,7 +192,33 @@ def _test_components(
     return tuple(parts)
 
 
-def _metrics(entries: Entry, file: BenchFile, stop: float, problems: Problems) -> tuple[Metric, ...]:
+class _Labels:
+    """Elements of arrays of test components, by name: ``traffic.states[CutIn]`` as ``traffic.states[12]``."""
+
+    _LABELLED = re.compile(r"\b([^\W\d]\w*)\.([\w.]+)\[ *([^\W\d][^\]]*?) *\]")
+
+    def __init__(self, sections: Mapping[str, TestComponentSection], find: FindComponent) -> None:
+        self._sections, self._find = sections, find
+
+    def numbered(self, text: str, where: Location) -> str:
+        """*text* with numbers for the names of elements. Raises DseError for one that there is not."""
+        return self._LABELLED.sub(lambda match: f"{match[1]}.{match[2]}[{self._number(*match.groups(), where)}]", text)
+
+    def _number(self, part: str, port: str, label: str, where: Location) -> int:
+        if part not in self._sections:
+            raise fail(f"'{part}' is not a test component, so '{part}.{port}[{label}]' has no meaning", where)
+        component = self._find(self._sections[part].component, where)
+        kind = kind_of(component)
+        names = kind.labels(component, component.source).get(port, ()) if kind else ()
+        found = [number for number, name in enumerate(names, 1) if name == label or name.endswith(f"/{label}")]
+        if not found:
+            raise fail(
+                f"'{part}.{port}' has no element '{label}'", where, closest(label, [n.split("/")[-1] for n in names])
+            )
+        return found[0]
+
+
+def _metrics(entries: Entry, file: BenchFile, stop: float, labels: _Labels, problems: Problems) -> tuple[Metric, ...]:
     metrics = []
     for name, written in file.metrics.items():
         entry = entries[name]
@@ -198,10 +227,11 @@ def _metrics(entries: Entry, file: BenchFile, stop: float, problems: Problems) -
             problems.add("in metrics 'time' is the simulation time", entry.key, "rename the metric")
         with problems:
             if isinstance(written, str):
-                metrics.append(Metric(name, parse_expression(written, entry.origin)))
+                metrics.append(Metric(name, parse_expression(labels.numbered(written, entry.where), entry.origin)))
             else:
                 unit = read_unit(written.unit or "", entry["unit"].where)
-                expression = parse_expression(written.expression, entry["expression"].origin)
+                text = labels.numbered(written.expression, entry["expression"].where)
+                expression = parse_expression(text, entry["expression"].origin)
                 over = None if written.over is None else _window(entry["over"], written.over, stop)
                 metrics.append(Metric(name, expression, unit, written.title, over))
     return tuple(metrics)

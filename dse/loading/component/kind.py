@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -92,6 +92,10 @@ class ComponentKind(ABC, Generic[Written, Noun]):
     def check(self, component: Component, source: Noun) -> tuple[Problem, ...]:  # noqa: ARG002  # nothing is known here
         """What in its files is ignored. Raises DseError with what ``dse check`` can tell without building."""
         return ()
+
+    def labels(self, component: Component, source: Noun) -> Mapping[str, tuple[str, ...]]:  # noqa: ARG002  # none here
+        """Names of the elements of array ports, by port; ``/`` divides a name from what it is in. Raises DseError."""
+        return {}
 
     def diagram(self, component: Component, source: Noun) -> Diagram | None:  # noqa: ARG002  # nothing is known here
         """The parts and links inside, for a picture; None if nothing is known of them. Raises DseError."""
