@@ -202,7 +202,9 @@ class _Labels:
 
     def numbered(self, text: str, where: Location) -> str:
         """*text* with numbers for the names of elements. Raises DseError for one that there is not."""
-        return self._LABELLED.sub(lambda match: f"{match[1]}.{match[2]}[{self._number(*match.groups(), where)}]", text)
+        return self._LABELLED.sub(
+            lambda found: f"{found[1]}.{found[2]}[{self._number(found[1], found[2], found[3], where)}]", text
+        )
 
     def _number(self, part: str, port: str, label: str, where: Location) -> int:
         if part not in self._sections:
