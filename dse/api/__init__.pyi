@@ -33,6 +33,12 @@ from .probe import (
     probe_numerics as probe_numerics,
 )
 from .roads import is_road as is_road, opendrive_text as opendrive_text, picture_of as picture_of
+from .scenarios import (
+    PlayedScenario as PlayedScenario,
+    element_times as element_times,
+    play_scenario as play_scenario,
+    scenario_picture as scenario_picture,
+)
 from .spaces.dealership import (
     Dealership as Dealership,
     choices_text as choices_text,

@@ -34,7 +34,7 @@ class ScenarioSource(Source):
     label = "OpenSCENARIO"
 
     file: Path
-    inside: Path
+    inside: Path | None
     values: tuple[tuple[str, str], ...]
     host: str | None
     where: Location | None = None

@@ -24,6 +24,7 @@ from .content.scenes import with_replays as with_replays
 from .drawing.chart import draw_chart as draw_chart
 from .drawing.road_picture import RoadPicture as RoadPicture
 from .drawing.road_plot import draw_road as draw_road
+from .drawing.scenario_plot import draw_scenario as draw_scenario
 from .drawing.style import save_drawing as save_drawing
 from .figure import (
     FIGURES as FIGURES,

@@ -10,16 +10,19 @@ import typer
 from dse.cli.app import app
 from dse.cli.arguments import Strict
 from dse.cli.packages import check_package, is_package
+from dse.cli.scenarios import check_scenario, is_scenario
 from dse.cli.terminal import print_line, print_some, status_line
 from dse.errors import Problem, raise_if_any
 
 
 @app.command()
 def check(
-    workspace: Annotated[Path, typer.Argument(help="A folder or file in the workspace; or an SSP package.")] = Path(),
+    workspace: Annotated[
+        Path, typer.Argument(help="A folder or file in the workspace; an SSP package; or an OpenSCENARIO file.")
+    ] = Path(),
     strict: Strict = False,
 ) -> None:
-    """Check a workspace or an SSP package, and list all errors.
+    """Check a workspace, an SSP package or an OpenSCENARIO file, and list all errors.
 
     Checks every component, design space, test bench and study: keys, units, types, wiring, metrics,
     and that each design space has a valid configuration.
@@ -27,6 +30,9 @@ def check(
     from dse.loading import Workspace
     from dse.testbench import check_workspace
 
+    if is_scenario(workspace.name):
+        check_scenario(workspace, strict=strict)
+        return
     if is_package(workspace.name):
         check_package(workspace, strict=strict)
         return

@@ -10,6 +10,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Configuration, FolderOrRoad, named_folder
+from dse.cli.scenarios import draw_scenario, is_scenario
 from dse.cli.terminal import print_line, show_problems, status_line
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 from dse.scratch import make_folder
@@ -70,6 +71,8 @@ def figure(
     Without --x and --y one constraint plot is drawn for each slice of the study. Without --run the waveforms are those
     of the run nearest the bounds of all requirements among those that pass.
 
+    A scenario (.xosc) is drawn as a map with the paths of its entities, and as its storyboard over time.
+
     A road is drawn as a map to scale, with lanes, slippery patches, lights, height, bank and curvature along the road;
     --drive adds driven paths.
 
@@ -80,6 +83,9 @@ def figure(
 
     from dse.api import is_road
 
+    if is_scenario(folder.name):
+        draw_scenario(folder, target, kind)
+        return
     if is_road(folder):
         _draw_road(folder, target, kind, [(named_folder(source), number or 0) for source in driven or ()])
         return

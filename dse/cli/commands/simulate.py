@@ -29,8 +29,9 @@ from dse.cli.arguments import (
     world_of_bench,
 )
 from dse.cli.completion import benches
-from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
+from dse.cli.packages import Wishes, is_package, seconds, simulate_package, waveform_file
 from dse.cli.prepared import keep_prepared
+from dse.cli.scenarios import is_scenario, simulate_scenario
 from dse.cli.terminal import status_line
 
 Subject = Annotated[
@@ -38,7 +39,7 @@ Subject = Annotated[
     typer.Argument(
         metavar="BENCH",
         autocompletion=benches,
-        help="A test bench: its name, or its YAML file; or an SSP package (.ssp).",
+        help="A test bench: its name, or its YAML file; an SSP package (.ssp), or an OpenSCENARIO file (.xosc).",
     ),
 ]
 Waveforms = Annotated[
@@ -50,8 +51,12 @@ Waveforms = Annotated[
 Variant = Annotated[
     str | None, typer.Option("--variant", metavar="NAME", help="The .ssd file of a package to simulate.")
 ]
-Stop = Annotated[str | None, typer.Option("--stop", metavar="TIME", help="How long to simulate a package.")]
-Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help="The communication step for a package.")]
+Stop = Annotated[
+    str | None, typer.Option("--stop", metavar="TIME", help="How long to simulate a package or a scenario.")
+]
+Step = Annotated[
+    str | None, typer.Option("--step", metavar="TIME", help="The communication step for a package or a scenario.")
+]
 Timeout = Annotated[
     str | None, typer.Option("--timeout", metavar="TIME", help="How long a package's run may take.  [default: 600 s]")
 ]
@@ -92,13 +97,14 @@ def simulate(
     parts: Parts = None,
     si: SI = False,
 ) -> None:
-    """Simulate one configuration once, or an SSP package.
+    """Simulate one configuration once, an SSP package, or an OpenSCENARIO file.
 
     Shows a configuration's metrics, and the verdicts with their margins.
 
     Takes the first valid configuration unless --configuration names another.
 
-    --output writes the waveforms. For a package, shows the first and the last value of each output.
+    --output writes the waveforms. For a package, shows the first and the last value of each output. In a scenario
+    file, the scenario drives every entity; shows where they were, and when events began.
     """
     wishes = Wishes(
         variant,
@@ -112,6 +118,21 @@ def simulate(
         tolerance,
         timeout,
     )
+    if is_scenario(bench):
+        meant = {"--configuration": configuration, "--plot": plot, "--fuse": fuse, "--gate": gate, "--world": world}
+        meant |= {"--check-step": check_step, "--fmi": version != 2, "--variant": variant, "--record": bool(record)}
+        _refuse(meant, "bench or a package")
+        times = seconds("--stop", stop), seconds("--step", step)
+        simulate_scenario(
+            Path(bench),
+            wishes.settings,
+            waveforms,
+            output,
+            stop=times[0],
+            step=times[1],
+            sandbox=sandbox,
+            strict=strict,
+        )
     if is_package(bench):
         meant = {"--configuration": configuration, "--plot": plot, "--fuse": fuse, "--gate": gate}
         _refuse({**meant, "--check-step": check_step, "--world": world, "--fmi": version != 2}, "bench")  # the default

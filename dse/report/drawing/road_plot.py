@@ -40,12 +40,12 @@ def draw_road(picture: RoadPicture) -> Figure:
         figure.suptitle(picture.title, x=0.01, ha="left", fontsize=10, fontweight="bold", parse_math=False)
         rows = figure.add_gridspec(len(heights), 1, height_ratios=heights)
         plane = figure.add_subplot(rows[0])
-        _map(plane, picture, whole, metres)
+        draw_map(plane, picture, whole, metres)
         _stations(plane, picture.along, metres)
         for number, box in enumerate(details):
             axes = figure.add_subplot(rows[1].subgridspec(1, len(details))[number])
             size = 0.8 * 72 * min(_DETAILED, _WIDTH / len(details))
-            _map(axes, picture, box, max(box.wide, box.tall) / size)
+            draw_map(axes, picture, box, max(box.wide, box.tall) / size)
         for row, draw in zip((-3, -2, -1), (_lanes, _profile, _bends), strict=True):
             axes = figure.add_subplot(rows[row])
             axes.set_xlim(0.0, float(picture.along.stations[-1]))
@@ -61,8 +61,8 @@ _DETAIL = 0.3
 _DETAILED, _MOST_DETAILS = 2.5, 3
 
 
-def _map(axes: Axes, picture: RoadPicture, box: MapExtent, metres: float) -> None:
-    """What is in *box*; a point of the sheet stands for so many *metres*."""
+def draw_map(axes: Axes, picture: RoadPicture, box: MapExtent, metres: float) -> None:
+    """What is in *box*, to scale; a point of the sheet stands for so many *metres*."""
     from matplotlib.collections import LineCollection, PolyCollection
 
     def fill(strips: Sequence[Strip], colour: str, order: float) -> None:
