@@ -5,6 +5,7 @@ import { conditionsView } from "./conditions/conditions";
 import { designsView } from "./designs/designs";
 import { figuresView } from "./figures";
 import { overviewView } from "./overview/overview";
+import { pairView } from "./pair/pair";
 import { plotView } from "./plot";
 import { runsView } from "./runs";
 import { studyView } from "./study";
@@ -20,6 +21,7 @@ export const VIEWS: readonly View[] = [
   plotView,
   withPlane,
   designsView,
+  pairView,
   understandingView,
   conditionsView,
   runsView,
