@@ -31,7 +31,7 @@ from dse.domain.sampler import Objective, Role
 from dse.exploration import design_variable, designs_of
 from dse.storage import RunTable, over_draws
 from dse.testbench import with_composites
-from dse.units import parse_unit
+from dse.units import UnitError, parse_unit
 
 _BROKEN = VERDICTS.index(Verdict.FAILED_TO_RUN)
 _MOST_LEVELS = 12
@@ -278,8 +278,11 @@ def _prices(definition: StudyDefinition) -> Iterator[Objective]:
 
 
 def is_price(unit: str) -> bool:
-    """Whether *unit* is a currency."""
-    return parse_unit(unit).dimension == parse_unit("EUR").dimension
+    """Whether *unit* is a currency; one that is not known is none."""
+    try:
+        return parse_unit(unit).dimension == parse_unit("EUR").dimension
+    except UnitError:
+        return False
 
 
 def _effects(

@@ -153,4 +153,4 @@ def test_numbers_of_the_parts_of_either_design_are_assumed_by_their_names_in_the
 
 
 def test_only_a_currency_is_a_price() -> None:
-    assert [is_price(unit) for unit in ("EUR", "kg", "")] == [True, False, False]
+    assert [is_price(unit) for unit in ("EUR", "kg", "", "<b>")] == [True, False, False, False]

@@ -1,9 +1,9 @@
 // One design against another on one page: which is ahead, in which cases they differ, what would change the order.
 import { setSetting } from "../../actions";
 import { columnOf } from "../../columns";
-import { type Aim, decide, hasDraws } from "../../decision";
+import { type Aim, type Decision, decide, hasDraws } from "../../decision";
 import { card, choose, el, field } from "../../dom";
-import { shortened } from "../../format";
+import { count, shortened } from "../../format";
 import { groupingOf } from "../../grouping";
 import type { Store } from "../../store";
 import { createModel, type Model, nameOf } from "../designs/model";
@@ -23,31 +23,73 @@ export const pairView: View = {
   suits: (study) => study.size > 0 && study.requirements.length > 0 && groupingOf(study).size > 1,
   create(store) {
     const model = createModel(store);
-    const root = el("div", { class: "pair" });
-    let chosen = "";
-    let all = false;
     const take = (first: number, second: number): void => {
       const numbers = [first, second].map((design) => store.study.number[model.grouping.first[design]!]!);
       setSetting(store, SETTING, numbers.join());
     };
+    const one = choose([], "", (value) => take(Number(value), chosenOf(model)[1]));
+    const other = choose([], "", (value) => take(chosenOf(model)[0], Number(value)));
+    [one.id, other.id] = ["pair-first", "pair-second"];
+    const turn = (): void => {
+      const [first, second] = chosenOf(model);
+      take(second, first);
+    };
+    const swap = el("button", { id: "pair-swap", type: "button", click: turn }, "Swap");
+    const every = el("input", { id: "pair-all", type: "checkbox", change: () => draw() }) as HTMLInputElement;
+    const left = el("p", { class: "hint" });
+    const choice = el("div", {});
+    const cases = el("div", {});
+    const below = el("div", { class: "pair-rest" });
+    const controls = el(
+      "div",
+      { class: "controls" },
+      el("div", { class: "row" }, field("A", one), field("B", other), swap),
+    );
+    const alike = el("label", { class: "check" }, every, " Cases in which they are alike, too");
+    let listed = "";
     const draw = (): void => {
       const [first, second] = chosenOf(model);
-      const focused = (document.activeElement as HTMLElement | null)?.id;
-      root.replaceChildren(
-        ...cardsOf(model, first, second, take, all, (now) => {
-          all = now;
-          draw();
-        }),
-      );
-      if (focused && root.querySelector(`[id="${focused}"]`)) document.getElementById(focused)!.focus();
+      const designs = listedOf(model, first, second);
+      // What the reader types into a list must find it as it was.
+      if (designs.join() !== listed)
+        for (const select of [one, other]) select.replaceChildren(...optionsOf(model, designs));
+      listed = designs.join();
+      [one.value, other.value] = [String(first), String(second)];
+      const rest = model.grouping.size - designs.length;
+      left.textContent = rest ? `${count(rest, "more design")} can be picked in the leader board.` : "";
+      const { study, state } = store;
+      const aims = aimsOf(store);
+      const decision = decide(study, state.thresholds, store.judgement(), aims, first, second);
+      choice.replaceChildren(...outcomeOf(model, aims, decision, first, second));
+      cases.replaceChildren(casesTable(store, decision, every.checked));
+      below.replaceChildren(...effectsTable(study, decision), assumedText(model, first, second));
+      totals.replaceChildren(totalsTable(store, decision));
+      changes.replaceChildren(...changesOf(study, state.thresholds, aims, decision).map((text) => el("li", {}, text)));
     };
+    const totals = el("div", {});
+    const changes = el("ul", { id: "pair-changes" });
+    let chosen = "";
     store.subscribe((state, changed) => {
       const now = `${state.settings[SETTING]} ${state.settings["designs.picked"]}`;
       if (changed.has("thresholds") || (changed.has("settings") && now !== chosen)) draw();
       chosen = now;
     });
     draw();
-    return root;
+    const rule =
+      "One bound or one objective changes at a time. The order is by missed verdicts, then by the objectives of the study, else by price.";
+    return el(
+      "div",
+      { class: "pair" },
+      card("pair-outcome", "The choice", controls, left, choice),
+      card("pair-totals", "Requirements", totals),
+      card("pair-changes", "What would change the order", changes, el("p", { class: "hint" }, rule)),
+      ...(hasDraws(store.study)
+        ? [
+            card("pair-cases", "Case by case", el("div", { class: "controls" }, alike), cases),
+            card("pair-effects", "What the difference depends on", below),
+          ]
+        : []),
+    );
   },
 };
 
@@ -83,75 +125,19 @@ function byRank(model: Model): number[] {
   return Array.from(missed.keys()).sort((a, b) => missed[a]! - missed[b]! || key(b) - key(a) || a - b);
 }
 
-function cardsOf(
-  model: Model,
-  first: number,
-  second: number,
-  take: (first: number, second: number) => void,
-  all: boolean,
-  show: (all: boolean) => void,
-): HTMLElement[] {
-  const { store } = model;
-  const { study, state } = store;
-  const aims = aimsOf(store);
-  const decision = decide(study, state.thresholds, store.judgement(), aims, first, second);
-  const listed = [...new Set([first, second, ...model.choices.picked, ...byRank(model).slice(0, MOST_LISTED)])];
-  listed.sort((a, b) => a - b);
-  const options = listed.map((design): [string, string] => [
-    String(design),
-    shortened(nameOf(model, design), MOST_NAME),
-  ]);
-  const one = choose(options, String(first), (value) => take(Number(value), second));
-  const other = choose(options, String(second), (value) => take(first, Number(value)));
-  [one.id, other.id] = ["pair-first", "pair-second"];
-  const swap = el("button", { id: "pair-swap", type: "button", click: () => take(second, first) }, "Swap");
-  const left = model.grouping.size - listed.length;
-  const every = el("input", { id: "pair-all", type: "checkbox", change: () => show(!all) }) as HTMLInputElement;
-  every.checked = all;
+function listedOf(model: Model, first: number, second: number): number[] {
+  const listed = [first, second, ...model.choices.picked, ...byRank(model).slice(0, MOST_LISTED)];
+  return [...new Set(listed)].sort((a, b) => a - b);
+}
+
+function optionsOf(model: Model, designs: number[]): HTMLElement[] {
+  return designs.map((design) => el("option", { value: design }, shortened(nameOf(model, design), MOST_NAME)));
+}
+
+function outcomeOf(model: Model, aims: Aim[], decision: Decision, first: number, second: number): HTMLElement[] {
   return [
-    card(
-      "outcome",
-      "The choice",
-      el("div", { class: "controls" }, el("div", { class: "row" }, field("A", one), field("B", other), swap)),
-      left > 0 && el("p", { class: "hint" }, `${left} more designs can be picked in the leader board.`),
-      el("p", { class: "verdict-line", id: "pair-order", role: "status" }, orderOf(aims, decision)),
-      el("p", { id: "pair-certainty" }, certaintyOf(study, decision)),
-      sidesTable(model, aims, decision, first, second),
-    ),
-    card("totals", "Requirements", totalsTable(store, decision)),
-    card(
-      "changes",
-      "What would change the order",
-      el(
-        "ul",
-        { id: "pair-changes" },
-        ...changesOf(study, state.thresholds, aims, decision).map((text) => el("li", {}, text)),
-      ),
-      el(
-        "p",
-        { class: "hint" },
-        "One bound or one objective changes at a time. The order is by missed verdicts, then by the objectives of the study, else by price.",
-      ),
-    ),
-    ...(hasDraws(study)
-      ? [
-          card(
-            "cases",
-            "Case by case",
-            el(
-              "div",
-              { class: "controls" },
-              el("label", { class: "check" }, every, " Cases in which they are alike, too"),
-            ),
-            casesTable(store, decision, all),
-          ),
-          card(
-            "effects",
-            "What the difference depends on",
-            ...effectsTable(study, decision),
-            assumedText(model, first, second),
-          ),
-        ]
-      : []),
+    el("p", { class: "verdict-line", id: "pair-order", role: "status" }, orderOf(aims, decision)),
+    el("p", { id: "pair-certainty" }, certaintyOf(model.store.study, decision)),
+    sidesTable(model, aims, decision, first, second),
   ];
 }

@@ -1,5 +1,5 @@
 // The tables of a decision.
-import { type Aim, type Case, type Decision, type Effect, isCertain, isRandom } from "../../decision";
+import { type Aim, type Case, type Decision, type Effect, isCertain } from "../../decision";
 import { el } from "../../dom";
 import { count, group, number, withUnit } from "../../format";
 import type { Interval } from "../../pairs";
@@ -80,7 +80,7 @@ export function sidesTable(model: Model, aims: Aim[], decision: Decision, first:
   return table(
     "pair-sides",
     "What A and B are",
-    ["", "A", "B", "A less B"],
+    ["What", "A", "B", "A less B"],
     [
       { cells: ["configuration", code(study, a), code(study, b), ""] },
       ...chosen,
@@ -175,7 +175,7 @@ export function casesTable(store: Store, { cases }: Decision, all: boolean): HTM
         ),
         between(threshold, margins, unit),
       ],
-      kind: isRandom(counts) && isCertain(difference) ? "certain" : "",
+      kind: isCertain(difference) ? "certain" : "",
     };
   });
   const heads = [
@@ -274,7 +274,7 @@ export function effectsTable(study: Study, { effects }: Decision): HTMLElement[]
     ? "In none of the numbers that the study varies is a change of the difference certain."
     : "The study varies nothing that both designs have in common.";
   return [
-    rows.length ? table("pair-effects", "What the difference depends on", heads, rows, 2) : el("p", {}, nothing),
+    rows.length ? table("pair-effects", "Table of effects on the difference", heads, rows, 2) : el("p", {}, nothing),
     el(
       "p",
       { class: "hint" },
