@@ -123,8 +123,8 @@ class Results:
         return essentials(self._read(judged))
 
     def export(self, kind: str, units: str = "shown") -> bytes:
-        """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``, or that of ``requirements``; *units* as in
-        `to_pandas`."""
+        """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``, or that of the requirements as
+        ``requirements`` (CSV) or ``reqif``; *units* as in `to_pandas`."""
         from dse.errors import closest, fail
         from dse.storage import EXPORTS
 

@@ -92,6 +92,7 @@ class RequirementRow:
     draws: Floats | None = None
     met_in: float = 1.0
     applies: Flags | None = None
+    origin: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

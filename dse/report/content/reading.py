@@ -243,7 +243,16 @@ def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> Requ
     draws = _draws(table, table.header.requirements.index(entry.name))
     applies = table.verdicts(entry.name) != VERDICTS.index(Verdict.NOT_APPLICABLE) if entry.on else None
     given = entry.name, entry.title, entry.metric, high, low
-    return RequirementRow(*given, exercised, unsettled, draws, entry.met_in, applies)
+    origin = {
+        "text": entry.text,
+        "source": entry.source,
+        "rationale": entry.rationale,
+        "severity": entry.severity,
+        "benches": ", ".join(entry.on),
+        "counts when": entry.exercised_when or "",
+    }
+    said = tuple((name, text) for name, text in origin.items() if text)
+    return RequirementRow(*given, exercised, unsettled, draws, entry.met_in, applies, said)
 
 
 def _draws(table: RunTable, column: int) -> Floats | None:

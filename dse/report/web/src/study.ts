@@ -71,6 +71,8 @@ export interface Requirement {
   applies: Uint8Array | null;
   /** The share of the draws that is to meet it. */
   metIn: number;
+  /** What its author says of it, by name. */
+  origin: [string, string][];
 }
 
 export interface Configuration {
@@ -179,7 +181,7 @@ interface Document {
     log: boolean;
   }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
-  requirements: Pick<Requirement, "name" | "title" | "metric" | "atMost" | "atLeast" | "metIn">[];
+  requirements: Pick<Requirement, "name" | "title" | "metric" | "atMost" | "atLeast" | "metIn" | "origin">[];
   configurations: { id: string; choices: [string, string][]; noisy: boolean }[];
   properties: { name: string; title: string; unit: string; isPrice: boolean }[];
   composites: { name: string; title: string; unit: string }[];

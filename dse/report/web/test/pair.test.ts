@@ -7,6 +7,7 @@ import type { Interval } from "../src/pairs";
 import type { Study } from "../src/study";
 import { aimsOf } from "../src/views/pair/pair";
 import { certaintyOf, changesOf, orderOf } from "../src/views/pair/words";
+import { resultOf } from "../src/views/sheet/results";
 import { metric, near, requirement, storeOf, studyOf, variable } from "./study";
 
 type Row = [string, number, number, number, number];
@@ -148,6 +149,28 @@ test("a straight line through many values is that of Python", () => {
   deepEqual(found.values, values);
   for (const [index, level] of found.levels.entries()) same(level, levels[index]!);
   same(found.change, change);
+});
+
+test("a sheet of requirements has the worst of all points, and the run that decides", () => {
+  const study = paired();
+  const store = storeOf(study);
+  const grouping = groupingOf(study);
+  // Design 0, at the three speeds: two points are missed.
+  const found = resultOf(store, grouping, 0, 0);
+  const gaps = points.slice(0, 3).map((row) => row[3]);
+  const least = Math.min(...gaps);
+  deepEqual(found.counts, [1, 2, 0, 0, 0]);
+  deepEqual([found.mark, found.run, found.error], [1, gaps.indexOf(least), null]);
+  ok(near(found.margin, least - cases.at_least, 1e-12));
+  deepEqual(
+    found.missing,
+    [0, 1, 2].filter((run) => gaps[run]! < cases.at_least),
+  );
+  const nothing = studyOf(2, {
+    ...study,
+    requirements: [requirement(points.length, { atLeast: 2, exercised: points.map(() => 0) })],
+  });
+  equal(resultOf(storeOf({ ...nothing, size: study.size }), grouping, 0, 0).mark, 2);
 });
 
 test("a decision is told in plain sentences", () => {

@@ -8,6 +8,7 @@ import { overviewView } from "./overview/overview";
 import { pairView } from "./pair/pair";
 import { plotView } from "./plot";
 import { runsView } from "./runs";
+import { sheetView } from "./sheet/sheet";
 import { studyView } from "./study";
 import { understandingView } from "./understanding/understanding";
 import type { View } from "./view";
@@ -22,6 +23,7 @@ export const VIEWS: readonly View[] = [
   withPlane,
   designsView,
   pairView,
+  sheetView,
   understandingView,
   conditionsView,
   runsView,

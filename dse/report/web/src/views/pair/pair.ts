@@ -6,7 +6,7 @@ import { card, choose, el, field } from "../../dom";
 import { count, shortened } from "../../format";
 import { groupingOf } from "../../grouping";
 import type { Store } from "../../store";
-import { createModel, type Model, nameOf } from "../designs/model";
+import { byRank, createModel, type Model, nameOf } from "../designs/model";
 import { aggregated } from "../designs/values";
 import { positionOf } from "../shared/runs";
 import type { View } from "../view";
@@ -117,12 +117,6 @@ function chosenOf(model: Model): [number, number] {
     .map((runs) => runs.filter((run) => run >= 0).map((run) => grouping.of[run]!))
     .find((designs) => designs.length > 1)!;
   return [first!, second!];
-}
-
-function byRank(model: Model): number[] {
-  const { missed, slack } = model.standing();
-  const key = (design: number): number => (Number.isNaN(slack[design]!) ? -Infinity : slack[design]!);
-  return Array.from(missed.keys()).sort((a, b) => missed[a]! - missed[b]! || key(b) - key(a) || a - b);
 }
 
 function listedOf(model: Model, first: number, second: number): number[] {
