@@ -8,6 +8,12 @@ from .conditions import (
 )
 from .counterfactuals import claim as claim, what_would_change as what_would_change
 from .data import ALL as ALL, Factor as Factor, StudyData as StudyData
+from .decision import (
+    BoundChange as BoundChange,
+    Decision as Decision,
+    decide_between as decide_between,
+    is_price as is_price,
+)
 from .design_ranking import (
     Missed as Missed,
     Ranking as Ranking,
@@ -44,7 +50,7 @@ from .narrowing import (
     of_box as of_box,
 )
 from .optimality import Stage as Stage, stages as stages, static_bound as static_bound, strength as strength
-from .paired import PairedDraws as PairedDraws, paired_draws as paired_draws, rows_of_design as rows_of_design
+from .paired import PairedDraws as PairedDraws, noisy as noisy
 from .probability import (
     Basis as Basis,
     Interval as Interval,

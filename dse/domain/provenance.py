@@ -57,11 +57,15 @@ class Funnel:
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """All of it, as of the last time the study was explored; *unfunnelled* says why there is no funnel."""
+    """All of it, as of the last time the study was explored; *unfunnelled* says why there is no funnel.
+
+    *assumed* are the parameters that components mark as assumed, as ``component.parameter``; None if that was not kept.
+    """
 
     sources: tuple[SourceText, ...] = ()
     funnel: Funnel | None = None
     unfunnelled: str = ""
+    assumed: tuple[str, ...] | None = None
 
 
 def digest_of(text: str) -> str:

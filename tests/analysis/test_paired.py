@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dse.analysis.paired import _paired
+from dse.analysis.paired import PairedDraws, _counts
 
 
 def drawn(n: int, rates: tuple[float, float], *, common: bool, seed: int) -> tuple[np.ndarray, np.ndarray]:  # type: ignore[type-arg]  # of truth values
@@ -15,9 +15,14 @@ def drawn(n: int, rates: tuple[float, float], *, common: bool, seed: int) -> tup
     return first < rates[0], second < rates[1]
 
 
+def paired(first: np.ndarray, second: np.ndarray, *, random: bool = True) -> PairedDraws:  # type: ignore[type-arg]
+    counted = _counts(first, second, random=random)
+    return PairedDraws("R", (), "", *counted[:4], 0.0, 0.0, *counted[4:])
+
+
 def test_draws_are_counted_by_who_meets_them() -> None:
     first, second = np.array([True, True, True, False, False]), np.array([True, False, False, True, False])
-    found = _paired("R", "", first, second, 0.5)
+    found = paired(first, second)
     assert (found.both, found.first, found.second, found.neither) == (1, 2, 1, 1)
     assert found.difference == pytest.approx(0.2)
     # Agresti and Min: (b - c) / (n + 2) = 1/7, half a width of 1.96 sqrt(b + c + 1 - (b - c)^2 / (n + 2)) / (n + 2).
@@ -27,16 +32,18 @@ def test_draws_are_counted_by_who_meets_them() -> None:
 
 def test_designs_that_always_agree_are_not_told_apart() -> None:
     same = np.ones(20, dtype=np.bool_)
-    found = _paired("R", "", same, same, 0.0)
+    found = paired(same, same)
     assert found.low < 0 < found.high
     assert not found.is_certain
+    exact = paired(same, ~same, random=False)
+    assert exact.low == exact.high == exact.difference == 1
 
 
 def test_a_difference_of_3_percent_is_found_with_a_third_of_the_draws_of_independent_streams() -> None:
     n, rates = 700, (0.53, 0.5)
-    paired = [_paired("", "", *drawn(n, rates, common=True, seed=s), 0.0).is_certain for s in range(200)]
-    apart = [_paired("", "", *drawn(3 * n, rates, common=False, seed=s), 0.0).is_certain for s in range(200)]
-    assert np.mean(paired) > 0.95
+    together = [paired(*drawn(n, rates, common=True, seed=s)).is_certain for s in range(200)]
+    apart = [paired(*drawn(3 * n, rates, common=False, seed=s)).is_certain for s in range(200)]
+    assert np.mean(together) > 0.95
     assert np.mean(apart) < 0.7
 
 
@@ -44,7 +51,7 @@ def test_a_difference_of_3_percent_is_found_with_a_third_of_the_draws_of_indepen
 def test_the_interval_covers_the_difference(rates: tuple[float, float]) -> None:
     covered = []
     for seed in range(600):
-        found = _paired("", "", *drawn(40, rates, common=seed % 2 == 0, seed=seed), 0.0)
+        found = paired(*drawn(40, rates, common=seed % 2 == 0, seed=seed))
         covered.append(found.low <= rates[0] - rates[1] <= found.high)
     # It is approximate: the standard error of 600 tries is 0.9 %.
     assert np.mean(covered) >= 0.915

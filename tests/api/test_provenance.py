@@ -42,6 +42,28 @@ def test_a_study_keeps_what_the_constraints_leave_of_its_design_space(results: d
     assert notes.funnel.absent == ()
 
 
+def test_a_study_keeps_which_parameters_are_marked_as_assumed(
+    folder: Path, results: dse.Results, tmp_path: Path
+) -> None:
+    place = tmp_path / "marked"
+    shutil.copytree(folder, place)
+    file = place / "components" / "controllers" / "pd_acc" / "component.yaml"
+    lines = file.read_text(encoding="utf-8").splitlines()
+    marks = {"kp_speed": "   # assumed", "kd_speed": "   # assumed by nobody but us", "kp_gap": "   # not assumed"}
+    lines = [line + next((mark for name, mark in marks.items() if line.startswith(f"  {name}:")), "") for line in lines]
+    file.write_text("\n".join(lines), encoding="utf-8")
+    with StudyFolder.open(results.folder) as store:
+        definition, unmarked = store.header.definition, store.notes()
+    assert unmarked is not None
+    assert unmarked.assumed is not None
+    with StudyFolder.create(tmp_path / "out", definition) as store:
+        note_sources(Files(place).study("small"), store)
+        notes = store.notes()
+    assert notes is not None
+    assert notes.assumed is not None
+    assert {*notes.assumed} - {*unmarked.assumed} == {"pd_acc.kp_speed", "pd_acc.kd_speed"}
+
+
 @pytest.mark.thorough
 def test_an_alternative_that_no_design_has_is_told_with_what_forbids_it(folder: Path, results, tmp_path: Path) -> None:
     place = tmp_path / "strict"

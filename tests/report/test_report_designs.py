@@ -41,7 +41,7 @@ def test_a_property_is_one_number_per_configuration_in_one_unit(scattered: Repor
     mass, none = {"mass": Property(2.0, "kg")}, dict[str, Property]()
     columns = Numbers()
     document = designs_of(with_properties(scattered, mass, none, {"mass": Property(500.0, "g")}), columns)
-    assert document["properties"] == [{"name": "mass", "title": "mass", "unit": "kg"}]
+    assert document["properties"] == [{"name": "mass", "title": "mass", "unit": "kg", "isPrice": False}]
     assert np.array(columns.added["property.0"]).tolist()[::2] == [2.0, 0.5]
     assert np.isnan(columns.added["property.0"][1])
 

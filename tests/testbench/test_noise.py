@@ -280,7 +280,7 @@ def test_two_designs_are_compared_in_the_same_draws(explored: Path, root: Path) 
         )
         for at in (0.5, 1.0)
     )
-    (found,) = dse.Results(explored).against(str(lowest), str(highest))
+    (found,) = dse.Results(explored).against(str(lowest), str(highest)).pairs
     # The same noise, half a metre higher: the second design is never worse.
     assert found.margin == pytest.approx(-0.5)
     assert found.first == 0

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from dse.cache import cache_folder, content_key, keep, kept
+from dse.domain.design import candidates
 from dse.domain.provenance import Absent, Funnel, Left, Provenance, SourceText, digest_of
 from dse.errors import DseError, Location, fail, is_gone
 from dse.formats import shown
@@ -29,9 +33,9 @@ _ABSENT = "absent"
 
 def note_sources(study: Study, store: StudyFolder) -> None:
     """Keep the files of *study* as they are; what was known of its design space goes if one of them has changed."""
-    sources, known = tuple(_sources(study)), store.notes()
-    if known is None or known.sources != sources:
-        store.note(Provenance(sources))
+    notes, known = Provenance(tuple(_sources(study)), assumed=tuple(sorted(_assumed(study)))), store.notes()
+    if known is None or (known.sources, known.assumed) != (notes.sources, notes.assumed):
+        store.note(notes)
 
 
 def note_space(study: Study, store: StudyFolder) -> None:
@@ -39,9 +43,9 @@ def note_space(study: Study, store: StudyFolder) -> None:
     known = store.notes() or Provenance()
     if known.funnel is None and not known.unfunnelled:
         try:
-            notes = Provenance(known.sources, _funnel(study))
+            notes = replace(known, funnel=_funnel(study))
         except DseError as error:
-            notes = Provenance(known.sources, None, error.problems[0].what)
+            notes = replace(known, unfunnelled=error.problems[0].what)
         store.note(notes)
 
 
@@ -64,6 +68,26 @@ def _sources(study: Study) -> Iterator[SourceText]:
                 continue
             raise
         yield SourceText(kind, file.name, text, digest_of(text))
+
+
+_ASSUMED = re.compile(r"(#|[;,]) *assumed\b")
+
+
+def _assumed(study: Study) -> Iterator[str]:
+    """Parameters whose line in the component's file says ``# assumed``, or whose title ends so."""
+    of_designs = (each for bench in study.benches for each in candidates(bench.design.root).values())
+    of_benches = (each.component for bench in study.benches for each in bench.test_components)
+    components = {each.name: each for each in (*chain.from_iterable(of_designs), *of_benches)}
+    for component in components.values():
+        file = _file(component.where)
+        try:
+            lines = file.read_text(encoding="utf-8", errors="replace").splitlines() if file else []
+        except OSError:  # of a package
+            continue
+        for parameter in component.parameters:
+            line = parameter.where.line if parameter.where else 0
+            if line and line <= len(lines) and _ASSUMED.search(lines[line - 1]):
+                yield f"{component.name}.{parameter.name}"
 
 
 def _file(where: Location | None) -> Path | None:

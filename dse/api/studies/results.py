@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from numpy.typing import NDArray
 
-    from dse.analysis import Finding, PairedDraws, Ranking
+    from dse.analysis import Decision, Finding, Ranking
     from dse.api.studies.replay import Replay
     from dse.api.studies.single_run import Tell
     from dse.domain import study as nouns
@@ -123,8 +123,8 @@ class Results:
         return essentials(self._read(judged))
 
     def export(self, kind: str, units: str = "shown") -> bytes:
-        """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``, or that of ``requirements``; *units* as in
-        `to_pandas`."""
+        """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``, or that of the requirements as
+        ``requirements`` (CSV) or ``reqif``; *units* as in `to_pandas`."""
         from dse.errors import closest, fail
         from dse.storage import EXPORTS
 
@@ -289,16 +289,17 @@ class Results:
 
         return self._read(answer)
 
-    def against(self, one: str, other: str) -> tuple[PairedDraws, ...]:
+    def against(self, one: str, other: str) -> Decision:
         """Two designs case by case, each named by the number of a run or the start of its configuration's id.
 
-        Their draws are paired, as both met the same ones. Raises DseError for what is no design of the study.
+        Their draws are paired, as both met the same ones. Tells which is ahead, and what would change that. Raises
+        DseError for what is no design of the study.
         """
-        from dse.analysis import paired_draws, rows_of_design
+        from dse.analysis import decide_between
 
-        def answer(folder: StudyFolder) -> tuple[PairedDraws, ...]:
-            table = folder.table()
-            return tuple(paired_draws(table, rows_of_design(table, one), rows_of_design(table, other)))
+        def answer(folder: StudyFolder) -> Decision:
+            notes = folder.notes()
+            return decide_between(folder.table(), one, other, notes.assumed if notes else None)
 
         return self._read(answer)
 

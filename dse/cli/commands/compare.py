@@ -74,39 +74,14 @@ def _show_changes(first: Path, study: Compared) -> None:
 
 
 def _show_designs(folders: Sequence[Path], designs: tuple[str, str], *, as_json: bool) -> None:
-    from dataclasses import asdict
-
-    from dse.api import Results, quantity, requirement_labels
+    from dse.api import Results
+    from dse.cli.decision import decision_as_data, show_decision
 
     if len(folders) != 1:
         raise typer.BadParameter("name one study folder", param_hint="--designs")
     results = Results(folders[0])
     found = results.against(*designs)
     if as_json:
-        print_json([asdict(each) for each in found])
-        return
-    ids = [results.run(int(name)).configuration if name.isdigit() else name for name in designs]
-    both = [next(c for c in results.definition.configurations if c.id.startswith(name)) for name in ids]
-    for design, other in zip(both, reversed(both), strict=True):
-        own = (f"{place} {what}" for place, what in design.choices.items() if other.choices.get(place) != what)
-        totals = (f"{name} {quantity(total.value, '')} {total.unit}" for name, total in design.totals.items())
-        print_line(f"{design.id}: {', '.join((*totals, *own))}", style="bold")
-    named = requirement_labels(results.definition)
-    certain = [each for each in found if each.is_certain]
-    for name, title in named.items():
-        about = [each for each in found if each.requirement == name]
-        if about:
-            counts = [sum(getattr(each, what) for each in about) for what in ("both", "first", "second", "neither")]
-            met = "both meet it in {} draws, only {} in {}, only {} in {}, neither in {}"
-            text = met.format(counts[0], designs[0], counts[1], designs[1], counts[2], counts[3])
-            print_line(f"{title}: {text} ({len(about)} cases)")
-    if not certain:
-        print_line("in no case does the rate of a requirement differ with 95 % confidence")
-        return
-    heads = ("difference of the rate", "from", "to", f"only {designs[0]}", f"only {designs[1]}", "of draws")
-    table = plain_table("requirement", "case", *heads, right=heads)
-    for each in sorted(certain, key=lambda one: -abs(one.difference)):
-        draws = each.both + each.first + each.second + each.neither
-        shares = (f"{100 * share:+.0f} %" for share in (each.difference, each.low, each.high))
-        table.add_row(named[each.requirement], plain(each.label), *shares, *map(str, (each.first, each.second, draws)))
-    print_table(table)
+        print_json(decision_as_data(found))
+    else:
+        show_decision(found, results.definition)

@@ -22,6 +22,7 @@ class Table(StrEnum):
     PARQUET = "parquet"
     JUNIT = "junit"
     REQUIREMENTS = "requirements"
+    REQIF = "reqif"
 
 
 TableFile = Annotated[
@@ -33,7 +34,8 @@ TableFile = Annotated[
 def results(
     folder: Folder,
     output: Annotated[
-        Table, typer.Option("--format", help="Table format; junit is for CI servers, requirements for reviews.")
+        Table,
+        typer.Option("--format", help="Table format; junit is for CI servers, requirements and reqif for reviews."),
     ] = Table.CSV,
     target: TableFile = None,
     si: SI = False,

@@ -92,6 +92,7 @@ class RequirementRow:
     draws: Floats | None = None
     met_in: float = 1.0
     applies: Flags | None = None
+    origin: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,6 +131,22 @@ class Runs:
         return len(self.numbers)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Draws:
+    """The n runs that `Runs` are made of, where one stands for several draws.
+
+    *rows*, (n,), are the places of the runs that they belong to; *draws*, (n,), are equal for the same noise, 0 for
+    none. *values*, (m, n), are those of *metrics* in the unit shown; *judged*, (r, n), tells whether there is a verdict
+    on each requirement.
+    """
+
+    rows: NDArray[np.int64]
+    draws: NDArray[np.int64]
+    metrics: tuple[str, ...]
+    values: Floats
+    judged: Flags
+
+
 @dataclass(frozen=True, slots=True)
 class Property:
     """A property of a configuration, in the unit shown."""
@@ -143,7 +160,7 @@ class ConfigurationEntry:
     """A configuration: *choices* by path in the design, *properties* by name.
 
     *parts* are the components it is simulated with, by path, with "" for what belongs to the bench; *links* are the
-    pairs of parts between which there are connections, each pair once.
+    pairs of parts between which there are connections, each pair once. Runs of a *noisy* one depend on its draw.
     """
 
     id: str
@@ -151,6 +168,7 @@ class ConfigurationEntry:
     properties: Mapping[str, Property]
     parts: Mapping[str, str] = field(default_factory=dict)
     links: tuple[tuple[str, str], ...] = ()
+    noisy: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,6 +205,7 @@ class ReportContent:
     order. *missing* is what of the study could not be read, *insight* what its runs tell, for the page. *composites*
     are what objectives compute from metrics and properties, called as they are written. *notes* are what is kept with
     the study besides its runs, None if nothing is, *retried* the tries made again, *scenes* None where no run is one.
+    *draws* are None where each run is one, or where they are too many for a page.
     Raises ValueError for what no study has. From here on the arrays cannot be written to, as many figures read them.
     """
 
@@ -208,6 +227,7 @@ class ReportContent:
     notes: Provenance | None = None
     retried: tuple[Retried, ...] = ()
     scenes: Scenes | None = None
+    draws: Draws | None = None
 
     def __post_init__(self) -> None:
         if flaws := [*_flaws(self)]:

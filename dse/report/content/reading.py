@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.analysis import noisy
 from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.definition import (
     DefinedConfiguration,
@@ -36,6 +37,7 @@ from dse.report.content.data import (
     Runs,
     SamplerKind,
 )
+from dse.report.content.draws import draws_of
 from dse.report.content.objectives import composites_of, objectives_of
 from dse.report.content.scenes import scenes_of
 from dse.storage import (
@@ -94,7 +96,7 @@ def _read(folder: StudyFolder, most: int) -> ReportContent:
     kept = sorted(number for number, file in files.items() if file and number not in lost)
     chosen = kept if len(kept) <= most else [kept[i] for i in np.linspace(0, len(kept) - 1, most).astype(int)]
     strangers = set(kept) - set(table.numbers.tolist())
-    table = over_draws(table)
+    single, table = table, over_draws(table)
     chosen = [number for number in chosen if number in set(table.numbers.tolist())]
     if strangers:
         raise damaged_study(folder.path, f"waveforms were kept of run {min(strangers)}, which is not there")
@@ -102,7 +104,8 @@ def _read(folder: StudyFolder, most: int) -> ReportContent:
     missing = len(lost) + (len(chosen) - len(waveforms) if waveforms is not None else 0)
     told = _waveform_facts(len(kept), len(chosen), missing)
     try:
-        return replace(_content(folder, table, waveforms or {}, told), missing=_missing(folder.path, missing))
+        content = _content(folder, table, waveforms or {}, told)
+        return replace(content, missing=_missing(folder.path, missing), draws=draws_of(single, table))
     except ValueError as error:
         raise damaged_study(folder.path, str(error)) from error
 
@@ -114,13 +117,17 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
     constants = {entry.id: entry.constants for entry in definition.configurations}
     rows = _Rows(table.numbers, table.configurations, table.points, constants, _bench_labels(definition))
     figures = _figures(definition, rows, waveforms)
+    are_noisy = frozenset(noisy(definition))
     checked = np.isin(table.numbers, table.checks.numbers) if len(table.checks) else None
     return ReportContent(
         definition.title,
         _layout(table.header.slices),
         folder.path.as_posix(),
         Runs(table.numbers, table.configurations, table.done, table.problems, checked),
-        tuple(_configuration(entry, definition) for entry in definition.configurations),
+        tuple(
+            replace(_configuration(entry, definition), noisy=entry.id in are_noisy)
+            for entry in definition.configurations
+        ),
         tuple(map(_variable, definition.variables, table.coordinates().T, lacking(table.header))),
         tuple(_metric(m, table) for m in definition.metrics if not m.error_of),
         tuple(_requirement(entry, table, units[entry.metric]) for entry in definition.requirements),
@@ -236,7 +243,16 @@ def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> Requ
     draws = _draws(table, table.header.requirements.index(entry.name))
     applies = table.verdicts(entry.name) != VERDICTS.index(Verdict.NOT_APPLICABLE) if entry.on else None
     given = entry.name, entry.title, entry.metric, high, low
-    return RequirementRow(*given, exercised, unsettled, draws, entry.met_in, applies)
+    origin = {
+        "text": entry.text,
+        "source": entry.source,
+        "rationale": entry.rationale,
+        "severity": entry.severity,
+        "benches": ", ".join(entry.on),
+        "counts when": entry.exercised_when or "",
+    }
+    said = tuple((name, text) for name, text in origin.items() if text)
+    return RequirementRow(*given, exercised, unsettled, draws, entry.met_in, applies, said)
 
 
 def _draws(table: RunTable, column: int) -> Floats | None:

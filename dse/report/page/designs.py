@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from dse.analysis import is_price
 from dse.domain.diagram import Diagram, Link
 from dse.pictures import ComponentLayout, lay_out
 from dse.report.content.data import ConfigurationEntry, Floats, ReportContent
@@ -34,7 +35,10 @@ def designs_of(content: ReportContent, columns: Block) -> Json:
     }
     known = [entry for entry in content.objectives if (entry.name, entry.is_property) in places]
     return {
-        "properties": [{"name": name, "title": name.replace("_", " "), "unit": unit} for name, unit in units.items()],
+        "properties": [
+            {"name": name, "title": name.replace("_", " "), "unit": unit, "isPrice": is_price(unit)}
+            for name, unit in units.items()
+        ],
         "composites": [{"name": c.name, "title": c.title, "unit": c.unit_symbol} for c in content.composites],
         "objectives": [{"column": places[o.name, o.is_property], "maximize": o.maximize} for o in known],
         **_architectures(content.configurations),

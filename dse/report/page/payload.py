@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.report.charts.chart import Axis, Chart, Drawn, Limits, Points, Rule, limits, values_of
-from dse.report.content.data import FigureSpec, ReportContent, SamplerKind
+from dse.report.content.data import Draws, FigureSpec, ReportContent, SamplerKind
 from dse.report.content.insight import Insight
 from dse.report.figure import ShownFigure
 from dse.report.interpolation.radial import MOST_CENTRES, radial_fields
@@ -50,6 +50,7 @@ def payload_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> Pay
     document |= notes_of(content)
     if content.scenes is not None:
         document["scenes"] = {"study": content.scenes.study, "made": content.scenes.made}
+    document["drawn"] = _add_draws(content, content.draws, columns) if content.draws else None
     document["columns"] = columns.directory
     document["waveforms"] = waveforms.directory
     return Payload(script_json(document), columns.text(), waveforms.text())
@@ -92,10 +93,13 @@ def _document(content: ReportContent) -> Json:
                 "atMost": r.at_most,
                 "atLeast": r.at_least,
                 "metIn": r.met_in,
+                "origin": r.origin,
             }
             for r in content.requirements
         ],
-        "configurations": [{"id": c.id, "choices": list(c.choices.items())} for c in content.configurations],
+        "configurations": [
+            {"id": c.id, "choices": list(c.choices.items()), "noisy": c.noisy} for c in content.configurations
+        ],
         # One variable by itself spans no plane.
         "slices": [[variables.index(name) for name in names] for names in content.slices if len(names) > 1],
         "problems": [[row, text] for row, text in enumerate(content.runs.problems) if text],
@@ -123,6 +127,18 @@ def _add_runs(content: ReportContent, block: Block) -> None:
             block.add(f"applies.{index}", "u1", requirement.applies)
         if requirement.draws is not None:
             block.add(f"draws.{index}", "f4", requirement.draws)
+
+
+def _add_draws(content: ReportContent, draws: Draws, block: Block) -> list[int]:
+    """The metrics that there are values of, by place."""
+    metrics = [metric.name for metric in content.metrics]
+    block.add("drawn.row", "i4", draws.rows)
+    block.add("drawn.draw", "i4", draws.draws)
+    for index, flags in enumerate(draws.judged):
+        block.add(f"drawn.judged.{index}", "u1", flags)
+    for name, values in zip(draws.metrics, draws.values, strict=True):
+        block.add(f"drawn.value.{metrics.index(name)}", "f8", values)
+    return [metrics.index(name) for name in draws.metrics]
 
 
 def _add_figure(figure: FigureSpec, index: int, columns: Block, waveforms: Block) -> Json:

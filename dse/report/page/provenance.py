@@ -35,6 +35,7 @@ def _notes(notes: Provenance) -> Json:
         "sources": sources,
         "funnel": _funnel(notes.funnel) if notes.funnel else None,
         "unfunnelled": notes.unfunnelled,
+        "assumed": notes.assumed,
     }
 
 

@@ -28,24 +28,30 @@ def requirement_sheet(table: RunTable, scales: Mapping[str, Scale]) -> bytes:
     """
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(_HEADS)
+    writer.writerow(HEADS)
+    writer.writerows(sheet_rows(table, scales))
+    return out.getvalue().encode()
+
+
+def sheet_rows(table: RunTable, scales: Mapping[str, Scale]) -> Iterator[list[object]]:
+    """The lines of `requirement_sheet`, with cells as `HEADS` names them."""
     names = np.array(table.configurations, dtype=np.str_)
     for column, requirement in enumerate(table.header.definition.requirements):
         for configuration in table.header.configurations:
             rows = np.flatnonzero(names == configuration)
             if len(rows):
-                writer.writerow([*_asked(requirement, scales), configuration, *_found(table, column, rows, scales)])
-    return out.getvalue().encode()
+                yield [*asked_cells(requirement, scales), configuration, *_found(table, column, rows, scales)]
 
 
-_HEADS = (
+HEADS = (
     *("id", "title", "text", "source", "rationale", "severity", "benches", "metric", "unit", "at least", "at most"),
     *("exercised when", "configuration", "verdict", "points", "pass", "fail", "not exercised", "failed to run"),
     *("least margin", "error bar", "run", "met in", "from", "to", "must be met in", "study"),
 )
 
 
-def _asked(requirement: DefinedRequirement, scales: Mapping[str, Scale]) -> Iterator[object]:
+def asked_cells(requirement: DefinedRequirement, scales: Mapping[str, Scale]) -> Iterator[object]:
+    """The cells of a line before the configuration: what is asked for."""
     scale = scales[requirement.metric]
     yield from (requirement.name, requirement.title, requirement.text, requirement.source)
     yield from (requirement.rationale, requirement.severity, " ".join(requirement.on), requirement.metric, scale.symbol)

@@ -31,6 +31,7 @@ from dse.storage.export.headings import (
     verdict_column,
 )
 from dse.storage.export.junit import junit
+from dse.storage.export.reqif import reqif
 from dse.storage.export.requirements import requirement_sheet
 from dse.storage.folder import StudyFolder
 
@@ -136,12 +137,20 @@ def to_requirements(folder: StudyFolder, units: Units = Units.SHOWN) -> bytes:
     return requirement_sheet(over_draws(folder.table()), scales_of(folder.require_definition(), units))
 
 
+def to_reqif(folder: StudyFolder, units: Units = Units.SHOWN) -> bytes:
+    """ReqIF: a SPEC-OBJECT for each requirement, with its results; see `reqif`."""
+    notes = folder.notes()
+    scales = scales_of(folder.require_definition(), units)
+    return reqif(over_draws(folder.table()), scales, notes.sources if notes else ())
+
+
 EXPORTS: Mapping[str, Callable[[StudyFolder, Units], bytes]] = {
     "csv": to_csv,
     "json": to_json,
     "parquet": to_parquet,
     "junit": to_junit,
     "requirements": to_requirements,
+    "reqif": to_reqif,
 }
 """Every format by its name."""
 

@@ -32,6 +32,8 @@ export interface Notes {
   sources: SourceText[];
   funnel: Funnel | null;
   unfunnelled: string;
+  /** Parameters that components mark as assumed, as `component.parameter`; null if that was not kept. */
+  assumed: string[] | null;
 }
 
 /** Tries that were made again, by what they came to: so many runs, and the first of them. */
@@ -49,6 +51,7 @@ export function readNotes(notes: Notes | null | undefined): Notes | null {
   return {
     sources: notes.sources.map((each) => ({ ...each, file: name(each.file) })),
     unfunnelled: said(notes.unfunnelled),
+    assumed: notes.assumed ?? null,
     funnel: funnel && {
       ...funnel,
       design: name(funnel.design),

@@ -37,7 +37,10 @@ export interface Variable extends Column {
 }
 
 /** A property: `values` holds one number per configuration, not per run, NaN where it has none. */
-export type Property = Column;
+export interface Property extends Column {
+  /** Whether its unit is a currency. */
+  isPrice: boolean;
+}
 
 export interface Objective {
   /** Key of a column. */
@@ -68,6 +71,8 @@ export interface Requirement {
   applies: Uint8Array | null;
   /** The share of the draws that is to meet it. */
   metIn: number;
+  /** What its author says of it, by name. */
+  origin: [string, string][];
 }
 
 export interface Configuration {
@@ -79,6 +84,17 @@ export interface Configuration {
   picture: number;
   parts: string[];
   radial: Radial | null;
+  /** Whether its runs depend on a draw. */
+  noisy: boolean;
+}
+
+/** The single runs behind those that stand for several draws: which one each belongs to; the draw, 0 for no noise;
+ * whether there is a verdict, by requirement; values, by metric. */
+export interface Drawn {
+  row: Int32Array;
+  draw: Int32Array;
+  judged: Uint8Array[];
+  values: Map<number, Float64Array>;
 }
 
 /** Interpolation weights made by dse/report/interpolation/radial.py; `weights` holds one row of `centres.length + 1` per field.
@@ -137,6 +153,8 @@ export interface Study {
   retried: Retried[];
   /** Whose runs can be seen in three dimensions, and the numbers of those that lie beside this page; null if none can. */
   scenes: { study: string; made: ReadonlySet<number> } | null;
+  /** null where each run is one draw, or where there are too many for a page. */
+  drawn: Drawn | null;
   waveforms: () => Promise<Map<string, Numbers>>;
 }
 
@@ -163,9 +181,9 @@ interface Document {
     log: boolean;
   }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
-  requirements: Pick<Requirement, "name" | "title" | "metric" | "atMost" | "atLeast" | "metIn">[];
-  configurations: { id: string; choices: [string, string][] }[];
-  properties: { name: string; title: string; unit: string }[];
+  requirements: Pick<Requirement, "name" | "title" | "metric" | "atMost" | "atLeast" | "metIn" | "origin">[];
+  configurations: { id: string; choices: [string, string][]; noisy: boolean }[];
+  properties: { name: string; title: string; unit: string; isPrice: boolean }[];
   composites: { name: string; title: string; unit: string }[];
   objectives: Objective[];
   pictures: Picture[];
@@ -183,6 +201,7 @@ interface Document {
   notes?: Notes | null;
   retried?: Retried[];
   scenes?: { study: string; made: number[] };
+  drawn: number[] | null;
   columns: Entry[];
   waveforms: Entry[];
 }
@@ -269,6 +288,12 @@ export async function readStudy(): Promise<Study> {
     notes: readNotes(source.notes),
     retried: readRetried(source.retried),
     scenes: source.scenes ? { study: source.scenes.study, made: new Set(source.scenes.made) } : null,
+    drawn: source.drawn && {
+      row: integers("drawn.row"),
+      draw: integers("drawn.draw"),
+      judged: source.requirements.map((_, i) => flags(`drawn.judged.${i}`)),
+      values: new Map(source.drawn.map((metric) => [metric, floats(`drawn.value.${metric}`)])),
+    },
     waveforms: () => (waveforms ??= unpack(source.waveforms, block("waveforms"))),
   };
 }

@@ -76,6 +76,7 @@ function priced() {
       picture: -1,
       parts: [],
       radial: null,
+      noisy: false,
     })),
     variables: [
       variable(
@@ -96,7 +97,14 @@ function priced() {
     ],
     requirements: [requirement(12, { atLeast: 10 })],
     properties: [
-      { name: "cost", title: "cost", unit: "EUR", values: Float64Array.from([100, 300, 900]), text: String },
+      {
+        name: "cost",
+        title: "cost",
+        unit: "EUR",
+        isPrice: true,
+        values: Float64Array.from([100, 300, 900]),
+        text: String,
+      },
     ],
     objectives: [
       { column: "property.0", maximize: false },

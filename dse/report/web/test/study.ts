@@ -32,12 +32,13 @@ export function requirement(
     draws: null,
     applies: null,
     metIn: 0.95,
+    origin: [],
   };
 }
 
 export function studyOf(size: number, facts: Partial<Study>): Study {
   const configurations = facts.configurations ?? [
-    { id: "c", choices: [], properties: [], picture: -1, parts: [], radial: null },
+    { id: "c", choices: [], properties: [], picture: -1, parts: [], radial: null, noisy: false },
   ];
   return {
     title: "made up",
@@ -65,6 +66,7 @@ export function studyOf(size: number, facts: Partial<Study>): Study {
     notes: null,
     retried: [],
     scenes: null,
+    drawn: null,
     waveforms: async () => new Map(),
     ...facts,
     configurations,

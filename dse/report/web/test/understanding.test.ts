@@ -39,6 +39,7 @@ test("a run has the places of its values and choices", () => {
     picture: -1,
     parts: [],
     radial: null,
+    noisy: false,
   });
   const study = studyOf(2, {
     configuration: Int32Array.from([0, 1]),

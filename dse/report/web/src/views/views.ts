@@ -5,8 +5,10 @@ import { conditionsView } from "./conditions/conditions";
 import { designsView } from "./designs/designs";
 import { figuresView } from "./figures";
 import { overviewView } from "./overview/overview";
+import { pairView } from "./pair/pair";
 import { plotView } from "./plot";
 import { runsView } from "./runs";
+import { sheetView } from "./sheet/sheet";
 import { studyView } from "./study";
 import { understandingView } from "./understanding/understanding";
 import type { View } from "./view";
@@ -20,6 +22,8 @@ export const VIEWS: readonly View[] = [
   plotView,
   withPlane,
   designsView,
+  pairView,
+  sheetView,
   understandingView,
   conditionsView,
   runsView,

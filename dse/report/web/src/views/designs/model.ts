@@ -211,6 +211,13 @@ export function nameOf(model: Model, design: number): string {
   );
 }
 
+/** Designs by how few requirements they miss, then by their least margin. */
+export function byRank(model: Model): number[] {
+  const { missed, slack } = model.standing();
+  const key = (design: number): number => (Number.isNaN(slack[design]!) ? -Infinity : slack[design]!);
+  return Array.from(missed.keys()).sort((a, b) => missed[a]! - missed[b]! || key(b) - key(a) || a - b);
+}
+
 /** The choice that *configuration* makes at the place *name*, "" where it has none. */
 export function choiceAt(store: Store, configuration: number, name: string): string {
   return store.study.configurations[configuration]!.choices.find(([key]) => key === name)?.[1] ?? "";
