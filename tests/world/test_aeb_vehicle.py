@@ -16,7 +16,10 @@ pytestmark = pytest.mark.usefixtures("kept_cache")
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("components", "designs", "roads", "testbenches")
 KMH = 1 / 3.6
-REST = "controller is pd_acc and lateral is pure_pursuit and powertrain is combustion_ideal and chassis is longitudinal"
+REST = (
+    "controller is pd_acc and lateral is pure_pursuit and powertrain is combustion_ideal and chassis is longitudinal"
+    " and slip is absent"
+)
 SENSORS = "sensor: {alternatives: [object_radar_long"
 
 
@@ -58,7 +61,7 @@ def test_the_design_space_counts_as_a_list_of_all_combinations_does() -> None:
     brakes = {"pump": (130, 15), "booster": (210, 20), "wire": (390, 45)}
     powers = {"long": 9, "mid": 5, "lidar": 8, "camera": 6, "kalman": 3, "none": 1}
     controllers = {"pd": (4, 0.5), "pi": (5, 1.0), "idm": (9, 4.0)}
-    raw = valid = 0
+    raw = valid = controlled = 0
     for first, second, tracker, brake, controller in itertools.product(
         ("long", "mid", "lidar", "camera"), (None, "mid", "lidar", "camera"), ("kalman", "none"), brakes, controllers
     ):
@@ -71,11 +74,16 @@ def test_the_design_space_counts_as_a_list_of_all_combinations_does() -> None:
             tracker == "kalman" and first not in ("camera", second) and (first, second) != ("lidar", "mid")
         )
         # 5 W each: both lateral controllers
-        valid += cost <= 1150 and power + 5 <= 80 and is_pair_fine and ("lidar" not in seeing or compute >= 1)
+        fits = cost <= 1150 and is_pair_fine and ("lidar" not in seeing or compute >= 1)
+        valid += 5 * (fits and power + 5 <= 80)
+        controlled += 3 * sum(
+            fits and power + 5 + slip <= 80 for slip in (5, 5, 8)
+        )  # three of the chassis are that car
     design = dse.open(ROOT).designs["aeb_vehicle"]
-    others = 3 * 5 * 5 * 2  # calibrations, powertrains, chassis, lateral controllers
-    assert (raw * others, valid * others) == (43_200, 16_800)
-    assert design.count() == valid * others
+    others = 3 * 5 * 2  # calibrations, powertrains, lateral controllers
+    assert (raw * 5 * 4 * others, valid * others, controlled * others) == (172_800, 16_800, 27_090)
+    assert design.count(where="slip is absent") == valid * others
+    assert design.count() == (valid + controlled) * others
     assert 0 < design.count(on=["by_rule"]) < design.count()
 
 
@@ -187,6 +195,24 @@ def test_fog_blinds_a_camera_and_no_radar(folder: Path) -> None:
     # gravity, 4.55 m behind which the gap begins. Three looks, the latency and the tracker's step are 0.2 s.
     for row, visibility in ((camera[0], 20.0), (camera[1], 50.0)):
         assert row.tracked == pytest.approx((visibility - 1.8) * math.log(20) / 3 / (50 * KMH) - 0.15, abs=0.2)
+
+
+@pytest.mark.thorough
+def test_on_snow_an_emergency_brake_with_anti_lock_brakes_brakes_as_the_friction_allows() -> None:
+    bench, speed = dse.open(ROOT).benches["aeb_car_to_car"], {}
+    for slip in ("absent", "anti_lock"):
+        where = REST.replace("longitudinal", "two_track").replace("slip is absent", f"slip is {slip}")
+        design = "sensor is object_radar_long and second_sensor is absent and tracker is kalman_tracker"
+        chosen = f"{where} and {design} and aeb is aeb_early and brake is hydraulic_booster"
+        (configuration,) = bench.design.list(2, where=chosen)
+        run = bench.simulate(configuration, set={"weather.road": "snow"})
+        speed[slip] = run.metrics["impact_speed"]
+        table = run.waveforms.to_pandas()
+        braked = table.loc[table["aeb.stage"].isin(["partial", "full", 2, 3]), "road.actors[1].ahead"].iloc[0] - 4.55
+    # Dead time and build-up of the brake: 0.2 s. The tyre of two_track, at the friction of snow.
+    limit = math.sqrt((50 * KMH) ** 2 - 2 * 0.8 * 1.1739 * 0.24 * 9.81 * (braked - 0.2 * 50 * KMH))
+    assert speed["anti_lock"] == pytest.approx(limit, rel=0.1)
+    assert speed["absent"] > 1.3 * speed["anti_lock"]
 
 
 @pytest.mark.thorough
