@@ -258,6 +258,8 @@ NEEDLESS: dict[str, tuple[str, dict[str, Any]]] = {
     "aeb_cyclist": ("aeb_late", {"aeb.vulnerable_margin": "1.5 m"}),
     "aeb_bridge": ("aeb_late", {"sensor.least_clearance": "0 m"}),
     "aeb_manhole": ("aeb_late", {"sensor.least_height": "0 m"}),
+    "aeb_spray": ("aeb_early", {}),
+    "aeb_guard_rail": ("aeb_early", {}),
 }
 
 
@@ -268,6 +270,8 @@ def test_where_nothing_is_to_be_braked_for_only_a_gullible_set_up_brakes(folder:
     place = {"chassis.initial_speed": "60 km/h", "controller.set_speed": "60 km/h"}
     if name == "aeb_bystander":
         place["road.start_station"] = "66.667 m"  # contact after five seconds
+    if name == "aeb_spray":
+        place["sensor.spray_share"] = "1"
     heights = {"sensor.least_clearance": "2.5 m", "sensor.least_height": "0.15 m"}
 
     def run(aeb: str, **values: Any) -> Any:
@@ -283,9 +287,10 @@ def test_where_nothing_is_to_be_braked_for_only_a_gullible_set_up_brakes(folder:
     assert exact.metrics["needless"] < 0.2 * KMH
     assert gullible.metrics["needless"] > 2 * KMH
     assert (exact.verdicts["R3"], gullible.verdicts["R3"]) == ("pass", "fail")
-    # It drives on and passes, without contact.
+    # It drives on and passes, without contact; or follows the truck.
     assert exact.metrics["hit"] == 0
-    assert exact.waveforms.to_pandas()["road.actors[1].ahead"].iloc[-1] < 0
+    ahead = exact.waveforms.to_pandas()["road.actors[1].ahead"]
+    assert ahead.iloc[-1] < 0 or (name == "aeb_spray" and ahead.iloc[-1] == pytest.approx(ahead.iloc[0], abs=1.0))
 
 
 def test_each_bench_without_a_reason_to_brake_is_judged_by_its_needless_braking() -> None:
