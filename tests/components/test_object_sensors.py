@@ -74,6 +74,62 @@ def fan(boxes: list[list[Point]], azimuths: NDArray[np.float64]) -> tuple[Any, A
     return best, which, side
 
 
+RAIN = 1 / 3.6e6  # 1 mm/h
+
+
+def test_patches_of_spray_begin_at_the_truck_by_their_chance_and_are_left_behind(new_part: NewPart) -> None:
+    part = clean(new_part, "object_lidar", beam_spacing=0.0, layer_spacing=0.0, range_cell=0.0, spray_depth=0.0)
+    place(part, 1, 56.0, **TRUCK, speed=80 / 3.6)  # its rear face is 50 m ahead
+    part["visibility.rain_rate"] = RAIN
+    part.init()
+    scans, places = 40_000, []
+    for _ in range(scans):
+        found = seen(part)
+        (truck,) = [row["range"] for row in found if row["width"] > 0]
+        patches = [row["range"] for row in found if row["width"] == 0]
+        assert (truck, len(patches) <= 1) == (50.0, True)
+        places.append(50.0 - patches[0] if patches else math.nan)
+    behind = np.array(places)
+    # From scan to scan it drifts by half of the truck's speed, within 10 m.
+    steps = np.diff(behind)
+    assert steps[np.isfinite(steps)] == pytest.approx(0.5 * 80 / 3.6 * 0.01, abs=1e-9)
+    assert 9.8 < np.nanmax(behind) <= 10.0
+    # 10 % at 100 km/h, with the square of the speed; five standard deviations of a binomial number.
+    free = np.isnan(behind[:-1])
+    begun = free & np.isfinite(behind[1:])
+    assert behind[1:][begun] == pytest.approx(0.0, abs=1e-12)
+    chance = 0.1 * (80 / 100) ** 2
+    assert begun.sum() / free.sum() == pytest.approx(chance, abs=5 * math.sqrt(chance * (1 - chance) / free.sum()))
+
+
+@pytest.mark.parametrize("name", ["object_lidar", "object_camera", "object_stereo", "object_radar_mid"])
+def test_a_truck_is_seen_through_its_spray_only_by_what_light_is_left(new_part: NewPart, name: str) -> None:
+    part = clean(new_part, name, beam_spacing=0.0, layer_spacing=0.0, spray_share=0.0)
+    place(part, 1, 46.0, **TRUCK, speed=100 / 3.6)
+    part.init()
+    strengths = []
+    for rain in (1e-30, RAIN * 1e-20):
+        part["visibility.rain_rate"] = 0.0
+        (dry,) = seen(part)
+        part["visibility.rain_rate"] = rain
+        (wet,) = seen(part)
+        strengths.append(wet["strength"] / dry["strength"])
+    assert strengths == pytest.approx([math.exp(-2 * 0.7) if "radar" not in name else 1.0] * 2, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [{"rain": 0.0}, {**CAR}, {"heading": math.pi}, {"speed": 0.0}, {"class": "motorcycle"}],
+    ids=["no rain", "a car", "an oncoming truck", "a parked truck", "a motorcycle"],
+)
+def test_nothing_else_makes_spray(new_part: NewPart, values: dict[str, Any]) -> None:
+    part = clean(new_part, "object_lidar", beam_spacing=0.0, layer_spacing=0.0, spray_share=1.0)
+    part["visibility.rain_rate"] = values.pop("rain", RAIN)
+    place(part, 1, 46.0, **({**TRUCK, "speed": 25.0} | values))
+    part.init()
+    assert all(len(seen(part)) == 1 for _ in range(100))
+
+
 @pytest.mark.parametrize("name", SENSORS)
 def test_range_azimuth_and_width_are_those_of_the_rear_face_ahead(new_part: NewPart, name: str) -> None:
     part = clean(new_part, name, mount=2.5, beam_spacing=0.0)

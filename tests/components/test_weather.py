@@ -70,6 +70,40 @@ def test_friction_falls_with_thin_films_and_with_snow_and_ice(new_part: NewPart)
         assert part["surface.friction_loss"] == loss
 
 
+@pytest.mark.parametrize(("celsius", "net"), [(-5.0, 2.0), (0.0, 2.0), (4.0, 2.0 - 4 * 3 / 24), (20.0, 0.0)])
+def test_falling_snow_lies_unless_it_melts_and_lowers_the_friction(
+    new_part: NewPart, celsius: float, net: float
+) -> None:
+    """2 mm/h for half an hour; a degree-day factor of 3 mm, and three quarters of the loss at 0.5 mm."""
+    part = new_part("set_weather", snow_rate=2 * MM_PER_HOUR, temperature=273.15 + celsius)
+    part.init()
+    assert part["surface.friction_loss"] == 0
+    for hours in (0.25, 0.5):
+        for _ in range(900):
+            part.step(1.0)
+        expected = 0.76 * (1 - 0.25 ** (net * hours / 0.5))
+        assert part["surface.friction_loss"] == pytest.approx(expected, rel=1e-9)
+    assert part["surface.water_film"] == 0
+
+
+def test_lying_snow_melts_and_is_no_worse_than_ice_below_it(new_part: NewPart) -> None:
+    part = new_part("set_weather", lying_snow=1e-3, temperature=283.15)
+    part.init()
+    assert part["surface.friction_loss"] == pytest.approx(0.76 * (1 - 0.25**2), rel=1e-12)
+    part["road"] = "ice"
+    part.step(0.0)
+    assert part["surface.friction_loss"] == 0.88
+    part["road"] = "dry"
+    # 30 mm in a day: 1 mm takes 48 minutes.
+    for minutes, left in ((24, 0.5e-3), (24, 0.0), (24, 0.0)):
+        for _ in range(minutes):
+            part.step(60.0)
+        assert part["surface.friction_loss"] == pytest.approx(0.76 * (1 - 0.25 ** (left / 0.5e-3)), abs=1e-9)
+    part["rain_rate"] = 10 * MM_PER_HOUR
+    part.step(60.0)
+    assert 0.28 < part["surface.friction_loss"] < 0.3
+
+
 def test_fog_hides_all_but_a_twentieth_of_the_contrast_at_the_visibility(new_part: NewPart) -> None:
     part = new_part("set_weather", fog_visibility=80.0)
     part.init()

@@ -11,6 +11,7 @@ from dse.domain.labels import is_part, wholes
 from dse.errors import DseError, Location
 from dse.space.check import check_space
 from dse.space.configurations.wiring import architecture_outputs, wire
+from dse.space.restriction.refine import refine
 from dse.space.space import open_space
 
 REAL = Type(Kind.REAL)
@@ -193,6 +194,26 @@ def test_two_optional_sources_are_refused_only_where_both_are_there():
     assert listed(wire(space, {"b": "lidar"}))[0] == "b.target.gap -> c.target.gap"
     with pytest.raises(DseError, match=r"c\.target\.gap has a source already"):
         wire(space, {"a": "radar", "b": "lidar"})
+
+
+def test_a_connection_from_an_optional_part_replaces_one_from_a_part_that_is_always_there():
+    parts = {"c": part("pd", CONTROLLER), "slip": Optional(part("filter", interface("f", "raw", "clean")))}
+    parts |= {"sensor": part("radar", SENSOR)}
+    texts = "sensor.target -> c.target", "sensor.target.gap -> slip.raw", "slip.clean -> c.target.gap"
+    for space in (car(parts, *texts), car(parts, *reversed(texts))):
+        assert check_space(space) == []
+        assert set(listed(wire(space, {}))) == {
+            "sensor.target.gap -> c.target.gap",
+            "sensor.target.speed -> c.target.speed",
+        }
+        assert set(listed(wire(space, {"slip": "filter"}))) == {
+            "sensor.target.gap -> slip.raw",
+            "slip.clean -> c.target.gap",
+            "sensor.target.speed -> c.target.speed",
+        }
+        refined = refine(space, {"slip": ["filter"]})
+        assert check_space(refined) == []
+        assert [each.connections for each in open_space(refined).configurations()] == [wire(space, {"slip": "filter"})]
 
 
 def test_an_output_of_an_architecture_that_nothing_gives_is_found():

@@ -40,6 +40,8 @@ def driven(bench: str, sets: dict[str, float], fuse: bool = False, **choices: st
 def test_there_are_so_many_pilots_and_what_is_cheap_enough_has_a_place() -> None:
     design = dse.open(ROOT).benches["highway_cut_in"].design
     assert design.count() == 49_400
+    winter = dse.open(ROOT).designs["highway_winter"]
+    assert (winter.count(), winter.count(where="slip is absent")) == (91_910, 49_400)
     # Sight of 150 m, and who sees farthest is first: so that is a radar.
     first = {name: design.count(where=f"sensor is {name}") for name in ("object_radar_long", "object_radar_mid")}
     assert sum(first.values()) == 49_400
@@ -77,6 +79,23 @@ def test_who_sees_the_cut_in_come_brakes_less_close() -> None:
         for target in ("lane_target", "cut_in_target")
     }
     assert gaps["cut_in_target"] > gaps["lane_target"] + 1
+
+
+@pytest.mark.thorough
+def test_on_fresh_snow_anti_lock_brakes_stop_the_pilot_in_its_lane() -> None:
+    runs = {
+        slip: driven("highway_snow", {}, chassis="two_track", aeb="two_stage_aeb", slip=slip)
+        for slip in ("absent", "anti_lock")
+    }
+    # 1 mm of lying water, and 4 mm/h for 25 s; three quarters of the loss at 0.5 mm.
+    friction = 1 - 0.76 * (1 - 0.25 ** ((1 + 4 * 25 / 3600) / 0.5))
+    braked = runs["anti_lock"].metrics
+    assert braked["braking"] == pytest.approx(0.8 * 1.1739 * friction * 9.81, rel=0.1)
+    assert (braked["crashed"], braked["final_speed"]) == (0, pytest.approx(0, abs=0.01))
+    assert braked["offset"] < 0.5
+    locked = runs["absent"].metrics
+    assert locked["crashed"] > 0
+    assert locked["offset"] > 1.875  # half a lane: locked wheels do not steer
 
 
 @pytest.mark.thorough

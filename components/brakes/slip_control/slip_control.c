@@ -33,9 +33,9 @@ static double hub_speed(const slip_control *self, int i) {
 
 /* The torque to add so that the slip follows its target. Well below it, where the tyre force still rises with the slip,
  * more torque does not make the wheel much slower, and the torque is raised towards the force at the target. The factor 1.6 was chosen from starts on ice and snow. */
-static double towards(const slip_control *self, double target, double slip, double inertia, double speed, double response, double load) {
+static double towards(const slip_control *self, double target, double slip, double inertia, double speed, double response, double steep) {
     double radius = self->par.wheel_radius, below = fmax(target - 1.6 * slip, 0);
-    return inertia * speed / (radius * response) * (target - slip) + SLIP_CONTROL_STEP / response * radius * self->par.stiffness * load * below;
+    return inertia * speed / (radius * response) * (target - slip) + SLIP_CONTROL_STEP / response * radius * steep * below;
 }
 
 static void anti_lock(slip_control *self, int i, double spin_rate, double demand) {
@@ -47,9 +47,9 @@ static void anti_lock(slip_control *self, int i, double spin_rate, double demand
         return;
     }
     double slip = 1 - w->spin * radius / speed, force = (w->torque + inertia * spin_rate) / radius;
-    double carried = load(self, i), target = clamp(force / (self->par.stiffness * carried), self->par.lowest_slip, self->par.highest_slip);
+    double steep = self->par.stiffness * load(self, i), target = clamp(force / steep, self->par.lowest_slip, self->par.highest_slip);
     double rolling = radius * force - inertia * forwards(self) / radius; /* keeps the slip as it is */
-    double wanted = rolling + towards(self, target, slip, inertia, speed, self->par.response, carried);
+    double wanted = rolling + towards(self, target, slip, inertia, speed, self->par.response, steep);
     double lowest = w->torque - self->par.release_rate * SLIP_CONTROL_STEP, highest = w->torque + self->par.apply_rate * SLIP_CONTROL_STEP;
     w->active = w->active || slip > target + self->par.entry_slip;
     w->torque = w->active ? clamp(clamp(wanted, lowest, highest), 0, demand) : demand;
@@ -63,10 +63,11 @@ static double usable(slip_control *self, int axle, double torque, double spin_ra
     double speed = fmax(clamp(self->in.motion.speed, 0, 150), CRAWL);
     for (int i = 0; i < 2; ++i) slip = fmax(slip, (w[i].spin * radius - hub_speed(self, 2 * axle + i)) / speed);
     double force = (torque - inertia * spin_rate) / radius;
-    double carried = 2 * load(self, 2 * axle), target = clamp(force / (self->par.stiffness * carried), self->par.lowest_slip, self->par.highest_slip);
+    double steep = self->par.traction_stiffness * 2 * load(self, 2 * axle);
+    double target = clamp(force / steep, self->par.lowest_slip, self->par.highest_slip);
     double rolling = radius * force + inertia * forwards(self) / radius;
     *slips = slip > target + self->par.entry_slip;
-    return rolling + towards(self, target, slip, inertia, speed, self->par.traction_response, carried);
+    return rolling + towards(self, target, slip, inertia, speed, self->par.traction_response, steep);
 }
 
 static void traction(slip_control *self, const double spin_rate[4]) {

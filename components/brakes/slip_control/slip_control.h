@@ -5,15 +5,17 @@
  * Magic Formula tyres of all frictions have their peak where force per load = stiffness * slip, with the same *stiffness*
  * (the initial one over 2.9, as friction scales the height of the curve alone). So the slip aimed at is
  * F / (stiffness load), which finds the peak without knowing the friction: below it the target is above the slip, past it
- * below. With
+ * below. Brakes have a lower *stiffness*, past the peak: 97 % of the highest force both for the tyre of two_track, which
+ * falls past its peak, and for that of single_track, which approaches its highest force slowly. With
  *   T = R F - I a / R + I v / (R response) (target - slip)
  * the slip follows its target with the time constant *response*. The torque is never above the brake's, its rates
  * are limited, and the rear wheels have the lower torque of both (select low). Below *lowest_speed* the brake acts as it
  * is.
  *
  * The drive torque follows the same law with the torques of an axle and its faster wheel: the demand is at most what the
- * axle with the least to spare can use, in the shares that the powertrain has at present. With one demand for two driven
- * axles on ice, about 70 % of the friction limit are reached.
+ * axle with the least to spare can use, in the shares that the powertrain has at present. A drive follows its demand late
+ * (0.1 s), and past the peak of the tyre the wheel spins faster before the torque falls: *traction_stiffness* is higher, so
+ * that the slip aimed at is about that of the peak.
  *
  * Stability: the yaw rate wanted is that of a linear single-track car at this steering, late by *yaw_lag*, and at most what
  * the present lateral acceleration allows, with a margin:
@@ -58,7 +60,7 @@ typedef struct {
     struct {
         int32_t functions;
         double mass, front_load_share, cg_height, wheelbase, track, wheel_radius, wheel_inertia;
-        double stiffness, lowest_slip, highest_slip, entry_slip, response, traction_response, release_rate, apply_rate, lowest_speed;
+        double stiffness, traction_stiffness, lowest_slip, highest_slip, entry_slip, response, traction_response, release_rate, apply_rate, lowest_speed;
         double characteristic_speed, yaw_lag, yaw_margin, yaw_tolerance, yaw_gain;
     } par;
     slip_control_wheel wheel[4];

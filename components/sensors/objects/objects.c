@@ -8,7 +8,11 @@
 
 #define PI 3.141592653589793
 #define DRAWN 5                   /* uniform numbers of one noise */
-#define FOUND (3 * OBJECTS_ACTORS) /* objects, their images in a rail, their double bounces */
+#define GHOSTS (3 * OBJECTS_ACTORS) /* objects, their images in a rail, their double bounces */
+#define FOUND (GHOSTS + OBJECTS_ACTORS) /* and their spray */
+#define SPRAY (1 << 30)           /* its noise: numbers that no scan of a run comes to */
+#define SPRAY_SPEED (100 / 3.6)   /* m/s: as much spray as there can be */
+#define TRUCK 2                   /* of actor_class */
 #define AHEAD (UINT64_C(1) << 40) /* numbers between those of the noise and those of bias and drift */
 #define FLAT 0.1                  /* m: an object of this height hides nothing */
 #define LEAST_RATE_DEVIATION 1e-3 /* m/s */
@@ -158,6 +162,13 @@ static objects_detection bounced(const objects *self, const objects_actor *actor
     return told;
 }
 
+/* How much spray there is before a truck that drives ahead, 0 to 1. */
+static double spray(const objects *self, const objects_actor *actor) {
+    double share = actor->speed / SPRAY_SPEED;
+    bool is_there = actor->class == TRUCK && self->in.visibility.rain_rate > 0;
+    return is_there && cos(actor->heading - self->in.motion.heading) > 0 ? fmin(share * share, 1) : 0;
+}
+
 static bool one_cell(const objects *self, const objects_detection *a, const objects_detection *b) {
     return fabs(a->range - b->range) < self->par.range_cell && fabs(a->azimuth - b->azimuth) < self->par.azimuth_cell &&
            (!self->par.doppler || fabs(a->range_rate - b->range_rate) < self->par.doppler_cell);
@@ -247,6 +258,35 @@ static bool is_lost(objects *self, int32_t i) {
     return self->is_lost[i];
 }
 
+/* The next place of the patch of spray behind a truck, m behind it; negative: there is none. */
+static double drifted(const objects *self, int32_t i, double amount) {
+    double place = self->patch[i];
+    if (!(amount > 0)) return -1;
+    if (place < 0) return uniform_of(self, SPRAY + GHOSTS + i) <= self->par.spray_share * amount ? 0 : -1;
+    place += self->par.spray_drift * self->in.actors[i].speed * self->par.period;
+    return place <= self->par.spray_length ? place : -1;
+}
+
+/* Spray hides the truck, and a patch of it may be seen as an object that is left behind. */
+static void spray_of(objects *self, objects_detection found[FOUND]) {
+    for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
+        const objects_actor *actor = &self->in.actors[i];
+        double amount = spray(self, actor);
+        self->patch[i] = drifted(self, i, amount);
+        if (!found[i].valid || !(amount > 0)) continue;
+        objects_detection *patch = &found[GHOSTS + i];
+        patch->range = found[i].range - self->patch[i];
+        patch->azimuth = found[i].azimuth;
+        patch->range_rate = self->par.doppler ? found[i].range_rate - self->par.spray_drift * actor->speed : 0;
+        patch->strength = self->par.threshold;
+        patch->class = 0;
+        patch->width = 0;
+        patch->valid = self->patch[i] >= 0 && patch->range > 0;
+        found[i].strength *= exp(-2 * self->par.spray_depth * amount);
+        found[i].valid = found[i].strength >= self->par.threshold;
+    }
+}
+
 static void ghosts(const objects *self, const view_part *parts, objects_detection found[FOUND], double loss) {
     bool is_radar = self->par.echo_exponent > 0;
     for (int32_t i = 0; i < OBJECTS_ACTORS && is_radar && self->par.ghost_share > 0; ++i) {
@@ -255,7 +295,7 @@ static void ghosts(const objects *self, const view_part *parts, objects_detectio
         if (self->par.rail != 0) *image = mirrored(self, &self->in.actors[i], parts[i], loss);
         if (self->par.own_reflection > 0) *bounce = bounced(self, &self->in.actors[i], found[i], parts[i].share, loss);
     }
-    for (int32_t i = OBJECTS_ACTORS; i < FOUND; ++i) {
+    for (int32_t i = OBJECTS_ACTORS; i < GHOSTS; ++i) {
         if (found[i].valid) found[i].valid = uniform_of(self, i) <= self->par.ghost_share;
     }
 }
@@ -300,6 +340,7 @@ static objects_sample measured(objects *self) {
     look(self, boxes, parts);
     for (int32_t i = 0; i < FOUND; ++i) found[i].valid = false;
     for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) found[i] = detected(self, &self->in.actors[i], parts[i], loss);
+    spray_of(self, found);
     ghosts(self, parts, found, loss);
     merge(self, found, FOUND);
     objects_sample sample = {{{false, 0, 0, 0, 0, 0, 0, 0, 0, 0}}};
@@ -307,7 +348,7 @@ static objects_sample measured(objects *self) {
     drift(self);
     for (int32_t i = 0; i < FOUND; ++i) {
         if ((i < OBJECTS_ACTORS && is_lost(self, i)) || !found[i].valid) continue;
-        noise drawn = noise_of(self, i);
+        noise drawn = noise_of(self, i < GHOSTS ? i : SPRAY + i);
         if (i < OBJECTS_ACTORS && is_passable(self, &self->in.actors[i], found[i].range, drawn.elevation)) continue;
         disturb(self, &found[i], &drawn);
         int32_t at = count; /* nearest first */
@@ -319,7 +360,7 @@ static objects_sample measured(objects *self) {
         for (; at > 0 && sample.returns[at - 1].range > found[i].range; --at) sample.returns[at] = sample.returns[at - 1];
         sample.returns[at] = found[i];
     }
-    sensing_skip(&self->random, FOUND * DRAWN);
+    sensing_skip(&self->random, GHOSTS * DRAWN);
     return sample;
 }
 
@@ -332,6 +373,7 @@ static void restart(objects *self) {
     self->random = self->slow = (uint64_t)self->par.seed;
     sensing_skip(&self->slow, AHEAD);
     self->drift.scale = self->drift.azimuth = 0;
+    for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) self->patch[i] = -1;
     self->tick = -1;
     self->told = 0;
 }

@@ -34,6 +34,12 @@
  * - a wave travels between object and own car twice: twice the range and Doppler in the same direction, weaker by
  *   s own_reflection exp(-2 a R) / (4 pi R^2)^2, s and own_reflection in m2 (bistatic radar equation, Skolnik).
  *
+ * Spray. In rain a truck makes a cloud behind it, which disturbs lidars and cameras (A benchmark for spray from nearby
+ * cutting vehicles, arXiv:2108.10800, 2021), and no radar. The model is assumed: it grows with the square of the truck's speed
+ * up to 100 km/h. The truck is seen through its optical depth *spray_depth*. If there is no patch of spray, one is seen from a
+ * scan on with the chance *spray_share*, as an object without a class, which is left behind by the truck at *spray_drift* of
+ * its speed and is seen for *spray_length*. Spray of cars is left out.
+ *
  * Accuracy. An error has three parts. Range and azimuth of all objects have a constant one, drawn at the start of a run
  * (*scale_bias* per range, *azimuth_bias*), and a slow one, a Gauss-Markov process with *correlation_time* (*scale_drift*,
  * *azimuth_drift*): calibration, pitch of the car, assumed flatness of the road (Stein, Mano, Shashua: Vision-based ACC
@@ -132,6 +138,7 @@ typedef struct {
         double correlation_time;                                          /* s, of both drifts */
         double dropout, dropout_time; /* share of detections that are lost; s, mean of a burst, 0: each by itself */
         double least_pixels;          /* 0: any size is seen */
+        double spray_share, spray_drift, spray_length, spray_depth;       /* of scans; of the speed; m; at 100 km/h */
         double rail, rail_reflection, own_reflection, ghost_share;        /* m, 0: no rail; share of power; m2 */
         double period, latency; /* s, in whole steps: between two scans; from a scan to its report */
         int32_t seed;
@@ -145,6 +152,7 @@ typedef struct {
         double scale, azimuth;
     } bias, drift;
     bool is_lost[OBJECTS_ACTORS];
+    double patch[OBJECTS_ACTORS]; /* m behind the truck; negative: none */
 } objects;
 
 void objects_init(objects *self);

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #define OBEYS 1 /* of manners */
+#define MOST_USED 0.5 /* share of the grip: a vehicle brakes with twice its deceleration at most */
 
 /* The first conflict of its path with the host's path. */
 static void look_up(crossing_vehicle *self) {
@@ -37,10 +38,14 @@ static void begin(crossing_vehicle *self, double moment, speed_profile_motion fr
     self->phase = phase;
 }
 
+static double acceleration_of(const crossing_vehicle *self) {
+    return fmin(self->par.acceleration, traffic_grip(&self->in));
+}
+
 /* Its predicted start time; never for a host that is at rest or has passed. */
 static double due(const crossing_vehicle *self, double now) {
     double way = self->middle - 0.5 * self->par.length - self->par.station;
-    double v = self->par.speed, a = self->par.acceleration;
+    double v = self->par.speed, a = acceleration_of(self);
     if (!(way >= 0)) return NAN; /* its initial place is beyond the conflict: fails the run */
     double lead = way < 0.5 * v * v / a ? sqrt(2 * way / a) : way / v + 0.5 * v / a;
     double ahead = self->host_middle - self->in.lane.station - self->par.host_front, speed = self->in.motion.speed;
@@ -68,11 +73,12 @@ static double room(const crossing_vehicle *self, double station) {
 static void mind(crossing_vehicle *self, double now) {
     speed_profile_motion motion = motion_at(&self->phase, now);
     double left = room(self, motion.travelled), square = 0.5 * motion.speed * motion.speed;
+    double grip = traffic_grip(&self->in), rate = fmin(self->par.deceleration, MOST_USED * grip);
     bool goes = self->phase.final_speed > 0;
-    if (goes && square >= self->par.deceleration * left && square <= 2 * self->par.deceleration * fmax(left, 0)) {
-        begin(self, now, motion, left > 0 && square > 0 ? square / left : self->par.deceleration, 0);
+    if (goes && square >= rate * left && square <= 2 * rate * fmax(left, 0)) {
+        begin(self, now, motion, fmin(left > 0 && square > 0 ? square / left : rate, grip), 0);
     } else if (!goes && isinf(left)) {
-        begin(self, now, motion, self->par.acceleration, self->par.speed);
+        begin(self, now, motion, acceleration_of(self), self->par.speed);
     }
 }
 
@@ -84,7 +90,7 @@ static void output(crossing_vehicle *self, double earliest) {
         self->has_set_out = !(moment > now);
         if (self->has_set_out) {
             speed_profile_motion standing = {self->par.station, 0, 0};
-            begin(self, fmax(moment, earliest), standing, self->par.acceleration, self->par.speed);
+            begin(self, fmax(moment, earliest), standing, acceleration_of(self), self->par.speed);
             nowhere = moment - moment; /* not a number: it cannot start */
         }
     }

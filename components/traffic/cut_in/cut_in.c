@@ -5,11 +5,12 @@
 enum { BY_TIME, BY_GAP, BY_STANDING_GAP }; /* begin */
 #define OVER_HOST 1                        /* of speed_over */
 
-static speed_profile profile_of(const cut_in *self) {
+static speed_profile profile_of(cut_in *self, double now) {
     bool changes = self->has_begun;
+    double change_time = changes ? self->begun_at + self->par.change_delay : 0;
+    if (!changes || now <= change_time) self->grip = traffic_grip(&self->in);
     speed_profile profile = {
-        self->speed, changes ? self->begun_at + self->par.change_delay : 0, changes ? self->par.change_rate : 0,
-        self->par.final_speed,
+        self->speed, change_time, changes ? fmin(self->par.change_rate, self->grip) : 0, self->par.final_speed,
     };
     return profile;
 }
@@ -26,14 +27,14 @@ static bool is_due(const cut_in *self, double now) {
 
 static void output(cut_in *self, double before) {
     double now = counted_time_now(&self->time);
-    speed_profile profile = profile_of(self);
+    speed_profile profile = profile_of(self, now);
     speed_profile_motion motion = speed_profile_at(&profile, now);
     double passed = now - before, travelled = motion.travelled - self->travelled;
     self->travelled = motion.travelled;
     if (!self->has_begun && is_due(self, now)) {
         self->has_begun = true;
         self->begun_at = self->par.begin == BY_TIME ? fmax(self->par.begin_time, before) : now;
-        profile = profile_of(self);
+        profile = profile_of(self, now);
         motion = speed_profile_at(&profile, now);
         self->travelled = motion.travelled;
         passed = now - self->begun_at;

@@ -1,7 +1,8 @@
 /* A vehicle that changes lanes before the host, and optionally one at rest in its former lane. The parameters of UN
    R157 (annex 4, appendix 3, guidance on critical scenarios): its speed Vo0 relative to the host's Ve0, the gap dx0 at
    which it begins, the lateral speed Vy (here its maximum, in the middle of the quintic), and of a cut-out the gap
-   dx0_f to the one at rest. Once it has begun, its motion is independent of the host. */
+   dx0_f to the one at rest. Once it has begun, its motion is independent of the host. Its speed changes at most as the
+   surface at the beginning of the change allows. */
 #ifndef CUT_IN_H
 #define CUT_IN_H
 
@@ -28,6 +29,7 @@ typedef struct {
     double sense;                   /* 1: the gap decreases until it begins, -1: increases */
     bool has_begun;
     double begun_at;                /* s */
+    double grip;                    /* m/s2, at the last step before the speed changes */
     lane_shift shift;
     counted_time time;
 } cut_in;

@@ -140,7 +140,8 @@ static double incentive(const flow *self, int32_t i, int32_t lane) {
     if (ahead.gap <= 0 || behind.gap <= 0) return -HUGE_VAL;
     double follows, followed, there = own_acceleration(self, i, lane), here = own_acceleration(self, i, user->lane);
     double gains = gain_behind(self, i, lane, 1, &follows) + gain_behind(self, i, user->lane, -1, &followed);
-    if (follows < -rules->safe_deceleration || there < -rules->safe_deceleration) return -HUGE_VAL;
+    double safe = rules->safe_deceleration * (user->driver.max_deceleration / user->dry.max_deceleration);
+    if (follows < -safe || there < -safe) return -HUGE_VAL;
     double bias = lane > user->lane ? rules->keep_right : -rules->keep_right;
     return there - here + rules->politeness * gains - rules->change_threshold - bias;
 }
@@ -187,6 +188,10 @@ static void move(flow_user *user, double h) {
 }
 
 void flow_step(flow *self, double h) {
+    double grip = traffic_grip(self->in);
+    for (int32_t i = 0; i < self->count; ++i) {
+        if (flow_drives(&self->users[i])) self->users[i].driver = following_on(&self->users[i].dry, grip);
+    }
     flow_look(self);
     change_lanes(self);
     right_of_way(self);

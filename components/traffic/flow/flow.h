@@ -19,7 +19,7 @@
 #define FLOW_LANES 10       /* lanes are -10 ... 10 */
 
 typedef struct {
-    following_driver driver;
+    following_driver dry, driver;    /* on a dry road, on the present surface */
     int32_t id, class;               /* class 0: empty place */
     bool walks;                      /* a walker is moved elsewhere, and is in the lanes from low to high */
     int32_t path, lane, old_lane;    /* present or new lane, former lane */

@@ -10,6 +10,10 @@ typedef struct {
     bool plus; /* IDM+ */
 } following_driver;
 
+/* The driver on a surface where the tyres can do *grip* m/s2: decelerations use the same share of it as on a dry road
+   (assumed), so that vehicles brake earlier. */
+following_driver following_on(const following_driver *dry, double grip);
+
 /* m/s2; *gap* from bumper to bumper to the user ahead, infinite: none. At least what the brakes can do. */
 double following_acceleration(const following_driver *driver, double speed, double gap, double speed_ahead);
 

@@ -22,7 +22,7 @@ static flow flow_of(idm_traffic *self) {
 /* Parameters may have changed. */
 static void set_driver(idm_traffic *self, int32_t i) {
     self->users[i].height = self->par.height[i];
-    self->users[i].driver = (following_driver){
+    self->users[i].dry = (following_driver){
         self->par.desired_speed[i], self->par.time_gap[i], self->par.standstill_gap[i], self->par.max_acceleration[i],
         self->par.comfortable_deceleration[i], self->par.max_deceleration, self->par.model == IDM_PLUS,
     };

@@ -1,10 +1,13 @@
 #include "lead_vehicle.h"
 
 static void output(lead_vehicle *self) {
+    double now = counted_time_now(&self->time);
+    if (now <= self->par.lead_change_time) self->grip = traffic_grip(&self->in);
     speed_profile profile = {
-        self->par.lead_speed, self->par.lead_change_time, self->par.lead_change_rate, self->par.lead_final_speed,
+        self->par.lead_speed, self->par.lead_change_time, fmin(self->par.lead_change_rate, self->grip),
+        self->par.lead_final_speed,
     };
-    speed_profile_motion motion = speed_profile_at(&profile, counted_time_now(&self->time));
+    speed_profile_motion motion = speed_profile_at(&profile, now);
     self->out.movers[0] = (traffic_mover){
         .id = 1,
         .class = TRAFFIC_CAR,

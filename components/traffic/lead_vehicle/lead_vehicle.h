@@ -1,4 +1,5 @@
-/* One vehicle ahead of the host on its path: that of straight_road, along any road. */
+/* One vehicle ahead of the host on its path: that of straight_road, along any road. Its speed changes at most as the surface
+   at the beginning of the change allows. */
 #ifndef LEAD_VEHICLE_H
 #define LEAD_VEHICLE_H
 
@@ -15,6 +16,7 @@ typedef struct {
         int32_t lead_lane;
     } par;
     double start; /* station of its centre */
+    double grip;  /* m/s2, at the last step before the change */
     counted_time time;
 } lead_vehicle;
 

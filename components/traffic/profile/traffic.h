@@ -18,6 +18,8 @@
 #define TRAFFIC_RED 2 /* of the colours of light_head; below: none, off; above: red_yellow, yellow, green */
 #define TRAFFIC_RED_YELLOW 3
 #define TRAFFIC_YELLOW 4
+#define TRAFFIC_DRY_GRIP 8.829 /* m/s2: 0.9 g, the friction of the tyres of the chassis on dry asphalt */
+#define TRAFFIC_LEAST_FRICTION 0.001
 #define TRAFFIC_QUARTER_TURN 1.57079632679489661923 /* rad */
 
 typedef struct {
@@ -55,11 +57,20 @@ typedef struct {
         double other_entry, other_exit;
         bool gives_way;
     } conflicts[TRAFFIC_CONFLICTS];
+    struct {
+        double friction_loss, water_film, temperature;
+    } surface;
 } traffic_in;
 
 typedef struct {
     traffic_mover movers[TRAFFIC_MOVERS];
 } traffic_out;
+
+/* m/s2: what the tyres can do on this surface; infinite on a dry road, where a vehicle brakes as its parameters say. */
+static inline double traffic_grip(const traffic_in *in) {
+    double loss = in->surface.friction_loss;
+    return loss > 0 ? TRAFFIC_DRY_GRIP * fmax(1 - loss, TRAFFIC_LEAST_FRICTION) : HUGE_VAL;
+}
 
 /* Difference of two stations; on a closed path, of a lap of this length, at most half a lap. */
 static inline double traffic_ahead(double lap, double from, double to) {

@@ -45,7 +45,7 @@ static flow_user vehicle(stream_traffic *self, int32_t path) {
         .stopped = HUGE_VAL,
         .limit = HUGE_VAL,
     };
-    user.driver = (following_driver){
+    user.dry = (following_driver){
         fmax(1 + self->par.speed_spread * normal(self, id, 1), 0.1) * mean,
         self->par.time_gap,
         self->par.standstill_gap,
@@ -54,6 +54,7 @@ static flow_user vehicle(stream_traffic *self, int32_t path) {
         self->par.max_deceleration,
         self->par.model == IDM_PLUS,
     };
+    user.driver = following_on(&user.dry, traffic_grip(&self->in));
     return user;
 }
 

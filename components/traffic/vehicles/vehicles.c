@@ -6,8 +6,10 @@ static void output(vehicles *self) {
     double now = counted_time_now(&self->time);
     for (int32_t i = 0; i < TRAFFIC_MOVERS; ++i) {
         if (self->par.class[i] == 0) continue;
+        if (now <= self->par.change_time[i]) self->grip[i] = traffic_grip(&self->in);
         speed_profile profile = {
-            self->par.speed[i], self->par.change_time[i], self->par.change_rate[i], self->par.final_speed[i],
+            self->par.speed[i], self->par.change_time[i], fmin(self->par.change_rate[i], self->grip[i]),
+            self->par.final_speed[i],
         };
         speed_profile_motion motion = speed_profile_at(&profile, now);
         self->out.movers[i] = (traffic_mover){

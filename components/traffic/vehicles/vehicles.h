@@ -1,4 +1,5 @@
-/* Up to eight road users, each on its own path and lane with a speed that changes once. A stationary object that is not
+/* Up to eight road users, each on its own path and lane with a speed that changes once, at most as the surface at the
+ * beginning of the change allows. A stationary object that is not
  * in the way is an obstacle of speed 0: a post beside the lane, a manhole cover 20 mm high, a bridge with a clearance. */
 #ifndef VEHICLES_H
 #define VEHICLES_H
@@ -18,6 +19,7 @@ typedef struct {
         double clearance[TRAFFIC_MOVERS];
     } par;
     double ahead[TRAFFIC_MOVERS], aside[TRAFFIC_MOVERS]; /* of its heading in its lane */
+    double grip[TRAFFIC_MOVERS];                         /* m/s2, at the last step before the change */
     counted_time time;
 } vehicles;
 

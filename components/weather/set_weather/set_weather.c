@@ -4,6 +4,7 @@
 
 #define GAS_CONSTANT 287.05287 /* J/(kg K), of dry air */
 #define TURN 6.283185307179586
+#define FREEZING 273.15 /* K */
 #define MM_PER_HOUR 3.6e6 /* in 1 m/s */
 
 /* m; on a wet road at least the standing film. */
@@ -15,11 +16,21 @@ static double water_film(const set_weather *self) {
     return fmax(film, standing);
 }
 
+static double covered(double loss, double layer, double critical) {
+    return layer > 0 ? loss * (1 - pow(0.25, layer / critical)) : 0;
+}
+
 static double friction_loss(const set_weather *self, double film) {
-    if (self->par.road == SET_WEATHER_ICE) return self->par.ice_loss;
+    double lying = covered(self->par.snow_loss, self->lying, self->par.critical_snow);
+    if (self->par.road == SET_WEATHER_ICE) return fmax(self->par.ice_loss, lying);
     if (self->par.road == SET_WEATHER_SNOW) return self->par.snow_loss;
-    if (film == 0) return 0;
-    return self->par.wet_loss * (1 - pow(0.25, film / self->par.critical_film));
+    return fmax(covered(self->par.wet_loss, film, self->par.critical_film), lying);
+}
+
+/* A sum of steps: rates and temperature may change. */
+static void snow(set_weather *self, double h) {
+    double melting = self->par.melting * fmax(self->par.temperature - FREEZING, 0);
+    self->lying = fmax(self->lying + h * (self->par.snow_rate - melting), 0);
 }
 
 static double wind(const set_weather *self) {
@@ -49,10 +60,12 @@ static void output(set_weather *self) {
 void set_weather_init(set_weather *self) {
     counted_time start = {0, 0, 0};
     self->time = start;
+    self->lying = self->par.lying_snow;
     output(self);
 }
 
 void set_weather_step(set_weather *self, double h) {
     counted_time_advance(&self->time, h);
+    snow(self, h);
     output(self);
 }

@@ -4,7 +4,8 @@ A connection end is a port or a group of ports, the second one also a tunable pa
 compound an end without a part's name belongs to the compound's own interface; from outside a compound with an
 interface shows only that, one without shows its parts. Groups connect port by port, each signal from the side that
 gives it, so that one arrow can carry a shaft's torque forth and its speed back. A connection with an end on a part
-that is left out vanishes.
+that is left out vanishes. One that begins at an optional part replaces, where the part is present, one that begins at a
+part that is always there.
 """
 
 from __future__ import annotations
@@ -24,7 +25,10 @@ PortOf = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class PlacedPart:
-    """What stands at *path*, with the parts inside it; a part that is left out is None. *name* is for messages."""
+    """What stands at *path*, with the parts inside it; a part that is left out is None. *name* is for messages.
+
+    *optionals*: how many optional containers it is in.
+    """
 
     path: str
     interface: Interface | None
@@ -33,6 +37,7 @@ class PlacedPart:
     is_component: bool = False
     name: str = ""
     parameters: tuple[Parameter, ...] = ()
+    optionals: int = 0
 
 
 def wire(
@@ -81,9 +86,10 @@ def _ways(root: PlacedPart) -> tuple[list[tuple[PortOf, PortOf, Connection]], se
     And the paths of all components.
     """
     problems: list[Problem] = []
-    drivers: dict[PortOf, Connection] = {}
+    drivers: dict[PortOf, tuple[PortOf, int, Connection]] = {}
     onward: dict[PortOf, list[tuple[PortOf, int, Connection]]] = {}
     components: set[str] = set()
+    optionals = {place.path: place.optionals for _, place in _levels(root, 0)}
     for depth, place in _levels(root, 0):
         if place.is_component:
             components.add(place.path)
@@ -94,11 +100,14 @@ def _ways(root: PlacedPart) -> tuple[list[tuple[PortOf, PortOf, Connection]], se
                 problems += error.problems
                 continue
             for source, target in pairs:
-                first = drivers.setdefault(target, connection)
-                if first is not connection:
-                    problems.append(two_sources(target, first, connection))
-                onward.setdefault(source, []).append((target, depth, connection))
+                first = drivers.pop(target, None)
+                if first and optionals[source[0]] == optionals[first[0][0]]:
+                    problems.append(two_sources(target, first[2], connection))
+                is_replaced = first and optionals[source[0]] < optionals[first[0][0]]
+                drivers[target] = first if first and is_replaced else (source, depth, connection)
     raise_if_any(problems)
+    for target, (source, depth, connection) in drivers.items():
+        onward.setdefault(source, []).append((target, depth, connection))
     sources = [source for source in onward if source[0] in components]
     return [(source, *end) for source in sources for end in _reached(source, onward, components)], components
 
@@ -199,20 +208,21 @@ def _chosen(node: Node, path: str, choices: Choices) -> PlacedPart:
     return place
 
 
-def _place(node: Node, path: str, choices: Choices) -> PlacedPart | None:
+def _place(node: Node, path: str, choices: Choices, optionals: int = 0) -> PlacedPart | None:
     match node:
         case Part():
-            return PlacedPart(path, node.interface, {}, (), True, node.name, node.component.parameters)
+            return PlacedPart(path, node.interface, {}, (), True, node.name, node.component.parameters, optionals)
         case Compound():
             parts = {
-                name: _place(child, f"{path}.{name}" if path else name, choices) for name, child in node.parts.items()
+                name: _place(child, f"{path}.{name}" if path else name, choices, optionals)
+                for name, child in node.parts.items()
             }
-            return PlacedPart(path, node.interface, parts, node.connections)
+            return PlacedPart(path, node.interface, parts, node.connections, optionals=optionals)
         case Alternative():
             option = next(option for option in node.options if option.name == choices[path])
-            return _place(option, path, choices)
+            return _place(option, path, choices, optionals)
         case Optional():
-            return _place(node.content, path, choices) if path in choices else None
+            return _place(node.content, path, choices, optionals + 1) if path in choices else None
 
 
 def _levels(place: PlacedPart, depth: int) -> Iterable[tuple[int, PlacedPart]]:

@@ -1,17 +1,19 @@
 """A design space with fewer choices: what is no longer possible is taken out, paths and ids stay.
 
 An alternative of which one option is left stays an alternative, and an optional part that must be there becomes one
-of a single option, so that the choice is still made and told; an optional architecture stays optional, as connections
-lead into it, and a constraint says that it is there. A constraint that mentions what is gone is rewritten to say the
-same without it, and left out if that is nothing.
+of a single option, so that the choice is still made and told. Architectures stay optional, as connections lead into
+them, and so do parts whose connections replace others; a constraint says that they are there. A constraint that
+mentions what is gone is rewritten to say the same without it, and left out if that is nothing.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
 from dse.domain.design import Alternative, Compound, Connection, Constraint, DesignSpace, Node, Optional, Part
+from dse.domain.labels import wholes
 from dse.errors import Problem, closest, fail, raise_if_any
 from dse.expression import parse_expression
 from dse.space.decisions import Choices, alternatives, decisions, made
@@ -65,7 +67,7 @@ def _unknown(space: DesignSpace, subset: Subset) -> Iterable[Problem]:
 
 
 def _kept(path: str, guards: Collection[str], others: Collection[Constraint]) -> Constraint:
-    """The constraint that the architecture at *path* is there, wherever one of *guards* says that it may be."""
+    """The constraint that the part at *path* is there, wherever one of *guards* says that it may be."""
     taken = {constraint.name for constraint in others}
     name = f"keep_{path.replace('.', '_')}"
     while name in taken:
@@ -78,16 +80,19 @@ def _kept(path: str, guards: Collection[str], others: Collection[Constraint]) ->
 class _Pruner:
     """Takes away what *subset* does not have.
 
-    *kept* are the optional architectures that must be there, with the conditions under which they may, "" for always.
+    *kept* are the optional parts that must be there and stay optional, with the conditions under which they may be,
+    "" for always.
     """
 
     def __init__(self, subset: Subset) -> None:
         self.subset = subset
         self.kept: dict[str, set[str]] = {}
+        self.replacing: set[str] = set()
 
     def compound(self, compound: Compound, path: str, guards: tuple[str, ...]) -> Compound | None:
         """What is left of a compound that is there if *guards* hold; None if a part that must be there cannot."""
         parts: dict[str, Node] = {}
+        self.replacing |= {f"{path}.{name}" if path else name for name in _replacing(compound.connections)}
         for name, child in compound.parts.items():
             here = f"{path}.{name}" if path else name
             left = self.node(child, here, guards)
@@ -116,7 +121,7 @@ class _Pruner:
         if left is None:
             return None
         if not self.may_miss(path):
-            if not isinstance(left, Compound):
+            if not isinstance(left, Compound) and path not in self.replacing:
                 return Alternative((left,), node.where) if isinstance(left, Part) else left
             self.kept.setdefault(path, set()).add(" and ".join(guards))
         return node if left is content else replace(node, content=left)
@@ -136,6 +141,16 @@ class _Pruner:
 
     def may_miss(self, path: str) -> bool:
         return None in self.subset.get(path, (None,))
+
+
+def _replacing(connections: Collection[Connection]) -> Iterable[str]:
+    """The names that begin the connections to what others lead to as well."""
+    targets = Counter(connection.target for connection in connections)
+    groups = {whole for target in targets for whole in wholes(target)}
+    for connection in connections:
+        target = connection.target
+        if targets[target] > 1 or target in groups or any(whole in targets for whole in wholes(target)):
+            yield connection.source.partition(".")[0]
 
 
 def _is_cut(connection: Connection, before: Compound, after: Compound) -> bool:
