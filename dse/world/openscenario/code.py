@@ -77,6 +77,9 @@ typedef struct {
             double station, offset, heading, curvature, width, grade, bank, speed_limit;
             bool on_road;
         } lane;
+        struct {
+            double friction_loss, water_film, temperature;
+        } surface;
     } in;
     struct {
         scenario_mover movers[SCENARIO_MOVERS], everyone[SCENARIO_SEEN];

@@ -43,6 +43,7 @@ static double speed_duration(const storyboard *board, const sb_action *action, c
     const sb_entity *entity = &scenario_tables.entities[action->actor];
     double change = run->to - run->from, duration = duration_of(board, action, number(board, action, 0), change);
     double limit = fabs(run->to) > fabs(run->from) ? entity->top_acceleration : entity->top_deceleration;
+    if (board->grip > 0) limit = limit > 0 ? fmin(limit, board->grip) : board->grip;
     if (action->shape == STEP || !(limit > 0) || !(duration > 0)) return duration;
     sb_action hardest = *action;
     hardest.dimension = BY_RATE;

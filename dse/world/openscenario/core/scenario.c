@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#define GRAVITY 9.81 /* m/s2 */
+
 static sb_actor *host_of(scenario *self) {
     return scenario_tables.host == SB_NONE ? NULL : &self->board.actors[scenario_tables.host];
 }
@@ -67,6 +69,12 @@ static void show_nearest(scenario *self) {
     }
 }
 
+/* On a dry road, road users do as the scenario states. */
+static void feel(scenario *self) {
+    double loss = self->in.surface.friction_loss;
+    self->board.grip = loss > 0 ? GRAVITY * fmax(1 - loss, 0.01) : 0;
+}
+
 static void output(scenario *self) {
     show_nearest(self);
     for (int32_t i = 0; i < scenario_tables.entity_count && i < SCENARIO_SEEN; ++i) self->out.everyone[i] = mover_of(self, i);
@@ -80,6 +88,7 @@ void scenario_init(scenario *self) {
     scenario_numbers(self);
     self->board.has_host = !self->par.drives_host && scenario_tables.host != SB_NONE;
     for (int32_t k = 0; k < SCENARIO_MOVERS; ++k) self->shown[k] = SB_NONE;
+    feel(self);
     storyboard_begin(&self->board);
     const sb_actor *host = host_of(self);
     if (host) {
@@ -103,6 +112,7 @@ void scenario_step(scenario *self, double h) {
         host->speed = self->in.motion.speed;
         host->acceleration = self->in.motion.acceleration;
     }
+    feel(self);
     storyboard_step(&self->board, h);
     output(self);
 }

@@ -190,6 +190,7 @@ typedef struct {
     double base_time, step; /* the time is base_time + steps * step, never a sum of steps */
     int64_t steps;
     double now, h;
+    double grip; /* m/s2 that the surface allows; 0: no limit */
     bool has_host, has_ended; /* the host is driven by somebody else; the stop trigger was true */
 } storyboard;
 
