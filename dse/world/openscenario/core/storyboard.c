@@ -102,11 +102,11 @@ static void follow(storyboard *board, sb_actor *actor) {
         is_over = time >= board->points[line->point + line->points - 1].time;
         if (!is_over) actor->speed = (actor->along - before) / board->h;
     } else {
-        actor->along += fabs(actor->speed) * board->h;
-        is_over = actor->along >= length;
+        double moved = board->runs[actor->slot].from * actor->speed * board->h;
+        actor->along += moved;
+        is_over = moved < 0 ? actor->along <= 0 : actor->along >= length;
     }
-    sb_point at = trajectory_at(board, actor->trajectory, actor->along);
-    actor->at = (sb_place){.path = SB_NONE, .sense = 1, .x = at.x, .y = at.y, .heading = at.heading};
+    trajectory_put(board, actor->trajectory, actor, board->runs[actor->slot].from);
     if (!is_over) return;
     actor->trajectory = SB_NONE;
     int32_t path = scenario_tables.entities[actor - board->actors].path;
