@@ -226,13 +226,14 @@ static void begin_trajectory(storyboard *board, const sb_action *action, sb_run 
     actor->slot = (int32_t)(action - scenario_tables.actions);
     actor->along = number(board, action, 0);
     if (action->flags & IS_ACCELERATED) trajectory_accelerate(board, action->target, actor->speed);
-    run->begun = action->flags & IS_RELATIVE_TIME ? board->now : 0;
+    double shift = board->points[scenario_tables.trajectories[action->target].point].time;
+    double skipped = trajectory_at(board, action->target, actor->along).time - shift;
+    run->begun = action->flags & IS_RELATIVE_TIME ? board->now - skipped : 0;
     if (action->flags & IS_TIMED) {
-        double shift = board->points[scenario_tables.trajectories[action->target].point].time;
         double time = (board->now - run->begun - number(board, action, 2)) / number(board, action, 1);
         actor->along = fmax(actor->along, trajectory_station(board, action->target, fmax(time, shift)));
     }
-    run->from = trajectory_sense(board, action->target, actor->along, actor->speed);
+    run->from = trajectory_sense(action->target, actor->speed);
     trajectory_put(board, action->target, actor, run->from);
     actor->is_present = true;
 }
@@ -395,7 +396,7 @@ void action_advance(storyboard *board, int32_t self) {
     case DO_SPEED: {
         if (action->entity != SB_NONE) {
             run->to = target_speed(board, action);
-            run->duration = speed_duration(board, action, run);
+            if (action->dimension == BY_RATE) run->duration = duration_of(board, action, number(board, action, 0), run->to - run->from);
         }
         double part = advance(board, action, run);
         is_done = approach(board, action, run, run->from + part * (run->to - run->from)) && part >= 1;

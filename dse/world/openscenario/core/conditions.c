@@ -184,8 +184,12 @@ static bool of_actor(storyboard *board, const sb_condition *condition, int32_t a
     }
     switch (condition->kind) {
     case IF_SPEED: return fits(condition->rule, along_heading(own, condition->direction), value);
-    case IF_RELATIVE_SPEED: return fits(condition->rule, along_heading(own, condition->direction) -
-                                        along_heading(&board->actors[condition->entity], condition->direction), value);
+    case IF_RELATIVE_SPEED: {
+        const sb_actor *other = &board->actors[condition->entity];
+        double turn = condition->direction == SB_NONE ? 0 : own->at.heading - other->at.heading;
+        double seen = condition->direction == LATERALLY ? own->speed * sin(turn) : own->speed * cos(turn);
+        return fits(condition->rule, seen - (condition->direction == LATERALLY ? 0 : other->speed), value);
+    }
     case IF_ACCELERATION: return fits(condition->rule, own->acceleration, value);
     case IF_STANDSTILL: return lasts(own->standing, value);
     case IF_TRAVELLED: return own->travelled >= value;
@@ -295,4 +299,19 @@ bool trigger_is_true(storyboard *board, int32_t trigger) {
         any = any || all;
     }
     return any;
+}
+
+/* What was true before does not count any more. */
+void trigger_forget(storyboard *board, int32_t trigger) {
+    if (trigger == SB_NONE) return;
+    const sb_range *groups = &scenario_tables.triggers[trigger];
+    for (int32_t i = 0; i < groups->count; ++i) {
+        const sb_range *group = &scenario_tables.groups[groups->first + i];
+        for (int32_t k = 0; k < group->count; ++k) {
+            sb_memory *memory = &board->memories[scenario_tables.conditions[group->first + k].memory];
+            memory->was = memory->is_known = memory->is_pending = false;
+            memory->since = HUGE_VAL;
+            memory->until = -HUGE_VAL;
+        }
+    }
 }

@@ -213,7 +213,7 @@ void trajectory_lay(storyboard *board, int32_t trajectory, int32_t actor);
 double trajectory_length(const storyboard *board, int32_t trajectory);
 sb_point trajectory_at(const storyboard *board, int32_t trajectory, double s);
 void trajectory_accelerate(storyboard *board, int32_t trajectory, double speed);
-double trajectory_sense(const storyboard *board, int32_t trajectory, double s, double speed);
+double trajectory_sense(int32_t trajectory, double speed);
 void trajectory_put(const storyboard *board, int32_t trajectory, sb_actor *actor, double sense);
 double trajectory_station(const storyboard *board, int32_t trajectory, double time);
 double trajectory_foot(const storyboard *board, int32_t trajectory, double x, double y);
@@ -225,6 +225,7 @@ void action_end(storyboard *board, int32_t action);
 
 /* conditions.c */
 bool trigger_is_true(storyboard *board, int32_t trigger);
+void trigger_forget(storyboard *board, int32_t trigger);
 double gap_ahead(storyboard *board, int32_t actor, double x, double y, sb_memory *memory, double *aside);
 
 #endif

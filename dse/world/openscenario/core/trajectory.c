@@ -138,13 +138,10 @@ sb_point trajectory_at(const storyboard *board, int32_t number, double s) {
     };
 }
 
-/* In which direction a road user moves along a line at a positive speed: -1 if its heading there is against the line. */
-double trajectory_sense(const storyboard *board, int32_t number, double s, double speed) {
+/* In which direction a road user moves along a line at a positive speed: who begins to reverse faces backwards. */
+double trajectory_sense(int32_t number, double speed) {
     const sb_trajectory *line = &scenario_tables.trajectories[number];
-    const sb_point *points = board->points + line->point;
-    if (!is_turned(line, 0)) return speed < 0 ? -1 : 1;
-    double along = atan2(points[1].y - points[0].y, points[1].x - points[0].x);
-    return cos(trajectory_at(board, number, s).heading - along) < 0 ? -1 : 1;
+    return !is_turned(line, 0) && speed < 0 ? -1 : 1;
 }
 
 void trajectory_put(const storyboard *board, int32_t number, sb_actor *actor, double sense) {
