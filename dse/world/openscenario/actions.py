@@ -19,7 +19,7 @@ _SIDES = {"any": 0, "leadingReferencedEntity": 16, "trailingReferencedEntity": 3
 _LATERAL_SIDES = {"any": 0, "leftToReferencedEntity": 16, "rightToReferencedEntity": 32}
 _FACTOR, _CONTINUOUS, _TIME_GAP, _FREESPACE = 1, 2, 4, 8
 _TIMED, _RELATIVE_TIME, _FINAL, _STEADY_TIME, _STEADY_DISTANCE, _LIMITS, _HIDDEN = 64, 128, 256, 512, 1024, 2048, 4096
-_ALONG = 8192
+_ALONG, _ACCELERATED = 8192, 16384
 _DEFAULT_LATERAL_ACCELERATION = 0.5  # m/s2, of a lane offset without one; assumed
 _NO_LIMIT = -1.0
 
@@ -176,10 +176,14 @@ class Actions:
         assert isinstance(row, dict)  # noqa: S101  # by construction
         if timing is not None and timing.tag == "Timing":
             if not row["is_timed"]:
-                raise fail("the trajectory has no times", timing.where, "use <None/> as its time reference")
-            flags = _TIMED
-            flags |= timing.word("domainAbsoluteRelative", {"absolute": 0, "relative": _RELATIVE_TIME}, "relative")
-            scale, offset = timing.number("scale", 1.0), timing.number("offset", 0.0)
+                timing.ignore("the trajectory has no times, it is followed at the speed of the entity")
+            else:
+                flags = _TIMED
+                flags |= timing.word("domainAbsoluteRelative", {"absolute": 0, "relative": _RELATIVE_TIME}, "relative")
+                mode = node.child("TrajectoryFollowingMode")
+                if mode and row["kind"] == "POLYLINE":
+                    flags |= mode.word("followingMode", {"follow": _ACCELERATED, "position": 0}, "position")
+                scale, offset = timing.number("scale", 1.0), timing.number("offset", 0.0)
         numbers = [node.number("initialDistanceOffset", 0.0), scale, offset]
         controls = "BOTH" if flags else "LATERAL"
         return {"kind": "DO_TRAJECTORY", "controls": controls, "target": number, "flags": flags, "numbers": numbers}

@@ -67,6 +67,21 @@ static double target_speed(const storyboard *board, const sb_action *action) {
     return copysign(limited(fabs(wanted), scenario_tables.entities[action->actor].top_speed), wanted);
 }
 
+/* A speed that the road user reaches within its own limits; what is missing takes longer. */
+static bool approach(storyboard *board, const sb_action *action, sb_run *run, double wanted) {
+    sb_actor *actor = &board->actors[action->actor];
+    const sb_entity *entity = &scenario_tables.entities[action->actor];
+    double change = wanted - actor->speed, limit = change > 0 ? entity->top_acceleration : entity->top_deceleration;
+    double most = limit > 0 && board->h > 0 ? limit * board->h : HUGE_VAL;
+    if (fabs(change) <= most + REACHED) {
+        actor->speed = wanted;
+        return true;
+    }
+    actor->speed += copysign(most, change);
+    run->progress -= board->h * (1 - most / fabs(change));
+    return false;
+}
+
 static double t_of(const sb_actor *actor) {
     return place_middle(actor->at.path, actor->at.s, actor->at.lane, actor->piece) + actor->at.offset;
 }
@@ -114,7 +129,7 @@ static void change_lane(storyboard *board, const sb_action *action, sb_run *run)
         lane = place_lane(actor->at.path, actor->at.s, action->target);
     } else {
         sb_place other = seen_on_path(board, action->actor, action->entity);
-        lane = other.lane + actor->at.sense * action->target;
+        lane = other.lane + other.sense * action->target;
     }
     double t = t_of(actor);
     actor->at.lane = lane;
@@ -126,11 +141,11 @@ static void change_lane(storyboard *board, const sb_action *action, sb_run *run)
 
 static double wanted_offset(storyboard *board, const sb_action *action) {
     sb_actor *actor = &board->actors[action->actor];
-    double given = place_road(actor->at.path, actor->at.s) * number(board, action, 0);
-    if (action->entity == SB_NONE) return given;
+    double given = number(board, action, 0);
+    if (action->entity == SB_NONE) return place_road(actor->at.path, actor->at.s) * given;
     sb_place other = seen_on_path(board, action->actor, action->entity);
     double t = place_middle(other.path, other.s, other.lane, 0) + other.offset;
-    return t + given - place_middle(actor->at.path, actor->at.s, actor->at.lane, actor->piece);
+    return t + other.sense * given - place_middle(actor->at.path, actor->at.s, actor->at.lane, actor->piece);
 }
 
 /* With a greatest lateral acceleration a: |second derivative| of the shape is at most that. */
@@ -211,14 +226,16 @@ static void begin_trajectory(storyboard *board, const sb_action *action, sb_run 
     actor->trajectory = action->target;
     actor->slot = (int32_t)(action - scenario_tables.actions);
     actor->along = number(board, action, 0);
-    run->begun = action->flags & IS_RELATIVE_TIME ? board->now : 0;
+    if (action->flags & IS_ACCELERATED) trajectory_accelerate(board, action->target, actor->speed);
+    double shift = board->points[scenario_tables.trajectories[action->target].point].time;
+    double skipped = trajectory_at(board, action->target, actor->along).time - shift;
+    run->begun = action->flags & IS_RELATIVE_TIME ? board->now - skipped : 0;
     if (action->flags & IS_TIMED) {
-        double shift = board->points[scenario_tables.trajectories[action->target].point].time;
         double time = (board->now - run->begun - number(board, action, 2)) / number(board, action, 1);
         actor->along = fmax(actor->along, trajectory_station(board, action->target, fmax(time, shift)));
     }
-    sb_point at = trajectory_at(board, action->target, actor->along);
-    actor->at = (sb_place){.path = SB_NONE, .sense = 1, .x = at.x, .y = at.y, .heading = at.heading};
+    run->from = trajectory_sense(action->target, actor->speed);
+    trajectory_put(board, action->target, actor, run->from);
     actor->is_present = true;
 }
 
@@ -266,7 +283,7 @@ static bool synchronize(storyboard *board, const sb_action *action, sb_run *run)
     if (!(board->h > 0)) return false;
     double masters = way_to(board, action->entity, action->position) - number(board, action, 2);
     double way = way_to(board, action->actor, action->other_position) - number(board, action, 3);
-    double pace = fabs(master->speed);
+    double pace = run->progress > 0 ? (run->masters - masters) / board->h : fabs(master->speed);
     double final = number(board, action, 0) + (action->flags & IS_FACTOR ? master->speed : 0);
     bool is_first = run->progress == 0, moves_away = !is_first && (way > run->way + REACHED || masters > run->masters + REACHED);
     run->progress = 1;
@@ -378,10 +395,13 @@ void action_advance(storyboard *board, int32_t self) {
     if (!run->is_running) return;
     switch (action->kind) {
     case DO_SPEED: {
+        if (action->entity != SB_NONE) {
+            run->to = target_speed(board, action);
+            if (action->dimension == BY_RATE) run->duration = duration_of(board, action, number(board, action, 0), run->to - run->from);
+        }
         double part = advance(board, action, run);
-        if (action->flags & IS_CONTINUOUS) run->to = target_speed(board, action);
-        actor->speed = run->from + part * (run->to - run->from);
-        is_done = part >= 1 && !(action->flags & IS_CONTINUOUS);
+        is_done = approach(board, action, run, run->from + part * (run->to - run->from)) && part >= 1;
+        is_done = is_done && !(action->flags & IS_CONTINUOUS);
         break;
     }
     case DO_SPEED_PROFILE: is_done = follow_profile(board, action, run); break;
@@ -390,11 +410,12 @@ void action_advance(storyboard *board, int32_t self) {
     case DO_LANE_CHANGE:
     case DO_LANE_OFFSET: {
         double part = advance(board, action, run);
-        if (action->flags & IS_CONTINUOUS && action->entity != SB_NONE) run->to = wanted_offset(board, action);
+        bool follows = action->flags & IS_CONTINUOUS && action->entity != SB_NONE && action->entity != action->actor;
+        if (follows) run->to = wanted_offset(board, action);
         double offset = run->from + part * (run->to - run->from);
         actor->drift = board->h > 0 ? (offset - actor->at.offset) / board->h : 0;
         actor->at.offset = offset;
-        is_done = part >= 1 && !(action->flags & IS_CONTINUOUS);
+        is_done = part >= 1 && !follows;
         break;
     }
     case DO_TRAJECTORY: is_done = actor->trajectory == SB_NONE || actor->slot != self; break;

@@ -184,8 +184,12 @@ static bool of_actor(storyboard *board, const sb_condition *condition, int32_t a
     }
     switch (condition->kind) {
     case IF_SPEED: return fits(condition->rule, along_heading(own, condition->direction), value);
-    case IF_RELATIVE_SPEED: return fits(condition->rule, along_heading(own, condition->direction) -
-                                        along_heading(&board->actors[condition->entity], condition->direction), value);
+    case IF_RELATIVE_SPEED: {
+        const sb_actor *other = &board->actors[condition->entity];
+        double turn = condition->direction == SB_NONE ? 0 : own->at.heading - other->at.heading;
+        double seen = condition->direction == LATERALLY ? own->speed * sin(turn) : own->speed * cos(turn);
+        return fits(condition->rule, seen - (condition->direction == LATERALLY ? 0 : other->speed), value);
+    }
     case IF_ACCELERATION: return fits(condition->rule, own->acceleration, value);
     case IF_STANDSTILL: return lasts(own->standing, value);
     case IF_TRAVELLED: return own->travelled >= value;
@@ -221,22 +225,29 @@ static bool of_actor(storyboard *board, const sb_condition *condition, int32_t a
     }
 }
 
-static bool state_is(const storyboard *board, const sb_condition *condition) {
+/* A transition is seen once: in its own frame by what comes later in the storyboard, else in the next one. */
+static bool has_changed(const sb_progress *progress, int32_t transition, sb_memory *memory) {
+    bool was_seen = memory->piece != 0;
+    memory->piece = (progress->changing & transition) != 0;
+    return memory->piece || (!was_seen && progress->changed & transition);
+}
+
+static bool state_is(const storyboard *board, const sb_condition *condition, sb_memory *memory) {
     const sb_progress *progress = &board->progress[condition->element];
     switch (condition->state) {
     case ON_STANDBY: return progress->state == STANDBY;
     case ON_RUNNING: return progress->state == RUNNING;
     case ON_COMPLETE: return progress->state == COMPLETE;
-    case ON_START: return progress->changed & HAS_STARTED;
-    case ON_END: return progress->changed & HAS_ENDED;
-    case ON_STOP: return progress->changed & HAS_STOPPED;
-    default: return progress->changed & HAS_SKIPPED;
+    case ON_START: return has_changed(progress, HAS_STARTED, memory);
+    case ON_END: return has_changed(progress, HAS_ENDED, memory);
+    case ON_STOP: return has_changed(progress, HAS_STOPPED, memory);
+    default: return has_changed(progress, HAS_SKIPPED, memory);
     }
 }
 
 static bool is_true_now(storyboard *board, const sb_condition *condition, sb_memory *memory) {
     if (condition->kind == IF_ALWAYS) return true;
-    if (condition->kind == IF_STATE) return state_is(board, condition);
+    if (condition->kind == IF_STATE) return state_is(board, condition, memory);
     double value = board->values[condition->numbers[0]];
     if (condition->kind == IF_TIME) return fits(condition->rule, board->now, value);
     if (condition->kind == IF_VARIABLE) return fits(condition->rule, board->variables[condition->variable], value);
@@ -288,4 +299,19 @@ bool trigger_is_true(storyboard *board, int32_t trigger) {
         any = any || all;
     }
     return any;
+}
+
+/* What was true before does not count any more. */
+void trigger_forget(storyboard *board, int32_t trigger) {
+    if (trigger == SB_NONE) return;
+    const sb_range *groups = &scenario_tables.triggers[trigger];
+    for (int32_t i = 0; i < groups->count; ++i) {
+        const sb_range *group = &scenario_tables.groups[groups->first + i];
+        for (int32_t k = 0; k < group->count; ++k) {
+            sb_memory *memory = &board->memories[scenario_tables.conditions[group->first + k].memory];
+            memory->was = memory->is_known = memory->is_pending = false;
+            memory->since = HUGE_VAL;
+            memory->until = -HUGE_VAL;
+        }
+    }
 }

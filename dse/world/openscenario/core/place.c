@@ -145,9 +145,10 @@ static sb_place before_heading(storyboard *board, const sb_position *position, i
         place = *other;
         if (place.path == SB_NONE) return place;
         int32_t sense = position->kind == BY_LANE ? place_road(place.path, place.s) : place.sense;
+        int32_t against = place.sense * place_sense(place.path, place.s, place.lane);
         place.s += sense * given[0];
         place.lane += sense * position->lane;
-        place.sense = place_sense(place.path, place.s, place.lane);
+        place.sense = against * place_sense(place.path, place.s, place.lane);
         place.offset = given[1] * sense;
         place.turn = 0;
         place_lay(board, &place, &piece);

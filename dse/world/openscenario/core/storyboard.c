@@ -31,6 +31,7 @@ static void start(storyboard *board, int32_t i) {
     for (int32_t k = i + 1; k < element->end; k = element_of(k)->end) {
         bool follows = element->kind == ACT || element->kind == GROUP || element->kind == EVENT;
         board->progress[k].state = STANDBY;
+        trigger_forget(board, element_of(k)->start);
         if (element_of(k)->kind == EVENT) board->progress[k].count = 0;
         if (follows) start(board, k);
     }
@@ -63,15 +64,12 @@ static void proceed(storyboard *board, int32_t i) {
     }
 }
 
-static void act(storyboard *board, int32_t i) {
+static void finish(storyboard *board, int32_t i) {
     const sb_element *element = element_of(i);
     sb_progress *progress = &board->progress[i];
-    if (progress->state != RUNNING || element->kind != ACTION) return;
-    action_advance(board, element->action);
-    if (!board->runs[element->action].is_running) {
-        progress->state = COMPLETE;
-        progress->changing |= HAS_ENDED;
-    }
+    if (element->kind != ACTION || progress->state != RUNNING || board->runs[element->action].is_running) return;
+    progress->state = COMPLETE;
+    progress->changing |= HAS_ENDED;
 }
 
 /* From the innermost outwards: what has only ended elements in it ends. */
@@ -86,7 +84,10 @@ static void conclude(storyboard *board, int32_t i) {
     progress->count += 1;
     progress->state = COMPLETE;
     if (progress->count >= element->most) return;
-    if (element->kind == EVENT) progress->state = STANDBY;
+    if (element->kind == EVENT) {
+        progress->state = STANDBY;
+        trigger_forget(board, element->start);
+    }
     if (element->kind == GROUP) start(board, i);
 }
 
@@ -102,12 +103,13 @@ static void follow(storyboard *board, sb_actor *actor) {
         is_over = time >= board->points[line->point + line->points - 1].time;
         if (!is_over) actor->speed = (actor->along - before) / board->h;
     } else {
-        actor->along += fabs(actor->speed) * board->h;
-        is_over = actor->along >= length;
+        double moved = board->runs[actor->slot].from * actor->speed * board->h;
+        actor->along += moved;
+        is_over = moved < 0 ? actor->along <= 0 : actor->along >= length;
     }
-    sb_point at = trajectory_at(board, actor->trajectory, actor->along);
-    actor->at = (sb_place){.path = SB_NONE, .sense = 1, .x = at.x, .y = at.y, .heading = at.heading};
+    trajectory_put(board, actor->trajectory, actor, board->runs[actor->slot].from);
     if (!is_over) return;
+    action_end(board, actor->slot);
     actor->trajectory = SB_NONE;
     int32_t path = scenario_tables.entities[actor - board->actors].path;
     if (path != SB_NONE) place_on_path(board, &actor->at, path, &actor->piece);
@@ -176,15 +178,20 @@ static void frame(storyboard *board, double h) {
     if (trigger_is_true(board, scenario_tables.stop)) board->has_ended = true;
     for (int32_t i = 0; i < scenario_tables.element_count; ++i) proceed(board, i);
     for (int32_t i = 0; i < scenario_tables.init_count; ++i) action_advance(board, i);
-    for (int32_t i = 0; i < scenario_tables.element_count; ++i) act(board, i);
-    for (int32_t i = scenario_tables.element_count - 1; i >= 0; --i) conclude(board, i);
-    if (!(h > 0)) return;
-    advance_time(board);
-    for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
-        move(board, i);
-        bool is_driven = board->has_host && i == scenario_tables.host;
-        if (!is_driven) board->actors[i].acceleration = (board->actors[i].speed - before[i]) / h;
+    for (int32_t i = 0; i < scenario_tables.element_count; ++i) {
+        bool is_acting = element_of(i)->kind == ACTION && board->progress[i].state == RUNNING;
+        if (is_acting) action_advance(board, element_of(i)->action);
     }
+    if (h > 0) {
+        advance_time(board);
+        for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
+            move(board, i);
+            bool is_driven = board->has_host && i == scenario_tables.host;
+            if (!is_driven) board->actors[i].acceleration = (board->actors[i].speed - before[i]) / h;
+        }
+    }
+    for (int32_t i = 0; i < scenario_tables.element_count; ++i) finish(board, i);
+    for (int32_t i = scenario_tables.element_count - 1; i >= 0; --i) conclude(board, i);
 }
 
 /* An action waits for the entity that it refers to. */

@@ -173,7 +173,7 @@ typedef struct {
 } sb_memory;
 
 typedef struct {
-    double s, x, y, heading, time;
+    double s, x, y, heading, time, speed; /* NaN: even between points, as their times say */
 } sb_point;
 
 typedef struct {
@@ -213,6 +213,9 @@ double place_middle(int32_t path, double s, int32_t lane, int32_t near);
 void trajectory_lay(storyboard *board, int32_t trajectory, int32_t actor);
 double trajectory_length(const storyboard *board, int32_t trajectory);
 sb_point trajectory_at(const storyboard *board, int32_t trajectory, double s);
+void trajectory_accelerate(storyboard *board, int32_t trajectory, double speed);
+double trajectory_sense(int32_t trajectory, double speed);
+void trajectory_put(const storyboard *board, int32_t trajectory, sb_actor *actor, double sense);
 double trajectory_station(const storyboard *board, int32_t trajectory, double time);
 double trajectory_foot(const storyboard *board, int32_t trajectory, double x, double y);
 
@@ -223,6 +226,7 @@ void action_end(storyboard *board, int32_t action);
 
 /* conditions.c */
 bool trigger_is_true(storyboard *board, int32_t trigger);
+void trigger_forget(storyboard *board, int32_t trigger);
 double gap_ahead(storyboard *board, int32_t actor, double x, double y, sb_memory *memory, double *aside);
 
 #endif
