@@ -21,6 +21,12 @@ from .openscenario.code import (
     host_tables as host_tables,
     scenario_files as scenario_files,
 )
+from .openscenario.distributions import (
+    Uncertain as Uncertain,
+    Variation as Variation,
+    is_variation as is_variation,
+    read_variation as read_variation,
+)
 from .openscenario.scenario import Scenario as Scenario, read_scenario as read_scenario
 from .pieces import from_cubics as from_cubics, value as value
 from .road_reader import open_roads as open_roads, opendrive_text as opendrive_text
