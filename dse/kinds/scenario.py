@@ -46,7 +46,7 @@ class ScenarioSource(Source):
 
 
 class ScenarioKind(ComponentKind[ScenarioSection, ScenarioSource]):
-    """The storyboard becomes tables that a core in C walks (docs/scenarios.md)."""
+    """The storyboard becomes tables that a core in C walks ('dse docs scenarios')."""
 
     section = ScenarioSection
 

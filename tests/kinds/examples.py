@@ -90,6 +90,62 @@ def road() -> Files:
     }
 
 
+def scenario() -> Files:
+    """A car without a road that drives straight on at a speed that is a parameter."""
+    shared = Path(__file__).parents[2] / "components" / "interfaces.yaml"
+    return {
+        "interfaces.yaml": shared.read_bytes(),
+        "twice/component.yaml": (
+            "component: twice\nimplements: scenario\nsource: {kind: scenario, file: straight.xosc}\nparameters:\n"
+            "  speed: {start: 3, tunable: false}\n  drives_host: {start: true, tunable: false}\n"
+            "  host_front: {start: 0 m, tunable: false}\n"
+        ),
+        "twice/straight.xosc": """\
+<OpenSCENARIO>
+  <FileHeader revMajor="1" revMinor="2" date="2026-01-01T00:00:00" description="" author=""/>
+  <ParameterDeclarations>
+    <ParameterDeclaration name="speed" parameterType="double" value="3"/>
+  </ParameterDeclarations>
+  <Entities>
+    <ScenarioObject name="Ego">
+      <Vehicle name="car" vehicleCategory="car">
+        <BoundingBox>
+          <Center x="1.4" y="0" z="0.75"/>
+          <Dimensions width="1.8" length="4.6" height="1.5"/>
+        </BoundingBox>
+      </Vehicle>
+    </ScenarioObject>
+  </Entities>
+  <Storyboard>
+    <Init>
+      <Actions>
+        <Private entityRef="Ego">
+          <PrivateAction>
+            <TeleportAction>
+              <Position>
+                <WorldPosition x="0" y="0"/>
+              </Position>
+            </TeleportAction>
+          </PrivateAction>
+          <PrivateAction>
+            <LongitudinalAction>
+              <SpeedAction>
+                <SpeedActionDynamics dynamicsShape="step" dynamicsDimension="time" value="0"/>
+                <SpeedActionTarget>
+                  <AbsoluteTargetSpeed value="$speed"/>
+                </SpeedActionTarget>
+              </SpeedAction>
+            </LongitudinalAction>
+          </PrivateAction>
+        </Private>
+      </Actions>
+    </Init>
+  </Storyboard>
+</OpenSCENARIO>
+""",
+    }
+
+
 def sumo() -> Files:
     """A lane and traffic that minds nobody."""
     root = Path(__file__).parents[2] / "components"
@@ -129,6 +185,7 @@ EXAMPLES: dict[str, Callable[[], Files]] = {
     "fmu": fmu,
     "modelica": modelica,
     "road": road,
+    "scenario": scenario,
     "sumo": sumo,
     "time_series": time_series,
     "simulink": simulink,

@@ -291,3 +291,7 @@ _GLOBAL: dict[str, Callable[[Actions, Node], Row | None]] = {
     "ParameterAction": Actions.variable,
 }
 PRIVATE_ACTIONS, GLOBAL_ACTIONS = frozenset(_PRIVATE), frozenset(_GLOBAL)
+WITHOUT_EFFECT = frozenset(
+    {name for name, make in _PRIVATE.items() if make is Actions.nothing}
+    | {name for name, make in _GLOBAL.items() if make is Actions.environment}
+)

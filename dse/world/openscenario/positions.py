@@ -11,6 +11,13 @@ from dse.world.openscenario.expressions import Number
 from dse.world.openscenario.paths import Paths
 from dse.world.openscenario.tables import CHORDS, NONE, Tables
 
+POSITIONS = frozenset(
+    {
+        *("LanePosition", "RoadPosition", "WorldPosition", "RelativeLanePosition", "RelativeRoadPosition"),
+        *("RelativeObjectPosition", "RelativeWorldPosition", "TrajectoryPosition", "RoutePosition"),
+    }
+)
+TRAJECTORY_SHAPES = frozenset({"Polyline", "Clothoid", "ClothoidSpline", "Nurbs"})
 _MOST_ORDER = 8
 _NURBS_CHORDS = 200
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from dse.errors import Problem, Problems, closest, fail, raise_if_any
 from dse.formats import shown
-from dse.loading import Workspace
+from dse.loading import Workspace, find_root
 from dse.world.opendrive.reading import read_network
 from dse.world.opendrive.structure import Network
 from dse.world.openscenario.actions import Actions
@@ -148,7 +148,7 @@ class _Compiler:
             return None
         name = logic.text("filepath")
         path = root.context.file(name, logic.where, "the road network")
-        kind, inside = path.suffix.lower(), root.context.inside
+        kind, inside = path.suffix.lower(), root.context.inside or find_root(path.parent)
         if kind == ".xodr":
             return Paths(read_network(path, shown(path)))
         if kind == ".yaml" and inside is not None:
