@@ -10,6 +10,7 @@ from pathlib import Path
 from answerers import Answerer
 from background import LIMIT
 from coded_texts import gain
+from scenario_texts import car, declared, private, scenario as scenario_text, speed, teleport, world
 
 from dse.fmu.component_build import build
 from dse.testing.kinds import Files, lay_out, the_component
@@ -82,11 +83,27 @@ def road() -> Files:
         "twice/component.yaml": (
             "component: twice\nimplements: road\n"
             "source: {kind: road, file: ../../roads/bend.yaml, paths: {same: {route: [1]}}}\n"
-            "parameters: {start_station: {start: 5 m}, start_lane: {start: 0, type: int}}\n"
+            "parameters:\n"
+            "  {preview_spacing: {start: 2 m}, start_station: {start: 5 m}, start_lane: {start: 0, type: int}}\n"
         ),
         "../roads/bend.yaml": (
             "road: bend\nlanes: 4\nsegments: [{straight: 50 m}, {curve: {radius: 60 m, angle: 40 deg, spiral: 20 m}}]\n"
         ),
+    }
+
+
+def scenario() -> Files:
+    """A road user in the plane."""
+    shared = Path(__file__).parents[2] / "components" / "interfaces.yaml"
+    start = teleport(world("$x", 2)) + speed(3)
+    return {
+        "interfaces.yaml": shared.read_bytes(),
+        "twice/component.yaml": (
+            "component: twice\nimplements: scenario\nsource: {kind: scenario, file: alone.xosc}\nparameters:\n"
+            "  x: {start: 5, tunable: false}\n"
+            "  drives_host: {start: false, tunable: false}\n  host_front: {start: 2 m, tunable: false}\n"
+        ),
+        "twice/alone.xosc": scenario_text(car("One"), private("One", start), parameters=declared(x=1)),
     }
 
 
@@ -129,6 +146,7 @@ EXAMPLES: dict[str, Callable[[], Files]] = {
     "fmu": fmu,
     "modelica": modelica,
     "road": road,
+    "scenario": scenario,
     "sumo": sumo,
     "time_series": time_series,
     "simulink": simulink,

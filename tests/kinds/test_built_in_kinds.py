@@ -14,7 +14,7 @@ from dse.fmu.component_build import build
 from dse.loading.component.kind import KINDS, kind_of
 from dse.testing.kinds import Files, KindSuite, lay_out, the_component
 
-DEAR = {"road", "sumo"}
+DEAR = {"road", "scenario", "sumo"}
 """Kinds whose FMUs take seconds to make."""
 
 
