@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 from dse.domain.component import Component, Source
 from dse.errors import Location, Problem, closest, fail, raise_if_any
 from dse.kinds._generated import build_generated
+from dse.kinds.scenario import Values, written_values
 from dse.loading import ComponentKind, Section, SourcePlace, SourceSection, Workspace
 
 if TYPE_CHECKING:
-    from dse.world import Network, RoadTables
+    from dse.world import Network, RoadTables, Scenario
 
 _INTERFACE = "road"
 _MOST = {"paths": 8, "traffic lights": 16, "conflicts, each counted on both of its paths": 16}
@@ -26,11 +27,18 @@ class WaySection(Section):
     lane: int = 0
 
 
-class RoadSection(WaySection, SourceSection):
-    """The keys of ``source``."""
+class WaysSection(WaySection, SourceSection):
+    """The keys of ``source`` that name ways through the roads of a file."""
 
     file: str
     paths: dict[str, WaySection] = {}
+
+
+class RoadSection(WaysSection):
+    """The keys of ``source``; *values* and *host* as in a scenario, if the file is one."""
+
+    values: Values = {}
+    host: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +53,10 @@ class WrittenWay:
 
 @dataclass(frozen=True, slots=True)
 class RoadSource(Source):
-    """*ways* through the roads of *file*, the host's first; *inside* is the workspace."""
+    """*ways* through the roads of *file*, the host's first; *inside* is the workspace.
+
+    The road of a scenario depends on *values* of its parameters, and on its *host*.
+    """
 
     kind = "road"
     label = "road"
@@ -53,6 +64,8 @@ class RoadSource(Source):
     file: Path
     inside: Path
     ways: tuple[WrittenWay, ...]
+    values: tuple[tuple[str, str], ...] = ()
+    host: str | None = None
 
     @property
     def is_exact(self) -> bool:
@@ -68,7 +81,13 @@ class RoadKind(ComponentKind[RoadSection, RoadSource]):
     def read(self, section: RoadSection, place: SourcePlace) -> RoadSource:
         """The host's way, and those under ``paths``. The file is opened when it is needed."""
         file = place.file(section.file, (".xodr", ".yaml", ".xosc"), "file")
-        return RoadSource(file, place.inside, written_ways(section, place))
+        if file.suffix == ".xosc":
+            _refuse_ways(section, place)
+        elif section.values or section.host is not None:
+            key = "values" if section.values else "host"
+            raise fail(f"'{key}' is for a scenario (.xosc), and '{section.file}' is none", place.at(key))
+        values = written_values(section.values)
+        return RoadSource(file, place.inside, written_ways(section, place), values, section.host)
 
     def build(self, component: Component, source: RoadSource, *, version: int, cache: Path | None) -> Path:
         """The FMU. Raises DseError with what is wrong with the roads and the ways through them."""
@@ -85,15 +104,15 @@ class RoadKind(ComponentKind[RoadSection, RoadSource]):
 
 def tables_along(source: RoadSource) -> RoadTables:
     """The paths along the ways of *source*. Raises DseError with what is wrong with them and the roads."""
-    from dse.world import Route, host_tables, read_scenario, road_tables
+    from dse.world import Route, host_tables, road_tables
 
-    if source.file.suffix.lower() == ".xosc":
-        return host_tables(read_scenario(source.file, inside=source.inside), source.ways[0].where)
+    if source.file.suffix == ".xosc":
+        return host_tables(_scenario(source), source.ways[0].where)
     routes = [Route(way.roads, way.lane, way.name, way.where) for way in source.ways]
     return road_tables(roads_of(source), routes)
 
 
-def written_ways(section: RoadSection, place: SourcePlace) -> tuple[WrittenWay, ...]:
+def written_ways(section: WaysSection, place: SourcePlace) -> tuple[WrittenWay, ...]:
     """The host's way, and those under ``paths``."""
     ways = [_way("host", section, place.at("route"))]
     return (*ways, *(_way(name, way, place.at("paths", name)) for name, way in section.paths.items()))
@@ -103,7 +122,25 @@ def roads_of(source: RoadSource) -> Network:
     """The roads that its ways lead through. Raises DseError with what is wrong with them."""
     from dse.world import open_roads
 
+    if source.file.suffix == ".xosc":
+        network = _scenario(source).network
+        if network is None:
+            raise fail("the scenario has no road network", source.ways[0].where)
+        return network
     return open_roads(str(source.file), Workspace(source.inside))
+
+
+def _scenario(source: RoadSource) -> Scenario:
+    from dse.world import read_scenario
+
+    return read_scenario(source.file, dict(source.values), source.host, source.inside)
+
+
+def _refuse_ways(section: RoadSection, place: SourcePlace) -> None:
+    """The path of a scenario's host follows from where the scenario places it."""
+    key = "route" if section.route else "lane" if section.lane else "paths" if section.paths else ""
+    if key:
+        raise fail(f"'{key}' is not for a scenario: it places its host itself", place.at(key), "leave it out")
 
 
 def _way(name: str, section: WaySection, where: Location) -> WrittenWay:

@@ -18,11 +18,15 @@ if TYPE_CHECKING:
 _INTERFACE = "scenario"
 
 
+Values = dict[str, str | int | float | bool]
+"""Of parameters of a scenario, as they are written."""
+
+
 class ScenarioSection(SourceSection):
     """The keys of ``source``: the file, values of parameters that are decided at build time, and the host."""
 
     file: str
-    values: dict[str, str | int | float | bool] = {}
+    values: Values = {}
     host: str | None = None
 
 
@@ -53,8 +57,7 @@ class ScenarioKind(ComponentKind[ScenarioSection, ScenarioSource]):
     def read(self, section: ScenarioSection, place: SourcePlace) -> ScenarioSource:
         """The file is opened when it is needed."""
         file = place.file(section.file, (".xosc",), "file")
-        values = tuple((name, _written(value)) for name, value in sorted(section.values.items()))
-        return ScenarioSource(file, place.inside, values, section.host, place.at("file"))
+        return ScenarioSource(file, place.inside, written_values(section.values), section.host, place.at("file"))
 
     def build(self, component: Component, source: ScenarioSource, *, version: int, cache: Path | None) -> Path:
         """The FMU. Raises DseError with what is wrong in the scenario, or not supported."""
@@ -107,8 +110,10 @@ def _checked(component: Component, source: ScenarioSource) -> Scenario:
     return scenario
 
 
-def _written(value: str | float) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
+def written_values(values: Values) -> tuple[tuple[str, str], ...]:
+    """*values* as an OpenSCENARIO file has them, by name."""
+    texts = {name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in values.items()}
+    return tuple(sorted(texts.items()))
 
 
 KIND = ScenarioKind()

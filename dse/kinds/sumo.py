@@ -11,7 +11,7 @@ from dse.domain.component import Component
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.kinds._generated import build_generated
 from dse.kinds._partner import partner_files
-from dse.kinds.road import RoadSection, RoadSource, tables_along, written_ways
+from dse.kinds.road import RoadSource, WaysSection, tables_along, written_ways
 from dse.loading import ComponentKind, Plain, SourcePlace, Workspace
 
 _INTERFACE = "traffic"
@@ -24,7 +24,7 @@ _PARAMETERS = {
 }  # fmt: skip
 
 
-class SumoSection(RoadSection):
+class SumoSection(WaysSection):
     """The keys of ``source``: those of the road, a demand of one's own, and SUMO's step."""
 
     demand: str | None = None
@@ -60,7 +60,8 @@ class SumoKind(ComponentKind[SumoSection, SumoSource]):
         step = _STEP if section.step is None else place.number(section.step, "s", "step")
         if step < _FINEST or not is_multiple(step, _FINEST):
             raise fail(f"SUMO's step is a multiple of 1 ms, not {section.step}", place.at("step"), "step: 10 ms")
-        return SumoSource(file, place.inside, written_ways(section, place), demand, step, place.at("file"))
+        ways = written_ways(section, place)
+        return SumoSource(file, place.inside, ways, demand=demand, step=step, where=place.at("file"))
 
     def build(self, component: Component, source: SumoSource, *, version: int, cache: Path | None) -> Path:
         """The FMU. Raises DseError: SUMO is not here, or cannot read the roads, or nothing leads along a way."""

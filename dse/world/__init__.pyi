@@ -22,8 +22,11 @@ from .openscenario.code import (
     scenario_files as scenario_files,
 )
 from .openscenario.distributions import (
+    CaseSet as CaseSet,
     Uncertain as Uncertain,
     Variation as Variation,
+    case_sets as case_sets,
+    cut_off as cut_off,
     is_variation as is_variation,
     read_variation as read_variation,
 )

@@ -10,6 +10,7 @@ from pathlib import Path
 from answerers import Answerer
 from background import LIMIT
 from coded_texts import gain
+from scenario_texts import car, declared, private, scenario as scenario_text, speed, teleport, world
 
 from dse.fmu.component_build import build
 from dse.testing.kinds import Files, lay_out, the_component
@@ -82,7 +83,8 @@ def road() -> Files:
         "twice/component.yaml": (
             "component: twice\nimplements: road\n"
             "source: {kind: road, file: ../../roads/bend.yaml, paths: {same: {route: [1]}}}\n"
-            "parameters: {start_station: {start: 5 m}, start_lane: {start: 0, type: int}}\n"
+            "parameters:\n"
+            "  {preview_spacing: {start: 2 m}, start_station: {start: 5 m}, start_lane: {start: 0, type: int}}\n"
         ),
         "../roads/bend.yaml": (
             "road: bend\nlanes: 4\nsegments: [{straight: 50 m}, {curve: {radius: 60 m, angle: 40 deg, spiral: 20 m}}]\n"
@@ -91,58 +93,17 @@ def road() -> Files:
 
 
 def scenario() -> Files:
-    """A car without a road that drives straight on at a speed that is a parameter."""
+    """A road user in the plane."""
     shared = Path(__file__).parents[2] / "components" / "interfaces.yaml"
+    start = teleport(world("$x", 2)) + speed(3)
     return {
         "interfaces.yaml": shared.read_bytes(),
         "twice/component.yaml": (
-            "component: twice\nimplements: scenario\nsource: {kind: scenario, file: straight.xosc}\nparameters:\n"
-            "  speed: {start: 3, tunable: false}\n  drives_host: {start: true, tunable: false}\n"
-            "  host_front: {start: 0 m, tunable: false}\n"
+            "component: twice\nimplements: scenario\nsource: {kind: scenario, file: alone.xosc}\nparameters:\n"
+            "  x: {start: 5, tunable: false}\n"
+            "  drives_host: {start: false, tunable: false}\n  host_front: {start: 2 m, tunable: false}\n"
         ),
-        "twice/straight.xosc": """\
-<OpenSCENARIO>
-  <FileHeader revMajor="1" revMinor="2" date="2026-01-01T00:00:00" description="" author=""/>
-  <ParameterDeclarations>
-    <ParameterDeclaration name="speed" parameterType="double" value="3"/>
-  </ParameterDeclarations>
-  <Entities>
-    <ScenarioObject name="Ego">
-      <Vehicle name="car" vehicleCategory="car">
-        <BoundingBox>
-          <Center x="1.4" y="0" z="0.75"/>
-          <Dimensions width="1.8" length="4.6" height="1.5"/>
-        </BoundingBox>
-      </Vehicle>
-    </ScenarioObject>
-  </Entities>
-  <Storyboard>
-    <Init>
-      <Actions>
-        <Private entityRef="Ego">
-          <PrivateAction>
-            <TeleportAction>
-              <Position>
-                <WorldPosition x="0" y="0"/>
-              </Position>
-            </TeleportAction>
-          </PrivateAction>
-          <PrivateAction>
-            <LongitudinalAction>
-              <SpeedAction>
-                <SpeedActionDynamics dynamicsShape="step" dynamicsDimension="time" value="0"/>
-                <SpeedActionTarget>
-                  <AbsoluteTargetSpeed value="$speed"/>
-                </SpeedActionTarget>
-              </SpeedAction>
-            </LongitudinalAction>
-          </PrivateAction>
-        </Private>
-      </Actions>
-    </Init>
-  </Storyboard>
-</OpenSCENARIO>
-""",
+        "twice/alone.xosc": scenario_text(car("One"), private("One", start), parameters=declared(x=1)),
     }
 
 

@@ -12,10 +12,11 @@ from dse.cli.app import group
 from dse.cli.terminal import plain, plain_table, print_line, print_table
 
 if TYPE_CHECKING:
-    from collections.abc import Sized
+    from collections.abc import Iterator, Sized
 
     from dse.domain.component import Component
     from dse.domain.design import DesignSpace
+    from dse.interchange import ImportedTraffic
 
 import_app = group("import", "Read a design space, a component or a system from another program's file.")
 
@@ -176,6 +177,70 @@ def import_ssp(
     for bench in made.benches:
         more = f" --configuration {bench.configuration}" if bench.configuration else ""
         print_line(f"next: dse simulate {folder / 'testbenches' / bench.name}.yaml{more}")
+
+
+@import_app.command("scenario")
+def import_scenario(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="An OpenSCENARIO file (.xosc), or one that varies its parameters.")
+    ],
+    folder: _Folder = None,
+    name: Annotated[
+        str | None, typer.Option("--name", metavar="NAME", help="Of the components; default: that of the file.")
+    ] = None,
+    host: Annotated[
+        str | None,
+        typer.Option("--host", metavar="ENTITY", help="The entity under test; default: Ego, if there is one."),
+    ] = None,
+) -> None:
+    """Import an OpenSCENARIO scenario as components.
+
+    Its road users become DIR/components/traffic/NAME, the road of its host DIR/components/roads/NAME_road. The file,
+    its road network and the catalogues that it uses are copied to DIR/scenarios/NAME.
+
+    A file that varies parameters of a scenario also gives a table of cases for a study. Values that are decided when an
+    FMU is built, as a road network or a catalogue entry, give a component each.
+    """
+    from dse.interchange import import_scenario as make
+
+    target = _target(folder)
+    made = make(file, target, name, host)
+    for path in made.files:
+        print_line(str(path))
+    for problem in made.ignored:
+        print_line(f"  ignored: {plain(str(problem))}")
+    for each in made.traffic:
+        print_line(f"{plain(each.component.name)}: {_counted(each.component.parameters, 'parameter')}")
+        for line in _scenario_lines(each, target):
+            print_line(f"  {plain(line)}")
+    print_line("next: dse check")
+
+
+def _scenario_lines(traffic: ImportedTraffic, folder: Path) -> Iterator[str]:
+    """What a design, a test bench and a study need."""
+    from dse.formats import write_text
+
+    name = traffic.component.name
+    if traffic.road:
+        yield f"design (as designs/highway_scenario.yaml): compound: {{road: {traffic.road}}}"
+    else:
+        yield f"no road component: {traffic.no_road}"
+    yield f"bench (as testbenches/_scenario.yaml): test_components: {{traffic: {{component: {name}}}}}"
+    yield "  connections: [traffic.host_start -> road.host_start, traffic.host_start -> chassis.host_start]"
+    if traffic.varied and traffic.is_product:
+        yield f"study of {traffic.count} cases: conditions:"
+        for parameter, values in traffic.varied.items():
+            yield f"  traffic.{parameter}: {{values: [{', '.join(f'{value:.15g}' for value in values)}]}}"
+    elif traffic.cases is not None:
+        table = Path(os.path.relpath(traffic.cases.absolute(), (folder / "testbenches").absolute())).as_posix()
+        yield f"study of {traffic.count} cases: sampler: {{csv: {{file: {write_text(table)}}}}}, design_variables:"
+        for parameter, values in traffic.varied.items():
+            yield f"  traffic.{parameter}: {{range: [{min(values):.15g}, {max(values):.15g}]}}"
+    if traffic.uncertain:
+        yield f"study: sampler: {{latin_hypercube: {{samples: {traffic.runs}}}}}, uncertain:"
+        for parameter, found in traffic.uncertain.items():
+            numbers = ", ".join(f"{key}: {value:.15g}" for key, value in found.numbers.items())
+            yield f"  traffic.{parameter}: {{{found.kind}: {{{numbers}}}}}"
 
 
 def _target(folder: Path | None) -> Path:

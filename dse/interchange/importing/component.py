@@ -72,10 +72,10 @@ def import_component(
     return ImportedComponent(component, path, has_own, tuple(shown_starts), offered.left_out, told)
 
 
-def name_of(file: Path) -> str:
-    """A component's name from a file's: ``Supplier Radar-2.fmu`` is ``supplier_radar_2``."""
+def name_of(file: Path, prefix: str = "fmu") -> str:
+    """A component's name from a file's: ``Supplier Radar-2.fmu`` is ``supplier_radar_2``, ``2.fmu`` is ``fmu_2``."""
     plain = re.sub(r"[^A-Za-z0-9]+", "_", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", file.stem)).strip("_").lower()
-    return plain if plain and not plain[0].isdigit() else f"fmu_{plain}".rstrip("_")
+    return plain if plain and not plain[0].isdigit() else f"{prefix}_{plain}".strip("_")
 
 
 def _start(component: Component, name: str, value: Value) -> str:

@@ -5,14 +5,16 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path
 
 from dse.domain.distribution import Distribution
 from dse.errors import Location, Problems, fail, raise_if_any
-from dse.formats import read_xml_file, shown
-from dse.world.openscenario.document import Context, Node
+from dse.formats import read_xml_file, shortened, shown
+from dse.world.openscenario.document import Context, Node, Parameter
+from dse.world.openscenario.expressions import Number, read_value
+from dse.world.openscenario.scenario import Scenario, read_scenario
 
 MOST_CASES = 100_000
 _VALUES = "DistributionSet", "DistributionRange", "UserDefinedDistribution"
@@ -73,6 +75,75 @@ def read_variation(path: Path, inside: Path | None = None) -> Variation:
             raise fail(f"<Stochastic>: 'numberOfTestRuns' is {runs}, not 1 to {MOST_CASES}", choice.where)
         return Variation(scenario, ({},), definition.where, _uncertain(choice), runs)
     return Variation(scenario, _cases(choice), definition.where)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CaseSet:
+    """Cases that one FMU can simulate: the *scenario* with *values* of parameters that are decided when it is built.
+
+    *points* are values of its parameters, by name; all have the same names.
+    """
+
+    values: Mapping[str, str]
+    scenario: Scenario
+    points: tuple[Mapping[str, float], ...]
+
+
+def case_sets(variation: Variation, host: str | None = None) -> tuple[CaseSet, ...]:
+    """The cases of *variation*, divided by what is decided when an FMU is built; in the order of their first cases.
+
+    *host* as for `read_scenario`. Raises DseError: a wrong scenario, or a value that its parameter cannot have.
+    """
+    found: list[CaseSet] = []
+    pending: list[tuple[frozenset[str], _Choice, Sequence[_Choice]]] = [(frozenset(), {}, variation.cases)]
+    while pending:
+        settled, values, cases = pending.pop(0)
+        scenario = read_scenario(variation.scenario, values, host)
+        tuned = {each.name: each for each in scenario.parameters}
+        names = set().union(*cases)
+        loose = sorted(names - settled - tuned.keys())
+        if not loose:
+            points = [_point(case, [tuned[name] for name in tuned if name in names], variation) for case in cases]
+            found.append(CaseSet(values, scenario, tuple(points)))
+            continue
+        # What follows from other parameters is a parameter of its own once it has a value.
+        follows = {name for name in loose if name not in values and name not in scenario.decided}
+        if follows:
+            first = {name: case[name] for case in reversed(cases) for name in follows & case.keys()}
+            pending.insert(0, (settled, {**values, **first}, cases))
+            continue
+        parts: dict[tuple[str | None, ...], list[_Choice]] = {}
+        for case in cases:
+            parts.setdefault(tuple(case.get(name) for name in loose), []).append(case)
+        for part in parts.values():
+            more = {name: part[0][name] for name in loose if name in part[0]}
+            pending.append((settled | set(loose), {**values, **more}, part))
+    return tuple(found)
+
+
+def cut_off(parameter: Parameter, uncertain: Uncertain | None) -> Parameter:
+    """*parameter* with the ends of its distribution, if it has one; it starts between them."""
+    if uncertain is None:
+        return parameter
+    lows = [low for low in (parameter.least, uncertain.low) if low is not None]
+    highs = [high for high in (parameter.most, uncertain.high) if high is not None]
+    start = min(max([parameter.start, *lows]), *highs) if highs else max([parameter.start, *lows])
+    return replace(parameter, least=max(lows, default=None), most=min(highs, default=None), start=start)
+
+
+def _point(case: _Choice, parameters: Sequence[Parameter], variation: Variation) -> Mapping[str, float]:
+    point = {}
+    for each in parameters:
+        text = case.get(each.name, repr(each.start))
+        value = read_value(text, {}, variation.where)
+        if not isinstance(value, Number) or not math.isfinite(value.value):
+            what = f"a case has '{shortened(text)}' for '{each.name}', which is not a finite number"
+            raise fail(what, variation.where)
+        if not each.allows(value.value):
+            what = f"a case has {value.value:g} for '{each.name}', which its constraints do not allow"
+            raise fail(what, variation.where, f"see {each.where}")
+        point[each.name] = value.value
+    return point
 
 
 def _cases(deterministic: Node) -> tuple[_Choice, ...]:

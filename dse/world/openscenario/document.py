@@ -29,7 +29,8 @@ class Context:
     """What is common to a scenario: its *path*, values *given* from outside, and what was found on the way.
 
     *fixed* are names of parameters that are not tunable, as something depends on them that is decided when the FMU is
-    built. *ignored* are elements that do not matter to a simulation.
+    built. *ignored* are elements that do not matter to a simulation. *files* are the road network and the catalogues
+    that it uses, each with its name, or that of its folder, as it is written.
     """
 
     path: Path
@@ -38,7 +39,8 @@ class Context:
     inside: Path | None = None
     found_fixed: set[str] = field(default_factory=set)
     ignored: list[Problem] = field(default_factory=list)
-    catalogs: dict[tuple[str, str], XmlElement] = field(default_factory=dict)
+    catalogs: dict[tuple[str, str], tuple[XmlElement, Path, str]] = field(default_factory=dict)
+    files: dict[Path, str] = field(default_factory=dict)
 
     def file(self, name: str, where: Location, what: str) -> Path:
         """The file or folder *name*, seen from the scenario. Raises DseError: not there, or outside the workspace."""
@@ -188,7 +190,9 @@ class Node:
             names = [f"{a}/{b}" for a, b in self.context.catalogs]
             what = f"no catalogue '{shortened(catalog)}' has an entry '{shortened(entry)}'"
             raise fail(what, self.where, closest(f"{catalog}/{entry}", names) if names else "no catalogue was found")
-        return Node(found, {}, self.context).with_parameters(assigned)
+        element, path, name = found
+        self.context.files[path] = name
+        return Node(element, {}, self.context).with_parameters(assigned)
 
     def _decided(self, number: Number) -> Number:
         self.context.found_fixed.update(number.names)
@@ -205,6 +209,10 @@ class Parameter:
     least: float | None
     most: float | None
     where: Location
+
+    def allows(self, value: float) -> bool:
+        """Whether *value* is within its bounds."""
+        return not ((self.least is not None and value < self.least) or (self.most is not None and value > self.most))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -285,8 +293,9 @@ def _find_catalogs(root: Node) -> None:
         if location.tag not in _CATALOGS.values():
             raise location.unsupported()
         directory = location.need("Directory")
+        name = directory.text("path")
         try:
-            folder = root.context.file(directory.text("path"), directory.where, "the folder")
+            folder = root.context.file(name, directory.where, "the folder")
         except DseError as error:
             if "outside" in str(error):
                 raise
@@ -296,5 +305,7 @@ def _find_catalogs(root: Node) -> None:
             raise fail(f"a folder of catalogues has at most {_MOST_CATALOG_FILES} files", directory.where)
         for file in files:
             catalog = read_xml_file(file, shown(file)).child("Catalog")
-            for entry in catalog.children if catalog else ():
-                root.context.catalogs.setdefault((catalog.get("name"), entry.get("name")), entry)  # type: ignore[union-attr]
+            if catalog is not None:
+                for entry in catalog.children:
+                    key = catalog.get("name"), entry.get("name")
+                    root.context.catalogs.setdefault(key, (entry, file, name))

@@ -52,7 +52,8 @@ class Scenario:
 
     *parameters* can be tuned, *decided* ones are texts that were fixed. *entities* are in the order of the file, *host*
     is the number of the one that is simulated, or NONE. *elements* are those of the storyboard, in the order of their
-    states. *ignored* does not matter to a simulation.
+    states. *ignored* does not matter to a simulation. *files* are the road network and the catalogues that are used,
+    each with its name, or that of its folder, as it is written.
     """
 
     parameters: tuple[Parameter, ...]
@@ -64,6 +65,7 @@ class Scenario:
     tables: Tables
     ignored: tuple[Problem, ...]
     network: Network | None
+    files: Mapping[Path, str]
 
 
 def read_scenario(
@@ -132,7 +134,7 @@ class _Compiler:
         ignored = tuple(dict.fromkeys(root.context.ignored))
         return Scenario(
             self.document.parameters, self.document.decided, tuple(entities), found, tuple(self.elements), made,
-            self.tables, ignored, paths.network if paths else None,
+            self.tables, ignored, paths.network if paths else None, root.context.files,
         )  # fmt: skip
 
     def _variables(self, root: Node) -> None:
@@ -148,6 +150,7 @@ class _Compiler:
             return None
         name = logic.text("filepath")
         path = root.context.file(name, logic.where, "the road network")
+        root.context.files[path] = name
         kind, inside = path.suffix.lower(), root.context.inside or find_root(path.parent)
         if kind == ".xodr":
             return Paths(read_network(path, shown(path)))
