@@ -22,6 +22,7 @@ from dse.world.road_reader import open_roads
 
 MOST_ENTITIES, MOST_ELEMENTS = 48, 10_000
 _MOST_PASSES = 4
+_DESCRIPTIONS = ("Vehicle", "Pedestrian", "MiscObject")
 _CLASSES = {
     "car": 1, "van": 1, "truck": 2, "semitrailer": 2, "trailer": 2, "bus": 2, "tram": 2, "train": 2, "motorbike": 3,
     "bicycle": 4,
@@ -115,16 +116,18 @@ class _Compiler:
                 if name in entities:
                     raise fail(f"there is another entity '{name}'", each.where)
                 entities[name] = len(entities)
+        described = self._described(listed, entities)
         if len(entities) > MOST_ENTITIES:
             raise fail(f"{len(entities)} entities: a scenario has at most {MOST_ENTITIES}", listed.where)
         layout = Layout(self.tables, entities, paths)
         actions = Actions(layout)
         storyboard = root.need("Storyboard")
         self._starts(storyboard, layout)
-        for each in listed.all("ScenarioObject"):
+        for number, (node, tow, hitch) in enumerate(described):
             with self.problems:
-                start = layout.starts.get(entities.get(each.text("name"), NONE))
-                self.tables.add("entities", self._entity(each, NONE if start is None else start.path))
+                start = layout.starts.get(number)
+                path = NONE if start is None or tow != NONE else start.path
+                self.tables.add("entities", self._entity(node, path) | {"tow": tow, "hitch": hitch})
         self._init(storyboard, actions)
         self._stories(storyboard, actions)
         raise_if_any(self.problems)
@@ -166,11 +169,39 @@ class _Compiler:
             raise fail(f"the scenario has no entity '{wanted}'", self.document.root.where, closest(wanted, entities))
         return entities[wanted]
 
-    def _entity(self, node: Node, path: int) -> dict[str, object]:
-        kinds = "Vehicle", "Pedestrian", "MiscObject", "CatalogReference", "ExternalObjectReference"
-        described = node.need(*kinds).resolved()
-        if described.tag not in kinds[:3]:
-            raise described.unsupported()
+    def _described(self, listed: Node, entities: dict[str, int]) -> list[tuple[Node, int, float]]:
+        """Each entity's description, who tows it and where its hitch is; trailers without a name get one."""
+        found: list[tuple[Node, int, float]] = []
+        for each in listed.all("ScenarioObject"):
+            with self.problems:
+                node = each.need(*_DESCRIPTIONS, "CatalogReference", "ExternalObjectReference").resolved()
+                if node.tag not in _DESCRIPTIONS:
+                    raise node.unsupported()
+                found.append((node, NONE, 0.0))
+        raise_if_any(self.problems)
+        names, number = list(entities), 0
+        while number < len(found):
+            node = found[number][0]
+            trailer, hitch = node.child("Trailer"), node.child("TrailerHitch")
+            choice = next(trailer.children(), None) if trailer else None
+            at = (number, hitch.real("dx") if hitch else 0.0)
+            if choice is not None and choice.tag in {"TrailerRef", "EntityRef"}:
+                name = choice.text("entityRef", "")
+                if name:
+                    other = entities.get(name, NONE)
+                    if other <= number:
+                        what = f"the trailer '{name}' is no entity that follows its tow"
+                        raise fail(what, choice.where, closest(name, entities))
+                    found[other] = (found[other][0], *at)
+            elif choice is not None:
+                whole = choice.need("Vehicle") if choice.tag == "Trailer" else choice
+                names.append(f"{names[number]}+")
+                entities[names[-1]] = len(found)
+                found.append((whole.resolved(), *at))
+            number += 1
+        return found
+
+    def _entity(self, described: Node, path: int) -> dict[str, object]:
         category = described.text("vehicleCategory", "car") if described.tag == "Vehicle" else ""
         class_ = PEDESTRIAN if described.tag == "Pedestrian" else _CLASSES.get(category, OBSTACLE)
         performance = described.child("Performance")
@@ -179,9 +210,11 @@ class _Compiler:
         limits = {key: value if value < 1e9 else 0.0 for key, value in limits.items()}
         box = described.need("BoundingBox")
         centre, size = box.need("Center"), box.need("Dimensions")
+        coupler = described.child("TrailerCoupler")
         return {
             "class": class_, "path": path, "length": size.real("length"), "width": size.real("width"),
             "height": size.real("height"), "centre_x": centre.real("x"), "centre_y": centre.real("y"), **limits,
+            "coupler": coupler.real("dx") if coupler else 0.0,
         }  # fmt: skip
 
     def _starts(self, storyboard: Node, layout: Layout) -> None:

@@ -177,6 +177,11 @@ static double wanted_gap(const storyboard *board, const sb_action *action, doubl
     return sign * gap;
 }
 
+/* Of two limits, of which one <= 0 is none. */
+static double lesser(double one, double other) {
+    return one > 0 && other > 0 ? fmin(one, other) : fmax(one, other);
+}
+
 static bool keep_distance(storyboard *board, const sb_action *action) {
     sb_actor *actor = &board->actors[action->actor];
     const sb_actor *other = &board->actors[action->entity];
@@ -196,7 +201,10 @@ static bool keep_distance(storyboard *board, const sb_action *action) {
         actor->speed = other->speed;
         return !(action->flags & IS_CONTINUOUS);
     }
-    double most = number(board, action, 1), least = number(board, action, 2), top = number(board, action, 3);
+    const sb_entity *own = &scenario_tables.entities[action->actor];
+    double most = lesser(number(board, action, 1), own->top_acceleration);
+    double least = lesser(number(board, action, 2), own->top_deceleration);
+    double top = lesser(number(board, action, 3), own->top_speed);
     double reach = excess < 0 ? most : least, stiffness = STIFFNESS * (reach > 0 ? reach : SOFTEST);
     double pull = stiffness * excess + 2 * sqrt(stiffness) * (other->speed - actor->speed);
     pull = pull > 0 ? limited(pull, most) : -limited(-pull, least);
@@ -256,7 +264,7 @@ static double way_to(storyboard *board, int32_t number, int32_t position) {
  * speed fits, one constant acceleration. If the apex is below 0 there is time to stand. */
 static double synchronized(const storyboard *board, sb_run *run, double speed, double left, double until, double final) {
     double linear = 2 * left / until - final;
-    if (fabs(speed - final) < REACHED) run->phase = 1;
+    if (run->begun <= 0 && fabs(speed - final) < REACHED) run->phase = 1; /* from the start of the scenario */
     if (run->phase == 1 || !(until > board->h)) return fmax(linear, 0);
     double mean = left / until;
     double root = sqrt(fmax(mean * mean - mean * (speed + final) + 0.5 * (speed * speed + final * final), 0));
@@ -336,6 +344,14 @@ static void place_actor(storyboard *board, const sb_action *action) {
     actor->trajectory = SB_NONE;
     actor->is_present = true;
     actor->drift = 0;
+    bool is_moved[SB_ENTITIES] = {false};
+    is_moved[action->actor] = true;
+    for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
+        int32_t tow = scenario_tables.entities[i].tow;
+        if (tow == SB_NONE || !is_moved[tow]) continue;
+        place_trailer(board, i, true);
+        is_moved[i] = true;
+    }
 }
 
 void action_begin(storyboard *board, int32_t self) {

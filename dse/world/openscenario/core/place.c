@@ -203,3 +203,19 @@ sb_place place_of(storyboard *board, int32_t number, int32_t actor) {
     place.turn = remainder(place.turn, 2 * PI);
     return place;
 }
+
+void place_trailer(storyboard *board, int32_t trailer, bool is_straight) {
+    const sb_entity *entity = &scenario_tables.entities[trailer];
+    const sb_actor *tow = &board->actors[entity->tow];
+    sb_actor *actor = &board->actors[trailer];
+    double c = cos(tow->at.heading), s = sin(tow->at.heading);
+    double x = tow->at.x + entity->hitch * c, y = tow->at.y + entity->hitch * s;
+    double away = hypot(x - actor->at.x, y - actor->at.y);
+    bool is_led = !is_straight && actor->is_present && away > 0;
+    double heading = is_led ? atan2(y - actor->at.y, x - actor->at.x) : tow->at.heading;
+    actor->at = (sb_place){.path = SB_NONE, .sense = 1, .heading = heading};
+    actor->at.x = x - entity->coupler * cos(heading);
+    actor->at.y = y - entity->coupler * sin(heading);
+    actor->is_present = tow->is_present;
+    actor->speed = tow->speed;
+}

@@ -127,6 +127,7 @@ static void drive(storyboard *board, sb_actor *actor) {
     path_beside beside = path_beside_at(&line, t);
     at->s += at->sense * copysign(ahead, actor->speed) * board->h / beside.length;
     double inside = path->closed ? at->s : fmin(fmax(at->s, 0), path->length);
+    if (inside != at->s && actor->ended > 0) actor->speed = 0;
     actor->ended = inside != at->s || (!path->closed && inside >= path->length) ? actor->ended + board->h : 0;
     at->s = inside;
     place_lay(board, at, &actor->piece);
@@ -140,6 +141,8 @@ static void move(storyboard *board, int32_t i) {
     if (is_driven) {
         int32_t path = scenario_tables.entities[i].path;
         if (path != SB_NONE) place_on_path(board, &actor->at, path, &actor->piece);
+    } else if (scenario_tables.entities[i].tow != SB_NONE) {
+        place_trailer(board, i, false);
     } else if (actor->trajectory != SB_NONE) {
         follow(board, actor);
     } else if (actor->at.path != SB_NONE) {

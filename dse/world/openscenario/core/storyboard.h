@@ -26,6 +26,8 @@ typedef struct {
     int32_t path;  /* SB_NONE: free in the plane */
     double length, width, height, centre_x, centre_y; /* m; of its box seen from its reference point */
     double top_speed, top_acceleration, top_deceleration; /* <= 0: no limit */
+    int32_t tow; /* who draws it at its *hitch*, SB_NONE: nobody; the coupler is that far ahead of its own axle */
+    double hitch, coupler;
 } sb_entity;
 
 enum { AT_LANE, AT_ROAD, AT_WORLD, BY_LANE, BY_DRIVEN_LANE, BY_ROAD, BY_OBJECT, BY_WORLD, ON_TRAJECTORY };
@@ -208,6 +210,9 @@ int32_t place_lane(int32_t path, double s, int32_t id);
 int32_t place_sense(int32_t path, double s, int32_t number);
 int32_t place_road(int32_t path, double s);
 double place_middle(int32_t path, double s, int32_t lane, int32_t near);
+
+/* A trailer that follows its tow, straight behind it or from where it is. */
+void place_trailer(storyboard *board, int32_t trailer, bool is_straight);
 
 /* trajectory.c */
 void trajectory_lay(storyboard *board, int32_t trajectory, int32_t actor);
