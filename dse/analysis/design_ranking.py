@@ -90,16 +90,17 @@ def objectives_of(definition: StudyDefinition, minimize: Sequence[str], maximize
     found = []
     for text, largest in wanted:
         inner = text.strip().removeprefix("sum(").removesuffix(")").strip()
+        composite = Objective(text.strip(), largest, is_composite=True)
         if text.strip().startswith("sum(") and inner in totals:
             found.append(Objective(inner, largest, is_total=True))
         elif text.strip() in metrics:
             found.append(Objective(text.strip(), largest))
-        elif text.strip().replace("(", "").replace(")", "").isidentifier():
+        elif not composite.is_expected and text.strip().replace("(", "").replace(")", "").isidentifier():
             known = [*metrics, *(f"sum({name})" for name in totals)]
             raise fail(f"the study has neither a metric nor a sum '{text.strip()}'", None, closest(text, known))
         else:
-            found.append(Objective(text.strip(), largest, is_composite=True))
-            compile_objective(found[-1], definition)
+            found.append(composite)
+            compile_objective(composite, definition)
     return found
 
 

@@ -48,7 +48,10 @@ def _print_table(results: Results, found: Ranking) -> None:
     varied = list(dict.fromkeys(name for each in found.best for name in each.point))
     margins = [entry.name for entry in definition.requirements]
     over, of_margin = _aggregations(definition)
-    headings = [f"sum({each.name})" if each.is_total else f"{over}{each.name}" for each in found.objectives]
+    headings = [
+        f"sum({each.name})" if each.is_total else each.name if each.is_expected else f"{over}{each.name}"
+        for each in found.objectives
+    ]
     ordered = headings or ["least margin"]
     table = plain_table(
         "", "configuration", *ordered, *varied, *shown, *(f"{of_margin}{m} margin" for m in margins), "runs"

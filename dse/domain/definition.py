@@ -55,6 +55,7 @@ class DefinedVariable:
     role: str = "design"
     distribution: DefinedDistribution | None = None
     labels: tuple[str, ...] = ()
+    weights: tuple[float, ...] = ()
 
     def label(self, value: float) -> str:
         """What *value* is called; "" where it is a quantity, or none."""
@@ -281,7 +282,7 @@ def _deciding(definition: StudyDefinition) -> dict[str, object]:
 
 
 def _sampling(definition: StudyDefinition) -> tuple[object, ...]:
-    points = tuple(replace(variable, title="", unit="") for variable in definition.variables)
+    points = tuple(replace(variable, title="", unit="", weights=()) for variable in definition.variables)
     rules = definition.constraints, definition.correlations, definition.objectives
     draws = definition.seed, definition.replicates
     return points, *rules, definition.sampler, *draws, definition.explored, definition.space

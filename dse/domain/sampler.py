@@ -26,6 +26,7 @@ Grid = tuple[tuple[str, ...], ...]
 
 
 _SUM = re.compile(r"\bsum\(\s*(\w+)\s*\)")
+_EXPECTED = re.compile(r"\bexpected\s*\(")
 
 
 class Role(StrEnum):
@@ -67,7 +68,8 @@ class DesignVariable:
     *levels* is the number of equidistant values (on its *scale*) a factorial takes; *nominal* is the value the variable
     has where a slice varies others. With *values* it has these only, sorted. A configuration need not have it.
     *low* and *high* of an uncertain one cut its *distribution* off. *labels* are what its values are called, if they
-    are no quantities.
+    are no quantities. *weights* of a condition say how much each of its values counts in an expected value; () if all
+    count alike.
     """
 
     name: str
@@ -83,6 +85,7 @@ class DesignVariable:
     role: Role = Role.DESIGN
     distribution: Distribution | None = None
     labels: tuple[str, ...] = ()
+    weights: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +104,11 @@ class Objective:
     def totals(self) -> tuple[str, ...]:
         """The properties whose sums it is computed from."""
         return (self.name,) if self.is_total else tuple(_SUM.findall(self.name)) if self.is_composite else ()
+
+    @property
+    def is_expected(self) -> bool:
+        """Whether it is computed from an expected value over the cases of a design."""
+        return self.is_composite and bool(_EXPECTED.search(self.name))
 
     def __str__(self) -> str:
         what = f"sum({self.name})" if self.is_total else self.name

@@ -58,6 +58,7 @@ def design_variable(defined: DefinedVariable) -> DesignVariable:
         role=Role(defined.role),
         distribution=Distribution(given.kind, given.numbers, given.values) if given else None,
         labels=defined.labels,
+        weights=defined.weights,
     )
 
 

@@ -10,6 +10,10 @@ from .facts import (
 )
 from .multi_bench import Prepared as Prepared, make_runner as make_runner, on_bench as on_bench, singly as singly
 from .numerics import numerics_as_data as numerics_as_data, numerics_of_element as numerics_of_element
+from .objectives import (
+    compile_objective as compile_objective,
+    with_composites as with_composites,
+)
 from .prepare import (
     check_bench as check_bench,
     halves_of as halves_of,
@@ -23,9 +27,7 @@ from .split_bench import Halves as Halves, WorldPlace as WorldPlace, near_half a
 from .study import (
     PreparedStudy as PreparedStudy,
     bench_study as bench_study,
-    compile_objective as compile_objective,
     prepare_study as prepare_study,
-    with_composites as with_composites,
     with_settings as with_settings,
     with_values as with_values,
 )

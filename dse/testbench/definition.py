@@ -115,6 +115,7 @@ def _variable(variable: DesignVariable) -> DefinedVariable:
         str(variable.role),
         DefinedDistribution(given.kind, dict(given.numbers), given.values) if given else None,
         variable.labels,
+        variable.weights,
     )
 
 

@@ -6,30 +6,25 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from dse.domain.bench import TestBench
-from dse.domain.component import Kind, Type, Value
+from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.design import Configuration
-from dse.domain.expression import Call, Name, Node
 from dse.domain.noise import DRAW, HIGHEST_DRAW
 from dse.domain.run import TESTBENCH
-from dse.domain.sampler import Architectures, Nominal, Objective, Outcomes
+from dse.domain.sampler import Architectures, Nominal
 from dse.domain.study import Keep, Selection, Study
 from dse.errors import DseError, Location, Problem, Problems, fail, raise_if_any
-from dse.expression import parse_expression, rewritten
 from dse.loading import Raw, read_setting
-from dse.metrics import RowProgram, compile_number
 from dse.testbench.definition import configuration_of, define, fmus_of
 from dse.testbench.error_bars import with_error_bars
 from dse.testbench.multi_bench import Prepared, together
 from dse.testbench.numerics import Say
+from dse.testbench.objectives import compile_objective
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.prepared_bench import PreparedBench, Setting
 from dse.testbench.selection import digest_of, proposing, selected
 from dse.testbench.split_bench import WorldPlace
-from dse.units import Unit, parse_unit, si_unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,48 +227,3 @@ def require_variables(study: Study, settings: Mapping[str, Mapping[str, Setting]
             hint += " on each of the benches" if study.others else ""
             problems.append(Problem(what, variable.where, hint))
     raise_if_any(problems)
-
-
-# Objectives that are computed from metrics and sums of properties together: ``sum(cost) + 2 EUR/kWh * energy``.
-
-
-def compile_objective(objective: Objective, definition: StudyDefinition) -> tuple[RowProgram, Unit]:
-    """What computes a composite *objective* of a study, and the unit of what it gives. Raises DseError.
-
-    It is computed from metrics, by name, and totals, as ``sum(cost)``.
-    """
-    totals = {name: total.unit for each in definition.configurations for name, total in each.totals.items()}
-    types: Mapping[str, Type] = {
-        **{metric.name: _type(metric.unit) for metric in definition.metrics},
-        **{f"sum({name})": _type(unit) for name, unit in totals.items()},
-    }
-    written = parse_expression(objective.name, Location("objective"))
-    program, dimension = compile_number(replace(written, root=rewritten(written.root, _as_name)), types)
-    return program, si_unit(dimension)
-
-
-def with_composites(outcomes: Outcomes, objectives: Sequence[Objective], definition: StudyDefinition) -> Outcomes:
-    """*outcomes* with a metric for each of *objectives* that is composite, called as it is written."""
-    wanted = [each for each in objectives if each.is_composite]
-    if not wanted:
-        return outcomes
-    columns = {**outcomes.metrics, **{f"sum({name})": column for name, column in outcomes.totals.items()}}
-    made = {}
-    for each in wanted:
-        if not len(outcomes):  # of a new study whose sampler proposes configurations no sum is known yet
-            made[each.name] = outcomes.done.astype(np.float64)
-            continue
-        program, _ = compile_objective(each, definition)
-        made[each.name] = program.rows({name: columns[name] for name in program.names})
-    return replace(outcomes, metrics={**outcomes.metrics, **made})
-
-
-def _as_name(node: Node) -> Node:
-    match node:
-        case Call("sum", arguments=(Name(path=name),), span=span):
-            return Name(f"sum({name})", span)
-    return node
-
-
-def _type(unit: str) -> Type:
-    return Type(Kind.REAL, parse_unit(unit))

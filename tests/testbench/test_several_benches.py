@@ -329,3 +329,45 @@ def test_an_objective_is_a_metric_of_every_bench(tmp_path: Path) -> None:
     write(tmp_path, {**ON, "testbenches/both.pet.yaml": STUDY + "objectives: [minimize top]\n"})
     with pytest.raises(DseError, match="'top' is not a metric of short"):
         Workspace(tmp_path).study("both")
+
+
+def test_benches_and_values_have_weights_in_the_order_they_are_listed(tmp_path: Path) -> None:
+    weighted = STUDY.replace("design_variables:", "bench_weights: [1, 20]\ndesign_variables:")
+    assert weighted != STUDY
+    more = "conditions: {plant.target: {values: [3 m, 1 m, 2 m], weights: [0.5, 20 %, 0.3]}}\n"
+    write(tmp_path, {**ON, "testbenches/both.pet.yaml": weighted + more})
+    study = Workspace(tmp_path).study("both")
+    found = {variable.name: (variable.values, variable.weights) for variable in study.variables if variable.weights}
+    assert found == {"plant.target": ((1, 2, 3), (0.2, 0.3, 0.5)), "testbench": ((0, 1), (1, 20))}
+
+
+def test_an_expected_value_needs_a_sampler_that_asks_for_all_cases(tmp_path: Path) -> None:
+    asked = STUDY + 'objectives: ["minimize expected(reached)"]\n'
+    write(tmp_path, {**ON, "testbenches/both.pet.yaml": asked})
+    assert Workspace(tmp_path).study("both").objectives[0].is_expected
+    searching = asked.replace("sampler: full_factorial", "sampler: {nsga2: {population: 4, evaluations: 8}}")
+    write(tmp_path, {**ON, "testbenches/both.pet.yaml": searching})
+    with pytest.raises(DseError, match="needs all cases of a design at once: 'nsga2' asks for a few"):
+        Workspace(tmp_path).study("both")
+
+
+@pytest.mark.thorough
+def test_changed_weights_are_stored_without_a_run(tmp_path: Path) -> None:
+    objective = 'objectives: ["minimize expected(reached)"]\n'
+    write(tmp_path, {**ON, "testbenches/both.pet.yaml": STUDY + objective})
+    results = dse.open(tmp_path).studies["both"].explore(tmp_path / "out", workers=1)
+    frame = results.to_pandas()
+    designs = [frame["plant.slope"], frame["plant.shape"]]
+
+    def shown() -> list[float]:
+        (column,) = read_content(tmp_path / "out").composites
+        return sorted(set(column.values.tolist()))
+
+    assert shown() == pytest.approx(sorted(frame["reached"].groupby(designs).mean()))
+    write(tmp_path, {**ON, "testbenches/both.pet.yaml": STUDY + objective + "bench_weights: [1, 3]\n"})
+    again = dse.open(tmp_path).studies["both"].explore(tmp_path / "out", workers=1)
+    assert again.explored is not None
+    assert again.explored.simulated == 0
+    weights = frame["testbench"].map({"short": 1.0, "long": 3.0})
+    weighted = (weights * frame["reached"]).groupby(designs).sum() / 4
+    assert shown() == pytest.approx(sorted(weighted))

@@ -22,7 +22,7 @@ from dse.expression import descend, parse_expression
 from dse.formats import Entry
 from dse.loading.bench.candidates import bench_candidates
 from dse.loading.bench.uncertainty import UncertainSection, read_correlations, read_uncertain
-from dse.loading.bench.variables import Place, VariableSection, read_derived, read_variable
+from dse.loading.bench.variables import Place, VariableSection, read_derived, read_variable, read_weights
 from dse.loading.extensions import EXECUTORS, SAMPLERS, Surroundings, read_extension
 from dse.loading.include import read_document
 from dse.loading.sections import Plain, Section, read_section
@@ -68,6 +68,7 @@ class StudyFile(Section):
     executor: str | dict[str, Any] = "local"
     keep_waveforms: str = "near_boundary"
     check_step: str = "none"
+    bench_weights: list[Plain] | None = None
     seed: int = 0
     replicates: int | ReplicatesSection | None = None
 
@@ -117,6 +118,7 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
         around = Surroundings(found.entry, frozenset(names), tuple(drawn), inside)
         # What else a sampler has to be, its protocol says and the suite over all of them checks.
         sampler = cast(Sampler, found.section.settled(around))
+        _require_all_cases(sampler, objectives, entry["objectives"].where)
     if file.check_step == CheckStep.NEAR_BOUNDARY and any(each.simulation.check_step for each in benches):
         what, where = "the bench's check_step repeats every run already", entry["check_step"].where
         problems.add(what, where, "leave it out here, or there to have only runs near a boundary repeated")
@@ -143,6 +145,13 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
         tuple(others),
         replicates,
     )
+
+
+def _require_all_cases(sampler: Sampler, objectives: Sequence[Objective], where: Location) -> None:
+    """DseError for an expected value that *sampler* could not be told."""
+    if not sampler.once and any(each.is_expected for each in objectives):
+        what = f"an expected value needs all cases of a design at once: '{sampler.name}' asks for a few"
+        raise fail(what, where, "take a sampler that asks once, as full_factorial or sobol")
 
 
 def _replicates(entry: Entry, given: int | ReplicatesSection | None) -> Replicates | None:
@@ -217,8 +226,12 @@ def _varied(
                 problems.add(what, entry[other][name].key, "a parameter is varied for one reason")
     if not (file.design_variables or file.conditions or file.uncertain or isinstance(file.testbench, list)):
         problems.add("no design variable", entry["design_variables"].key, "use 'dse run' for a bench without any")
+    weights: list[float] = []
+    with problems:
+        if file.bench_weights is not None:
+            weights = read_weights(entry["bench_weights"], file.bench_weights, len(benches))
     if len(benches) > 1:
-        variables.append(bench_variable(benches, entry["testbench"].key))
+        variables.append(replace(bench_variable(benches, entry["testbench"].key), weights=tuple(weights)))
     return variables, derived
 
 

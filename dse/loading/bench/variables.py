@@ -18,7 +18,7 @@ from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates, settable, split_name
 from dse.loading.sections import Plain, Section
 from dse.loading.values import read_number
-from dse.units import Unit
+from dse.units import DIMENSIONLESS, Unit
 
 _MOST_VALUES = 10_000
 _VARIED = (Kind.REAL, Kind.INTEGER, Kind.BOOLEAN, Kind.ENUMERATION)
@@ -35,6 +35,7 @@ class VariableSection(Section):
     scale: Literal["linear", "log"] = "linear"
     levels: int | None = None
     nominal: Plain | bool | None = None
+    weights: list[Plain] | None = None
     title: str = ""
 
 
@@ -127,6 +128,13 @@ def read_variable(place: Place, entry: Entry, section: VariableSection, bench: T
             raise fail(f"'{place.name}' has values, each is a level", entry["levels"].where, "leave out 'levels'")
         values = _spread(values, section.levels)
     nominal = _nominal(place, entry, section, bench, (low, high, values), shown)
+    weights: tuple[float, ...] = ()
+    if section.weights is not None:
+        if role is not Role.CONDITION or section.values is None:
+            raise fail("only a condition with 'values' has weights", entry["weights"].key, "leave them out")
+        written = [_value(place, entry["values"][i], raw) for i, raw in enumerate(section.values)]
+        found = read_weights(entry["weights"], section.weights, len(values))
+        weights = tuple(weight for _, weight in sorted(zip(written, found, strict=True)))
     labels = tuple(place.type.items[int(value)] for value in values) if place.type.items else ()
     return DesignVariable(
         place.name,
@@ -141,7 +149,18 @@ def read_variable(place: Place, entry: Entry, section: VariableSection, bench: T
         values,
         role,
         labels=labels,
+        weights=weights,
     )
+
+
+def read_weights(entry: Entry, written: Sequence[Plain], number: int) -> list[float]:
+    """How much each of so many values of a condition counts. Raises DseError."""
+    if len(written) != number:
+        raise fail(f"there are {number} values and {len(written)} weights", entry.where, "give one for each value")
+    weights = [read_number(raw, DIMENSIONLESS, entry[i].where) for i, raw in enumerate(written)]
+    if min(weights) < 0 or not 0 < sum(weights) < math.inf:
+        raise fail("a weight is at least 0, and one is larger", entry.where, "weights: [3, 2, 1]")
+    return weights
 
 
 def read_derived(place: Place, entry: Entry, section: VariableSection) -> Derived:

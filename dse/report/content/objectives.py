@@ -8,7 +8,7 @@ from dse.domain.definition import DefinedObjective, StudyDefinition
 from dse.domain.sampler import Objective
 from dse.report.content.data import MetricColumn, ObjectiveEntry
 from dse.storage import RunTable
-from dse.testbench import compile_objective
+from dse.testbench import compile_objective, with_composites
 
 
 def objectives_of(definition: StudyDefinition) -> tuple[ObjectiveEntry, ...]:
@@ -25,8 +25,7 @@ def _composite(entry: DefinedObjective, definition: StudyDefinition, table: RunT
     objective = Objective(entry.name, entry.maximize, is_composite=True)
     if not len(table):
         return MetricColumn(entry.name, entry.name, "", np.zeros(0))
-    program, unit = compile_objective(objective, definition)
+    _, unit = compile_objective(objective, definition)
     outcomes = table.outcomes(table.numbers.tolist(), objective.totals)
-    columns = {**outcomes.metrics, **{f"sum({name})": column for name, column in outcomes.totals.items()}}
-    values = program.rows({name: columns[name] for name in program.names})
+    values = with_composites(outcomes, [objective], definition).metrics[entry.name]
     return MetricColumn(entry.name, entry.name, unit.symbol, np.asarray(values, dtype=np.float64))

@@ -63,9 +63,10 @@ export function sidesTable(model: Model, aims: Aim[], decision: Decision, first:
     .map((cells) => ({ cells: [...cells, ""] }));
   const values = study.variables
     .filter(({ role, lack }) => role === "design" && !lack.includes(a) && !lack.includes(b))
-    .map(({ title, unit, text, values }) =>
-      numbers(title, unit, text, values[grouping.first[first]!]!, values[grouping.first[second]!]!),
-    )
+    .map(({ title, unit, text, values, labels }) => {
+      const row = numbers(title, unit, text, values[grouping.first[first]!]!, values[grouping.first[second]!]!);
+      return labels.length ? { ...row, cells: [...row.cells.slice(0, 3), ""] } : row;
+    })
     .filter(({ differ }) => differ);
   const titles = new Set(aims.map(({ title }) => title));
   const properties = study.properties
