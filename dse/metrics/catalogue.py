@@ -163,6 +163,7 @@ FUNCTIONS: Mapping[str, Function] = {
         (_X, Argument("window", Wants.CONSTANT, "s")), same, _over_time(functions.rolling_mean), varies=True
     ),
     "duration": Function((_CONDITION,), _seconds, _over_rows(functions.time_held)),
+    "occurrences": Function((_CONDITION,), _ratio, _of_waveform(functions.occurrences)),
     "time_to_collision": Function(
         (Argument("gap", Wants.WAVEFORM, "m"), Argument("closing_speed", Wants.WAVEFORM, "m/s")),
         _seconds,

@@ -197,6 +197,11 @@ def time_held(condition: ConditionArray, widths: Waveform) -> float:
     return float(np.add.reduce(widths[condition]))
 
 
+def occurrences(condition: ConditionArray) -> float:
+    """How many times *condition* begins to hold; a condition that holds in the first row has begun there."""
+    return float(np.count_nonzero(condition[1:] & ~condition[:-1]) + bool(condition[0]))
+
+
 def _limits(target: float, band: float) -> tuple[float, float]:
     half = abs(band * target) if band >= 0 else math.nan
     return target - half, target + half

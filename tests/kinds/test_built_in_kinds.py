@@ -41,7 +41,9 @@ def test_a_planned_kind_is_read_and_refused_when_it_is_built(tmp_path, word):
     with pytest.raises(DseError, match=f"sources of the kind '{word}' cannot be built in this version") as caught:
         build(component, cache=tmp_path / "cache")
     (problem,) = caught.value.problems
-    assert problem.hint == "use a source of the kind c, fmu, modelica, road, scenario, simulink, sumo, time_series or udp"
+    assert (
+        problem.hint == "use a source of the kind c, fmu, modelica, road, scenario, simulink, sumo, time_series or udp"
+    )
 
 
 @pytest.mark.parametrize(

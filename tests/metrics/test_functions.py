@@ -165,6 +165,14 @@ def test_duration_gives_each_row_half_the_way_to_its_neighbours():
     assert value("duration", np.full(4, fill_value=True), time=time) == pytest.approx(4.0)
 
 
+def test_occurrences_are_the_times_a_condition_begins_to_hold():
+    pattern = [True, True, False, False, True, False, True]
+    assert value("occurrences", np.array(pattern)) == 3
+    assert value("occurrences", np.array(pattern[2:])) == 2
+    assert value("occurrences", np.zeros(4, dtype=bool)) == 0
+    assert value("occurrences", np.ones(1, dtype=bool)) == 1
+
+
 waveforms = st.lists(st.floats(-10, 10), min_size=2, max_size=30).map(np.array)
 
 

@@ -293,6 +293,27 @@ def test_where_nothing_is_to_be_braked_for_only_a_gullible_set_up_brakes(folder:
     assert ahead.iloc[-1] < 0 or (name == "aeb_spray" and ahead.iloc[-1] == pytest.approx(ahead.iloc[0], abs=1.0))
 
 
+@pytest.mark.thorough
+def test_in_ordinary_traffic_nothing_is_to_be_braked_for_and_false_brakes_are_counted_per_distance() -> None:
+    bench = dse.open(ROOT).benches["aeb_traffic"]
+    where = f"{REST} and second_sensor is absent and tracker is kalman_tracker and brake is brake_by_wire"
+    (configuration,) = bench.design.list(2, where=f"{where} and sensor is object_camera and aeb is aeb_early")
+    never = {"aeb.partial_ttc": 0, "aeb.full_ttc": 0, "aeb.partial_required": 20, "aeb.full_required": 20}
+    gullible = {"aeb.deviations": 0, "aeb.warning_deviations": 0, "aeb.vulnerable_margin": 2}
+    for seed in (1, 2, 3):
+        unbraked = bench.simulate(configuration, set={"traffic.seed": seed, **never})
+        assert unbraked.metrics["driven"] > 1500
+        assert (unbraked.metrics["hit"], unbraked.metrics["brakes"], unbraked.metrics["false_brakes"]) == (0, 0, 0)
+        assert unbraked.metrics["least_gap"] > 10
+        assert unbraked.verdicts["R4"] == "pass"
+        braked = bench.simulate(configuration, set={"traffic.seed": seed, **gullible})
+        stages = braked.waveforms.to_pandas()["aeb.stage"].isin(["partial", "full", 2, 3])
+        # A row is kept every 100 ms, so that a short brake may be missed.
+        assert braked.metrics["brakes"] >= (stages & ~stages.shift(fill_value=False)).sum() > 0
+        assert braked.metrics["false_brakes"] == braked.metrics["brakes"] / braked.metrics["driven"]
+        assert braked.verdicts["R4"] == "fail"
+
+
 def test_each_bench_without_a_reason_to_brake_is_judged_by_its_needless_braking() -> None:
     """A bench that R3 does not name would not be judged."""
     benches = dse.open(ROOT).benches

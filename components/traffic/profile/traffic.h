@@ -66,7 +66,7 @@ typedef struct {
     traffic_mover movers[TRAFFIC_MOVERS];
 } traffic_out;
 
-/* m/s2: what the tyres can do on this surface; infinite on a dry road, where a vehicle brakes as its parameters say. */
+/* m/s2: what the tyres can do on this surface; infinite on a dry road, where a vehicle brakes as its parameters define. */
 static inline double traffic_grip(const traffic_in *in) {
     double loss = in->surface.friction_loss;
     return loss > 0 ? TRAFFIC_DRY_GRIP * fmax(1 - loss, TRAFFIC_LEAST_FRICTION) : HUGE_VAL;

@@ -6,7 +6,7 @@
  * d75, where three quarters of it are lost, is within 0.025 and 0.23 mm (Kulakowski and Harwood, ASTM STP 1031, 1990).
  * Losses from the peak coefficients of road adhesion in Wong, "Theory of ground vehicles", 3rd edition, table 1.3
  *   (from Taborek 1957): asphalt dry 0.85, wet 0.6, hard-packed snow 0.2, ice 0.1; so 0.29, 0.76 and 0.88.
- * Falling snow lies; above the freezing point T0 it melts by a degree-day factor f, as in hydrology (Hock, J. Hydrology
+ * Falling snow settles; above the freezing point T0 it melts by a degree-day factor f, as in hydrology (Hock, J. Hydrology
  *   282:104, 2003):  dw/dt = snow rate - f max(T - T0, 0),  w >= 0 in m of water. Traffic and wind remove none. Friction
  *   falls with it as with a film of water, 1 - loss (1 - 0.25^(w / w75)), w75 assumed; the larger loss of both counts.
  * Density of dry air: p / (287.05 J/(kg K) T) (ISO 2533).
