@@ -36,6 +36,7 @@ from .roads import is_road as is_road, opendrive_text as opendrive_text, picture
 from .scenarios import (
     PlayedScenario as PlayedScenario,
     element_times as element_times,
+    export_scenario as export_scenario,
     play_scenario as play_scenario,
     scenario_picture as scenario_picture,
 )

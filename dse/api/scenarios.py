@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dse.api.studies.single_run import Tell
+    from dse.interchange import DrivenEntity
+    from dse.loading import Raw
     from dse.report import RoadPicture
     from dse.world import Scenario
 
@@ -91,7 +93,8 @@ def play_scenario(
         raise fail(f"the scenario failed to run: {run.problem}", Location(shown(path)))
     recorded: Mapping[str, NDArray[np.float64]] = run.waveforms
     time = run.waveforms.time
-    last = _first(recorded[f"{_PART}.ended"] > 0.5)
+    seen_by = _first(recorded[f"{_PART}.ended"] > 0.5)
+    last = None if seen_by is None else max(seen_by - 1, 0)  # triggers are evaluated before the step
     rows = slice(0, len(time) if last is None else last + 1)
     poses: dict[str, NDArray[np.float64]] = {}
     began: dict[str, float] = {}
@@ -170,3 +173,88 @@ def element_times(
         for each in played.scenario.elements
         if each.kind in kinds
     ]
+
+
+def export_scenario(
+    bench: TestBench, configuration: str | None, settings: Mapping[str, Raw], target: Path, *, tell: Tell | None = None
+) -> tuple[str, int]:
+    """Write a run of a bench as an OpenSCENARIO file, with its road beside it as OpenDRIVE.
+
+    Every road user follows its driven path. Returns the id of the configuration, and how many entities there are.
+    Raises DseError: the bench has no road or no chassis, or the run fails.
+    """
+    from dse.interchange import scenario_text
+    from dse.scratch import write_whole
+    from dse.testbench import one_configuration
+
+    chosen = one_configuration(bench.design, configuration)
+    parts = {**chosen.parts, **{part.name: part.component for part in bench.test_components}}
+    places = {}
+    for wanted in ("road", "chassis"):
+        found = [path for path, component in parts.items() if component.interface.name == wanted]
+        if not found:
+            raise fail(f"the bench has no part with the interface '{wanted}'", bench.where)
+        places[wanted] = found[0]
+    road_text = _opendrive(parts[places["road"]])
+    run = prepare_once(_recording(bench, places), chosen.id, settings, tell=tell).simulate()
+    if run.problem or run.waveforms is None:
+        raise fail(f"the run failed: {run.problem}", bench.where)
+    entities = _entities(run.waveforms, run.waveforms.time, places)
+    roads = target.with_suffix(".xodr")
+    write_whole(roads, road_text)
+    write_whole(target, scenario_text(entities, roads.name, f"{bench.name}, configuration {chosen.id}"))
+    return chosen.id, len(entities)
+
+
+_ACTORS = 8
+_SPACING = 0.1  # s
+_HOST_SIZE = (4.6, 1.8, 1.5)  # m; assumed, a chassis does not state it
+_KEPT = ("id", "class", "length", "width", "height", "x", "y", "heading")
+
+
+def _recording(bench: TestBench, places: Mapping[str, str]) -> TestBench:
+    """*bench* that records all poses, at most 0.1 s apart."""
+    simulation, road, chassis = bench.simulation, places["road"], places["chassis"]
+    stride = max(k for k in range(1, max(2, round(_SPACING / simulation.step) + 1)) if simulation.steps % k == 0)
+    record = [f"{road}.actors[{number}].{port}" for number in range(1, _ACTORS + 1) for port in _KEPT]
+    record += [f"{chassis}.motion.{port}" for port in ("x", "y", "heading")]
+    kept = tuple(dict.fromkeys((*simulation.record, *record)))
+    return replace(bench, simulation=replace(simulation, record=kept, record_every=stride * simulation.step))
+
+
+def _entities(
+    columns: Mapping[str, NDArray[np.float64]], time: NDArray[np.float64], places: Mapping[str, str]
+) -> list[DrivenEntity]:
+    from dse.interchange import DrivenEntity
+
+    motion = f"{places['chassis']}.motion"
+    pose = (columns[f"{motion}.x"], columns[f"{motion}.y"], columns[f"{motion}.heading"])
+    found = [DrivenEntity("Ego", 1, _HOST_SIZE, time, *pose)]
+    for number in range(1, _ACTORS + 1):
+        actor = {port: columns[f"{places['road']}.actors[{number}].{port}"] for port in _KEPT}
+        changes = np.flatnonzero(np.diff(actor["id"]) != 0) + 1
+        for rows in np.split(np.arange(len(time)), changes):
+            first = int(rows[0])
+            if actor["class"][first] == 0 or len(rows) < 2:
+                continue
+            size = (float(actor["length"][first]), float(actor["width"][first]), float(actor["height"][first]))
+            name = f"Actor{int(actor['id'][first])}"
+            name = name if all(each.name != name for each in found) else f"{name}_{first}"
+            poses = (np.asarray(actor[port][rows]) for port in ("x", "y", "heading"))
+            found.append(DrivenEntity(name, int(actor["class"][first]), size, time[rows], *poses))
+    return found
+
+
+def _opendrive(component: Component) -> str:
+    """The roads of a road component as OpenDRIVE. Raises DseError where its kind has none."""
+    from dse.kinds import RoadSource
+    from dse.world import opendrive_text
+
+    source = component.source
+    if not isinstance(source, RoadSource):
+        raise fail(f"component '{component.name}' is not of the kind 'road'", component.where)
+    file = source.file
+    if file.suffix.lower() == ".xosc":
+        scenario = read_scenario(file, dict(source.values), source.host, source.inside)
+        file = next(path for path in scenario.files if path.suffix.lower() != ".xosc")
+    return opendrive_text(str(file), Workspace(source.inside)).decode()

@@ -1,4 +1,4 @@
-"""``dse export``: design spaces, configurations on their bench, and roads, for other programs."""
+"""``dse export``: design spaces, configurations on their bench, roads and scenarios, for other programs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from dse.cli.arguments import (
     Settings,
     Where,
 )
-from dse.cli.terminal import console, print_line
+from dse.cli.terminal import console, print_line, status_line
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
@@ -108,6 +108,28 @@ def export_opendrive(road: RoadName, target: Target) -> None:
     name, text = opendrive_text(road)
     write_whole(target, text)
     print_line(f"{target}: {name}")
+
+
+@export_app.command("openscenario")
+def export_openscenario(
+    bench: Bench, target: Target, configuration: Configuration = None, settings: Settings = []
+) -> None:
+    """Write a run of a test bench as an OpenSCENARIO file, for players of scenarios.
+
+    Each road user follows the path that it drove, the host included. The road is written beside it as OpenDRIVE.
+
+    Takes the first valid configuration unless --configuration names another.
+    """
+    from dse.api import export_scenario
+    from dse.cli.commands.simulate import read_settings
+
+    if target.suffix.lower() != ".xosc":
+        raise typer.BadParameter(f"'{target.name}' must end in .xosc", param_hint="--output")
+    tested = workspace_of(bench).bench(bench)
+    with status_line() as tell:
+        chosen, count = export_scenario(tested, configuration, read_settings(settings), target, tell=tell)
+    entities = "entity" if count == 1 else "entities"
+    print_line(f"{target}: configuration {chosen} of {tested.name}, {count} {entities}")
 
 
 def _left_behind(bench: TestBench) -> Iterator[str]:
