@@ -164,8 +164,10 @@ def test_every_command_is_in_the_table():
     # Most of these write into new folders what the others read: designs, packages, studies.
     assert {line for line in lines if not any(tried.startswith(line) for tried in MAY_IMPORT)} <= {
         "import uvl",
+        "import scenario",
         "import ssp",
         "export opendrive",
+        "export openscenario",
         "export ssp",
         "merge",
         "serve",  # goes on for ever; tests/cli/test_serve.py starts it

@@ -68,8 +68,8 @@ def checked(root: Path) -> None:
     [
         ("route: [1]", "route: [7]", 3, "there is no road '7' in the file"),
         ("implements: road", "implements: traffic", 1, "a road implements 'road', not 'traffic'"),
-        ("start_station", "start_statoin", 4, "a road has no parameter 'start_statoin'"),
-        ("start: 0, type: int", "start: 8, type: int", 4, "'start_lane': the path has no lane 8"),
+        ("start_station", "start_statoin", 5, "a road has no parameter 'start_statoin'"),
+        ("start: 0, type: int", "start: 8, type: int", 5, "'start_lane': the path has no lane 8"),
         ("bend.yaml", "bent.yaml", 3, "no such file"),
         ("bend.yaml", "bend.csv", 3, "bend.csv"),
         ("route: [1]", "rout: [1]", 3, "unknown key 'rout'"),
