@@ -7,6 +7,7 @@ lane, and drive against the path in a lane for the oncoming traffic.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ from dse.world.pieces import value
 from dse.world.routes import Onward, Route, Way, straight_on, way_in, way_of
 from dse.world.tables import RoadPath
 
+_MOST_PATHS = 40
 _UPSTREAM = 1000.0
 """How far a path reaches back before the place that it was made for, in m, if the lanes there go straight on."""
 
@@ -113,6 +115,32 @@ class Paths:
             whole = way_in(self._graph, (*places, *(place for place in following if place not in seen)))
             return self._number(self._with_upstream(places[0], whole), where)
         raise fail("the route leads nowhere", where)
+
+    def branches(self) -> list[Branch]:
+        """Where lanes beside the paths lead elsewhere: exits, and turns of a crossing; with the paths made for them."""
+        found: list[Branch] = []
+        for number in itertools.count():
+            if number >= len(self.made):
+                return found
+            way = next(way for way, made in self._ways.items() if made == number)
+            for passage, stretch, after in itertools.zip_longest(
+                way.passages, self.made[number].stretches, way.passages[1:]
+            ):
+                place, road = passage[-1], self.network.roads[passage[-1].road]
+                along = runs_along(road, lane_at(self.network, place))
+                for row in _rows(road, place, road.sections[place.section], 0.0, along=along):
+                    if row.number == 0 or row.sense < 0 or road.sections[place.section].lanes[row.id].type != "driving":
+                        continue
+                    leads = [p for p in self._onward.from_(LanePlace(road.id, place.section, row.id))]
+                    leads = [p for p in leads if p.road != road.id]
+                    if not leads or (after and any(p.road == after[0].road for p in leads)):
+                        continue
+                    if len(self.made) >= _MOST_PATHS:
+                        return found
+                    s = road.length if along else 0.0
+                    to = self.through(road.id, row.id, s, road.where)
+                    found.append(Branch(number, stretch.end, row.number, to))
+        return found
 
     def nearest(self, x: float, y: float) -> tuple[str, int, float, float] | None:
         """The road, lane, station and distance to that lane's middle of the lane that is nearest to a point, in m."""
@@ -207,6 +235,16 @@ class Paths:
                     lengths[there], came[there] = length, here
                     left.add(there)
         raise fail(f"no way leads from road '{one}' to road '{other}'", where)
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """Where *path* ends a road at *station*, its lane *lane* does not go on beside it, but in the path *to*."""
+
+    path: int
+    station: float
+    lane: int
+    to: int
 
 
 def _all_places(network: Network) -> Iterator[LanePlace]:
