@@ -123,24 +123,38 @@ class Paths:
             if number >= len(self.made):
                 return found
             way = next(way for way, made in self._ways.items() if made == number)
-            for passage, stretch, after in itertools.zip_longest(
-                way.passages, self.made[number].stretches, way.passages[1:]
-            ):
-                place, road = passage[-1], self.network.roads[passage[-1].road]
-                along = runs_along(road, lane_at(self.network, place))
-                for row in _rows(road, place, road.sections[place.section], 0.0, along=along):
-                    if row.number == 0 or row.sense < 0 or road.sections[place.section].lanes[row.id].type != "driving":
-                        continue
-                    leads = [p for p in self._onward.from_(LanePlace(road.id, place.section, row.id))]
-                    leads = [p for p in leads if p.road != road.id]
-                    if not leads or (after and any(p.road == after[0].road for p in leads)):
+            ends = [
+                (place, stretch.base + stretch.sense * self._end(place))
+                for passage, stretch in zip(way.passages, self.made[number].stretches, strict=True)
+                for place in passage
+            ]
+            following: list[LanePlace | None] = [place for place, _ in ends[1:]]
+            for (place, station), after in zip(ends, [*following, None], strict=True):
+                numbers = {(after.road, row.id): row.number for row in self._beside(after)} if after else {}
+                for row in self._beside(place):
+                    here = LanePlace(place.road, place.section, row.id)
+                    leads = self._onward.from_(here) if row.number != 0 and row.sense > 0 else ()
+                    goes_on = any(numbers.get((p.road, p.lane)) == row.number for p in leads)
+                    if not leads or goes_on or lane_at(self.network, here).type != "driving":
                         continue
                     if len(self.made) >= _MOST_PATHS:
                         return found
-                    s = road.length if along else 0.0
-                    to = self.through(road.id, row.id, s, road.where)
-                    found.append(Branch(number, stretch.end, row.number, to))
+                    section = self.network.roads[here.road].sections[here.section]
+                    where = self.network.roads[here.road].where
+                    to = self.through(here.road, here.lane, (section.s + section.end) / 2, where)
+                    found.append(Branch(number, station, row.number, to))
         return found
+
+    def _beside(self, place: LanePlace) -> Iterator[LaneRow]:
+        road = self.network.roads[place.road]
+        along = runs_along(road, lane_at(self.network, place))
+        return _rows(road, place, road.sections[place.section], 0.0, along=along)
+
+    def _end(self, place: LanePlace) -> float:
+        """The station of its road at which a place is left."""
+        road = self.network.roads[place.road]
+        section = road.sections[place.section]
+        return section.end if runs_along(road, lane_at(self.network, place)) else section.s
 
     def nearest(self, x: float, y: float) -> tuple[str, int, float, float] | None:
         """The road, lane, station and distance to that lane's middle of the lane that is nearest to a point, in m."""

@@ -406,8 +406,10 @@ void action_begin(storyboard *board, int32_t self) {
     case DO_LONGITUDINAL_DISTANCE:
     case DO_LATERAL_DISTANCE:
     case DO_SYNCHRONIZE: return;
-    case DO_TELEPORT:
-    case DO_ADD: place_actor(board, action); break;
+    case DO_TELEPORT: place_actor(board, action); break;
+    case DO_ADD:
+        if (!actor->is_present) place_actor(board, action);
+        break;
     case DO_DELETE: actor->is_present = false; break;
     case DO_ROUTE: place_on_path(board, &actor->at, action->target, &actor->piece); break;
     case DO_SET: board->variables[action->target] = number(board, action, 0); break;

@@ -116,7 +116,7 @@ static void follow(storyboard *board, sb_actor *actor) {
     if (path != SB_NONE) place_on_path(board, &actor->at, path, &actor->piece);
 }
 
-/* Whoever passes the end of a road in a lane that does not go on beside the path leaves it there. */
+/* Whoever is in a lane that does not go on beside the path leaves it there. */
 static void turn_off(storyboard *board, sb_actor *actor, double before) {
     sb_place *at = &actor->at;
     for (int32_t i = 0; i < scenario_tables.branch_count; ++i) {

@@ -21,7 +21,7 @@ typedef struct {
     int32_t id, number, sense, road;
 } sb_lane;
 
-/* Where a road of *path* ends at *station*, its lane goes on in the path *to*, of which it is lane 0. */
+/* From *station* on a lane of *path* goes on in the path *to*, of which it is lane 0. */
 typedef struct {
     int32_t path;
     double station;
