@@ -68,6 +68,7 @@ class Conditions:
             "delay": tables.number(node.number("delay", 0.0)), "memory": tables.memories, "needs_all": False,
             "first": 0, "count": 0, "entity": NONE, "position": NONE, "variable": 0, "element": 0, "state": NONE,
             "distance": "LONGITUDINALLY", "system": "OF_ENTITY", "direction": NONE, "is_freespace": False,
+            "takes_opposite": False, "listed": 0, "listed_count": 0,
             "numbers": [0] * 4,
         }  # fmt: skip
         choice = node.only()
@@ -208,8 +209,14 @@ class Conditions:
             tables.number(lanes.number("from", -100.0) if lanes else -100.0),
             tables.number(lanes.number("to", 100.0) if lanes else 100.0),
         ]
-        system = "OF_ROAD"
-        return {"kind": "IF_CLEARANCE", "numbers": numbers, "system": system, "is_freespace": node.flag("freeSpace")}
+        first = tables.count("triggering")
+        for each in node.all("EntityRef"):
+            tables.add("triggering", self.actions.layout.entity(each))
+        return {
+            "kind": "IF_CLEARANCE", "numbers": numbers, "system": "OF_ROAD", "is_freespace": node.flag("freeSpace"),
+            "takes_opposite": node.flag("oppositeLanes"), "listed": first,
+            "listed_count": tables.count("triggering") - first,
+        }  # fmt: skip
 
 
 _BY_VALUE: dict[str, Callable[[Conditions, Node], Row]] = {

@@ -240,7 +240,8 @@ def open_document(context: Context) -> Document:
             "this is a distribution of parameters, not a scenario", root.where, "give the scenario that it names"
         )
     scope: dict[str, Value] = {}
-    parameters, decided = [], {}
+    parameters: dict[str, Parameter] = {}
+    decided: dict[str, str] = {}
     declared = root.child("ParameterDeclarations")
     names = [each.element.get("name") for each in declared.all("ParameterDeclaration")] if declared else []
     for name in context.given:
@@ -252,14 +253,16 @@ def open_document(context: Context) -> Document:
         value = read_value(text, scope, each.where)
         depends = _REFERENCE.search(text) is not None
         if isinstance(value, Number) and type_ in NUMERIC and not depends and name not in context.fixed:
-            parameters.append(Parameter(name, type_, value.value, *_bounds(each, scope), each.where))
+            parameters[name] = Parameter(name, type_, value.value, *_bounds(each, scope), each.where)
             value = tunable(name, value.value)
         elif not depends:
             decided[name] = text
+        if name in scope:
+            each.ignore(f"'{shortened(name)}' was declared before; the last declaration holds")
         scope[name] = value
     root = Node(element, scope, context)
     _find_catalogs(root)
-    return Document(root, tuple(parameters), decided)
+    return Document(root, tuple(parameters.values()), decided)
 
 
 def _bounds(declaration: Node, scope: Mapping[str, Value]) -> tuple[float | None, float | None]:
@@ -305,7 +308,7 @@ def _find_catalogs(root: Node) -> None:
             raise fail(f"a folder of catalogues has at most {_MOST_CATALOG_FILES} files", directory.where)
         for file in files:
             catalog = read_xml_file(file, shown(file)).child("Catalog")
-            if catalog is not None:
-                for entry in catalog.children:
-                    key = catalog.get("name"), entry.get("name")
-                    root.context.catalogs.setdefault(key, (entry, file, name))
+            for entry in catalog.children if catalog is not None else ():
+                # Some files are found by their own name only.
+                for called in (catalog.get("name"), file.stem):  # type: ignore[union-attr]
+                    root.context.catalogs.setdefault((called, entry.get("name")), (entry, file, name))

@@ -7,6 +7,7 @@ lane, and drive against the path in a lane for the oncoming traffic.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ from dse.world.pieces import value
 from dse.world.routes import Onward, Route, Way, straight_on, way_in, way_of
 from dse.world.tables import RoadPath
 
+_MOST_PATHS = 40
 _UPSTREAM = 1000.0
 """How far a path reaches back before the place that it was made for, in m, if the lanes there go straight on."""
 
@@ -113,6 +115,46 @@ class Paths:
             whole = way_in(self._graph, (*places, *(place for place in following if place not in seen)))
             return self._number(self._with_upstream(places[0], whole), where)
         raise fail("the route leads nowhere", where)
+
+    def branches(self) -> list[Branch]:
+        """Where lanes beside the paths lead elsewhere: exits, and turns of a crossing; with the paths made for them."""
+        found: list[Branch] = []
+        for number in itertools.count():
+            if number >= len(self.made):
+                return found
+            way = next(way for way, made in self._ways.items() if made == number)
+            ends = [
+                (place, stretch.base + stretch.sense * self._end(place))
+                for passage, stretch in zip(way.passages, self.made[number].stretches, strict=True)
+                for place in passage
+            ]
+            following: list[LanePlace | None] = [place for place, _ in ends[1:]]
+            for (place, station), after in zip(ends, [*following, None], strict=True):
+                numbers = {(after.road, row.id): row.number for row in self._beside(after)} if after else {}
+                for row in self._beside(place):
+                    here = LanePlace(place.road, place.section, row.id)
+                    leads = self._onward.from_(here) if row.number != 0 and row.sense > 0 else ()
+                    goes_on = any(numbers.get((p.road, p.lane)) == row.number for p in leads)
+                    if not leads or goes_on or lane_at(self.network, here).type != "driving":
+                        continue
+                    if len(self.made) >= _MOST_PATHS:
+                        return found
+                    section = self.network.roads[here.road].sections[here.section]
+                    where = self.network.roads[here.road].where
+                    to = self.through(here.road, here.lane, (section.s + section.end) / 2, where)
+                    found.append(Branch(number, station, row.number, to))
+        return found
+
+    def _beside(self, place: LanePlace) -> Iterator[LaneRow]:
+        road = self.network.roads[place.road]
+        along = runs_along(road, lane_at(self.network, place))
+        return _rows(road, place, road.sections[place.section], 0.0, along=along)
+
+    def _end(self, place: LanePlace) -> float:
+        """The station of its road at which a place is left."""
+        road = self.network.roads[place.road]
+        section = road.sections[place.section]
+        return section.end if runs_along(road, lane_at(self.network, place)) else section.s
 
     def nearest(self, x: float, y: float) -> tuple[str, int, float, float] | None:
         """The road, lane, station and distance to that lane's middle of the lane that is nearest to a point, in m."""
@@ -207,6 +249,16 @@ class Paths:
                     lengths[there], came[there] = length, here
                     left.add(there)
         raise fail(f"no way leads from road '{one}' to road '{other}'", where)
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """Where *path* ends a road at *station*, its lane *lane* does not go on beside it, but in the path *to*."""
+
+    path: int
+    station: float
+    lane: int
+    to: int
 
 
 def _all_places(network: Network) -> Iterator[LanePlace]:

@@ -132,6 +132,10 @@ class _Compiler:
         self._stories(storyboard, actions)
         raise_if_any(self.problems)
         found = self._host(host, entities)
+        changes = any(isinstance(row, dict) and row["kind"] == "DO_LANE_CHANGE" for row in self.tables.rows["actions"])
+        for branch in paths.branches() if paths and changes else ():
+            fields = {"path": branch.path, "station": branch.station, "lane": branch.lane, "to": branch.to}
+            self.tables.add("branches", fields)
         made = tuple(paths.made) if paths else ()
         self._lanes(made)
         ignored = tuple(dict.fromkeys(root.context.ignored))

@@ -13,6 +13,7 @@ CHORDS = 64
 
 _ROWS: dict[str, str] = {
     "lanes": "sb_lane",
+    "branches": "sb_branch",
     "entities": "sb_entity",
     "positions": "sb_position",
     "trajectories": "sb_trajectory",
@@ -91,6 +92,7 @@ class Tables:
                 parts.append(f"static const {type_} {name}[]{width} = {{\n{body},\n}};\n")
         fields |= {
             "lane_count": str(self.count("lanes")),
+            "branch_count": str(self.count("branches")),
             "entity_count": str(self.count("entities")),
             "host": str(host),
             "action_count": str(self.count("actions")),

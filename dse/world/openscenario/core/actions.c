@@ -212,8 +212,24 @@ static bool keep_distance(storyboard *board, const sb_action *action) {
     return !(action->flags & IS_CONTINUOUS) && fabs(excess) < 0.1;
 }
 
+/* In the plane: beside the line that the other one drives along. */
+static bool keep_beside(storyboard *board, const sb_action *action) {
+    sb_actor *actor = &board->actors[action->actor];
+    const sb_place *other = &board->actors[action->entity].at;
+    double c = cos(other->heading), s = sin(other->heading);
+    double aside = (actor->at.y - other->y) * c - (actor->at.x - other->x) * s;
+    double side = action->flags & IS_TRAILING ? -1 : action->flags & IS_LEADING || aside >= 0 ? 1 : -1;
+    double gap = number(board, action, 0), most = number(board, action, 3) * board->h;
+    if (action->flags & IS_FREESPACE) gap += 0.5 * (scenario_tables.entities[action->actor].width + scenario_tables.entities[action->entity].width);
+    double missing = side * gap - aside, moved = most > 0 && fabs(missing) > most ? copysign(most, missing) : missing;
+    actor->at.x -= moved * s;
+    actor->at.y += moved * c;
+    return !(action->flags & IS_CONTINUOUS) && moved == missing;
+}
+
 static bool keep_aside(storyboard *board, const sb_action *action) {
     sb_actor *actor = &board->actors[action->actor];
+    if (actor->at.path == SB_NONE) return keep_beside(board, action);
     sb_place other = seen_on_path(board, action->actor, action->entity);
     double own = t_of(actor), t = place_middle(other.path, other.s, other.lane, 0) + other.offset;
     double gap = number(board, action, 0), side = own >= t ? 1 : -1;
@@ -390,8 +406,10 @@ void action_begin(storyboard *board, int32_t self) {
     case DO_LONGITUDINAL_DISTANCE:
     case DO_LATERAL_DISTANCE:
     case DO_SYNCHRONIZE: return;
-    case DO_TELEPORT:
-    case DO_ADD: place_actor(board, action); break;
+    case DO_TELEPORT: place_actor(board, action); break;
+    case DO_ADD:
+        if (!actor->is_present) place_actor(board, action);
+        break;
     case DO_DELETE: actor->is_present = false; break;
     case DO_ROUTE: place_on_path(board, &actor->at, action->target, &actor->piece); break;
     case DO_SET: board->variables[action->target] = number(board, action, 0); break;

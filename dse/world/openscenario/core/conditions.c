@@ -150,21 +150,47 @@ static double angle_between(double angle) {
     return fabs(remainder(angle, 2 * 3.14159265358979323846));
 }
 
+static bool is_asked(const sb_condition *condition, int32_t entity) {
+    for (int32_t i = 0; i < condition->listed_count; ++i) {
+        if (scenario_tables.triggering[condition->listed + i] == entity) return true;
+    }
+    return condition->listed_count == 0;
+}
+
+static bool is_within(const storyboard *board, const sb_condition *condition, int32_t lanes) {
+    return lanes >= board->values[condition->numbers[2]] && lanes <= board->values[condition->numbers[3]];
+}
+
+/* Whether one of the lanes asked for is there, beside an actor on a path. */
+static bool has_lane(const storyboard *board, const sb_condition *condition, const sb_place *at) {
+    const path_table *path = &road_tables.paths[at->path];
+    path_place place = path_find(path, at->s, 0);
+    for (int32_t i = 0; i < path->lane_count; ++i) {
+        int32_t number = path->lanes[i].number;
+        bool is_opposite = place_sense(at->path, at->s, number) != place_sense(at->path, at->s, at->lane);
+        bool is_there = path_value(place, path->lanes[i].width).value > 1e-3;
+        if (is_there && !(is_opposite && !condition->takes_opposite) && is_within(board, condition, at->sense * (number - at->lane))) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static bool is_clear(storyboard *board, const sb_condition *condition, int32_t actor) {
     const sb_actor *own = &board->actors[actor];
+    if (own->at.path != SB_NONE && !has_lane(board, condition, &own->at)) return false;
     for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
         const sb_actor *other = &board->actors[i];
-        if (i == actor || !other->is_present) continue;
+        if (i == actor || !other->is_present || !is_asked(condition, i)) continue;
         sb_memory memory = {.hint = NAN};
         sb_place at = other->at;
         int32_t piece = 0;
         if (own->at.path != SB_NONE && at.path != own->at.path) place_on_path(board, &at, own->at.path, &piece);
         double ahead = distance_to(board, condition, actor, other->at.x, other->at.y, i, LONGITUDINALLY, &memory);
         int32_t lanes = own->at.sense * (at.lane - own->at.lane);
-        if (ahead <= board->values[condition->numbers[0]] && -ahead <= board->values[condition->numbers[1]] &&
-            lanes >= board->values[condition->numbers[2]] && lanes <= board->values[condition->numbers[3]]) {
-            return false;
-        }
+        bool is_opposite = own->at.path != SB_NONE && place_sense(at.path, at.s, at.lane) != place_sense(own->at.path, own->at.s, own->at.lane);
+        bool is_near = ahead <= board->values[condition->numbers[0]] && -ahead <= board->values[condition->numbers[1]];
+        if (is_near && is_within(board, condition, lanes) && !(is_opposite && !condition->takes_opposite)) return false;
     }
     return true;
 }

@@ -3,7 +3,8 @@
 #include <math.h>
 #include <stddef.h>
 
-#define STILL 1e-3 /* m/s */
+#define STILL 1e-3   /* m/s */
+#define REACHED 1e-6 /* m */
 
 static const sb_element *element_of(int32_t i) {
     return &scenario_tables.elements[i];
@@ -115,6 +116,25 @@ static void follow(storyboard *board, sb_actor *actor) {
     if (path != SB_NONE) place_on_path(board, &actor->at, path, &actor->piece);
 }
 
+/* Whoever is in a lane that does not go on beside the path leaves it there. */
+static void turn_off(storyboard *board, sb_actor *actor, double before) {
+    sb_place *at = &actor->at;
+    for (int32_t i = 0; i < scenario_tables.branch_count; ++i) {
+        const sb_branch *branch = &scenario_tables.branches[i];
+        bool passes = before < branch->station && at->s >= branch->station && at->sense > 0;
+        if (branch->path != at->path || branch->lane != at->lane || !passes) continue;
+        double over = at->s - branch->station + REACHED, offset = at->offset;
+        at->s = branch->station - REACHED;
+        place_lay(board, at, &actor->piece);
+        place_on_path(board, at, branch->to, &actor->piece);
+        at->s += over;
+        at->lane = 0;
+        at->offset = offset;
+        at->turn = 0;
+        return;
+    }
+}
+
 static void drive(storyboard *board, sb_actor *actor) {
     sb_place *at = &actor->at;
     const path_table *path = &road_tables.paths[at->path];
@@ -125,7 +145,10 @@ static void drive(storyboard *board, sb_actor *actor) {
     path_jet t = lane ? path_value(place, lane->middle) : (path_jet){NAN, NAN, NAN};
     t.value += at->offset;
     path_beside beside = path_beside_at(&line, t);
+    double before = at->s;
     at->s += at->sense * copysign(ahead, actor->speed) * board->h / beside.length;
+    turn_off(board, actor, before);
+    path = &road_tables.paths[at->path];
     double inside = path->closed ? at->s : fmin(fmax(at->s, 0), path->length);
     if (inside != at->s && actor->ended > 0) actor->speed = 0;
     actor->ended = inside != at->s || (!path->closed && inside >= path->length) ? actor->ended + board->h : 0;

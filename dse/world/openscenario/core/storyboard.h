@@ -21,6 +21,13 @@ typedef struct {
     int32_t id, number, sense, road;
 } sb_lane;
 
+/* From *station* on a lane of *path* goes on in the path *to*, of which it is lane 0. */
+typedef struct {
+    int32_t path;
+    double station;
+    int32_t lane, to;
+} sb_branch;
+
 typedef struct {
     int32_t class; /* of actor_class */
     int32_t path;  /* SB_NONE: free in the plane */
@@ -100,7 +107,8 @@ typedef struct {
     bool needs_all;            /* of the triggering entities */
     int32_t first, count;      /* of the triggering entities */
     int32_t entity, position, variable, element, state, distance, system, direction;
-    bool is_freespace;
+    bool is_freespace, takes_opposite;
+    int32_t listed, listed_count; /* triggering: those that a clearance asks for, none: all */
     int32_t numbers[4];        /* value (or tolerance, duration), tolerance; of a clearance: ahead, behind, lanes */
 } sb_condition;
 
@@ -123,6 +131,7 @@ enum { ON_STANDBY, ON_RUNNING, ON_COMPLETE, ON_START, ON_END, ON_STOP, ON_SKIP }
 
 typedef struct {
     const sb_lane *lanes;
+    const sb_branch *branches;
     const sb_entity *entities;
     const sb_position *positions;
     const sb_trajectory *trajectories;
@@ -135,7 +144,7 @@ typedef struct {
     const sb_range *groups;     /* of conditions */
     const sb_range *triggers;   /* of groups */
     const sb_element *elements;
-    int32_t lane_count, entity_count, host, action_count, init_count, element_count, trajectory_count, condition_count,
+    int32_t lane_count, branch_count, entity_count, host, action_count, init_count, element_count, trajectory_count, condition_count,
         stop, variable_count;
 } sb_tables;
 
