@@ -173,6 +173,8 @@ class Paths:
         return None if best is None else best[1:]
 
     def _number(self, way: Way, where: Location) -> int:
+        if way not in self._ways and (known := self._parallel(way)) is not None:
+            self._ways[way] = known
         if way not in self._ways:
             try:
                 self.made.append(_scenario_path(self._graph, way))
@@ -180,6 +182,26 @@ class Paths:
                 raise fail(f"the path of a road user: {error.problems[0]}", where) from error
             self._ways[way] = len(self.made) - 1
         return self._ways[way]
+
+    def _parallel(self, way: Way) -> int | None:
+        """The number of a path that was made and is as far aside all along: its lanes do for *way*, too."""
+        for number, made in enumerate(self.made):
+            pairs = [*zip(_places(way), _places(made.way), strict=False)]
+            same = all((a.road, a.section) == (b.road, b.section) for a, b in pairs)
+            if not same or [len(p) for p in way.passages] != [len(p) for p in made.way.passages]:
+                continue
+            apart = {(self._index(a) - self._index(b), self._along(a) == self._along(b)) for a, b in pairs}
+            if len(apart) == 1 and next(iter(apart))[1] and way.closed == made.way.closed:
+                return number
+        return None
+
+    def _index(self, place: LanePlace) -> int:
+        """How many lanes are to its right, from left to right along the path."""
+        ids = sorted(id_ for id_ in self.network.roads[place.road].sections[place.section].lanes if id_ != 0)
+        return ids.index(place.lane) * (1 if self._along(place) else -1)
+
+    def _along(self, place: LanePlace) -> bool:
+        return runs_along(self.network.roads[place.road], lane_at(self.network, place))
 
     def _place(self, road: str, lane: int, s: float) -> LanePlace:
         """The lane there, or the nearest one of its side that leads somewhere."""
@@ -259,6 +281,10 @@ class Branch:
     station: float
     lane: int
     to: int
+
+
+def _places(way: Way) -> Iterator[LanePlace]:
+    return (place for passage in way.passages for place in passage)
 
 
 def _all_places(network: Network) -> Iterator[LanePlace]:

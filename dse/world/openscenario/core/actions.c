@@ -187,7 +187,7 @@ static bool keep_distance(storyboard *board, const sb_action *action) {
     const sb_actor *other = &board->actors[action->entity];
     sb_memory memory = {.hint = NAN};
     double ahead = action->flags & IS_ALONG_ROAD
-                       ? gap_ahead(board, action->actor, other->at.x, other->at.y, &memory, NULL)
+                       ? gap_ahead(board, action->actor, action->entity, other->at.x, other->at.y, &memory, NULL)
                        : (other->at.x - actor->at.x) * cos(actor->at.heading) + (other->at.y - actor->at.y) * sin(actor->at.heading);
     double excess = ahead - wanted_gap(board, action, ahead);
     if (!(action->flags & HAS_LIMITS)) {
@@ -271,7 +271,7 @@ static double way_to(storyboard *board, int32_t number, int32_t position) {
         return trajectory_foot(board, actor->trajectory, there.x, there.y) - actor->along;
     }
     sb_memory memory = {.hint = NAN};
-    double ahead = gap_ahead(board, number, there.x, there.y, &memory, NULL);
+    double ahead = gap_ahead(board, number, SB_NONE, there.x, there.y, &memory, NULL);
     return actor->speed < 0 ? -ahead : ahead;
 }
 

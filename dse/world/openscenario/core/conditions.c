@@ -20,13 +20,25 @@ static bool fits(int32_t rule, double a, double b) {
     }
 }
 
-/* How far (x, y) is ahead of an actor: along its path, else along its heading; and how far to its left. */
-double gap_ahead(storyboard *board, int32_t number, double x, double y, sb_memory *memory, double *aside) {
+/* How far (x, y), or the *other* one if it is not SB_NONE, is ahead of an actor: along its path, else along its heading; and how far to its left. */
+double gap_ahead(storyboard *board, int32_t number, int32_t other, double x, double y, sb_memory *memory, double *aside) {
     const sb_actor *actor = &board->actors[number];
     if (actor->at.path == SB_NONE) {
         double c = cos(actor->at.heading), s = sin(actor->at.heading), dx = x - actor->at.x, dy = y - actor->at.y;
         if (aside) *aside = dy * c - dx * s;
         return dx * c + dy * s;
+    }
+    if (other != SB_NONE && board->actors[other].at.path == actor->at.path) {
+        const sb_place *there = &board->actors[other].at;
+        if (aside) {
+            double left = there->offset - actor->at.offset;
+            if (there->lane != actor->at.lane) {
+                left += place_middle(there->path, there->s, there->lane, board->actors[other].piece) -
+                        place_middle(there->path, actor->at.s, actor->at.lane, actor->piece);
+            }
+            *aside = actor->at.sense * left;
+        }
+        return actor->at.sense * (there->s - actor->at.s);
     }
     const path_table *path = &road_tables.paths[actor->at.path];
     path_foot foot;
@@ -102,13 +114,13 @@ static double box_distance(const storyboard *board, int32_t a, int32_t b) {
 static double distance_to(storyboard *board, const sb_condition *condition, int32_t actor, double x, double y, int32_t other,
                           int32_t distance, sb_memory *memory) {
     const sb_place *at = &board->actors[actor].at;
-    double c = cos(at->heading), s = sin(at->heading), aside;
+    double c = cos(at->heading), s = sin(at->heading), aside = 0;
     if (distance == EUCLIDIAN) {
         double away = condition->is_freespace && other != SB_NONE ? box_distance(board, actor, other) : hypot(x - at->x, y - at->y);
         return copysign(away, (x - at->x) * c + (y - at->y) * s);
     }
     double ahead = condition->system == OF_ROAD
-                       ? gap_ahead(board, actor, x, y, memory, &aside)
+                       ? gap_ahead(board, actor, other, x, y, memory, distance == LONGITUDINALLY && !condition->is_freespace ? NULL : &aside)
                        : (aside = (y - at->y) * c - (x - at->x) * s, (x - at->x) * c + (y - at->y) * s);
     if (!condition->is_freespace) return distance == LONGITUDINALLY ? ahead : aside;
     const sb_entity *own = &scenario_tables.entities[actor];

@@ -47,9 +47,9 @@ double place_middle(int32_t path, double s, int32_t lane, int32_t near) {
     return middle_at(table_of(path), path_find(table_of(path), s, near), lane).value;
 }
 
-void place_lay(const storyboard *board, sb_place *place, int32_t *piece) {
+double place_lay(const storyboard *board, sb_place *place, int32_t *piece) {
     (void)board;
-    if (place->path == SB_NONE) return;
+    if (place->path == SB_NONE) return 1;
     const path_table *path = table_of(place->path);
     path_place at = path_find(path, place->s, *piece);
     path_line line = path_line_at(at);
@@ -61,6 +61,7 @@ void place_lay(const storyboard *board, sb_place *place, int32_t *piece) {
     place->y = beside.y;
     place->heading = atan2(line.ty * beside.ahead + line.tx * beside.aside, line.tx * beside.ahead - line.ty * beside.aside) +
                      (place->sense < 0 ? PI : 0) + place->turn;
+    return beside.length;
 }
 
 void place_on_path(storyboard *board, sb_place *place, int32_t number, int32_t *piece) {

@@ -39,21 +39,22 @@ static scenario_mover mover_of(const scenario *self, int32_t i) {
 /* The nearest ones to the host that have no index yet, as long as there is one. */
 static void show_nearest(scenario *self) {
     const sb_actor *host = host_of(self);
-    double x = host ? host->at.x : 0, y = host ? host->at.y : 0;
+    double x = host ? host->at.x : 0, y = host ? host->at.y : 0, squares[SB_ENTITIES];
     bool is_wanted[SB_ENTITIES] = {false}, is_shown[SB_ENTITIES] = {false};
-    for (int32_t k = 0; k < SCENARIO_MOVERS; ++k) {
-        int32_t best = SB_NONE;
-        double nearest = HUGE_VAL;
+    int32_t seen = 0;
+    for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
+        const sb_actor *actor = &self->board.actors[i];
+        double dx = actor->at.x - x, dy = actor->at.y - y;
+        is_wanted[i] = actor->is_present && !actor->is_hidden && i != scenario_tables.host;
+        squares[i] = dx * dx + dy * dy;
+        seen += is_wanted[i];
+    }
+    for (; seen > SCENARIO_MOVERS; --seen) {
+        int32_t farthest = SB_NONE;
         for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
-            const sb_actor *actor = &self->board.actors[i];
-            double away = hypot(actor->at.x - x, actor->at.y - y);
-            bool is_seen = actor->is_present && !actor->is_hidden && i != scenario_tables.host && !is_wanted[i];
-            if (is_seen && away < nearest) {
-                nearest = away;
-                best = i;
-            }
+            if (is_wanted[i] && (farthest == SB_NONE || squares[i] >= squares[farthest])) farthest = i;
         }
-        if (best != SB_NONE) is_wanted[best] = true;
+        is_wanted[farthest] = false;
     }
     for (int32_t k = 0; k < SCENARIO_MOVERS; ++k) {
         int32_t i = self->shown[k];
@@ -65,7 +66,7 @@ static void show_nearest(scenario *self) {
             while (i < scenario_tables.entity_count && !(is_wanted[i] && !is_shown[i])) ++i;
             if (i < scenario_tables.entity_count) self->shown[k] = i++;
         }
-        self->out.movers[k] = self->shown[k] == SB_NONE ? (scenario_mover){0} : mover_of(self, self->shown[k]);
+        self->out.movers[k] = self->shown[k] == SB_NONE ? (scenario_mover){0} : self->out.everyone[self->shown[k]];
     }
 }
 
@@ -76,8 +77,8 @@ static void feel(scenario *self) {
 }
 
 static void output(scenario *self) {
-    show_nearest(self);
     for (int32_t i = 0; i < scenario_tables.entity_count && i < SCENARIO_SEEN; ++i) self->out.everyone[i] = mover_of(self, i);
+    show_nearest(self);
     for (int32_t i = 0; i < scenario_tables.element_count && i < SCENARIO_STATES; ++i) {
         self->out.states[i] = self->board.progress[i].state;
     }

@@ -139,21 +139,16 @@ static void drive(storyboard *board, sb_actor *actor) {
     sb_place *at = &actor->at;
     const path_table *path = &road_tables.paths[at->path];
     double ahead = sqrt(fmax(actor->speed * actor->speed - actor->drift * actor->drift, 0));
-    path_place place = path_find(path, at->s, actor->piece);
-    path_line line = path_line_at(place);
-    const path_lane *lane = path_find_lane(path, at->lane);
-    path_jet t = lane ? path_value(place, lane->middle) : (path_jet){NAN, NAN, NAN};
-    t.value += at->offset;
-    path_beside beside = path_beside_at(&line, t);
     double before = at->s;
-    at->s += at->sense * copysign(ahead, actor->speed) * board->h / beside.length;
+    if (at->s != actor->laid_s || actor->stretch <= 0) actor->stretch = place_lay(board, at, &actor->piece);
+    at->s += at->sense * copysign(ahead, actor->speed) * board->h / actor->stretch;
     turn_off(board, actor, before);
     path = &road_tables.paths[at->path];
     double inside = path->closed ? at->s : fmin(fmax(at->s, 0), path->length);
     if (inside != at->s && actor->ended > 0) actor->speed = 0;
     actor->ended = inside != at->s || (!path->closed && inside >= path->length) ? actor->ended + board->h : 0;
-    at->s = inside;
-    place_lay(board, at, &actor->piece);
+    at->s = actor->laid_s = inside;
+    actor->stretch = place_lay(board, at, &actor->piece);
     if (actor->drift != 0) at->heading += at->sense * atan2(actor->drift, ahead);
 }
 

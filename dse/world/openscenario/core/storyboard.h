@@ -167,6 +167,7 @@ typedef struct {
     double origin_x, origin_y;
     int32_t trajectory, slot;
     double along;                               /* of the trajectory */
+    double laid_s, stretch;                     /* station that was laid last, m per station there */
     int32_t lateral, longitudinal;              /* actions that control it; SB_NONE: none */
 } sb_actor;
 
@@ -212,7 +213,8 @@ void storyboard_begin(storyboard *board);
 void storyboard_step(storyboard *board, double h);
 
 /* place.c */
-void place_lay(const storyboard *board, sb_place *place, int32_t *piece);
+/* Lays a place on its path in the plane; returns m per station there. */
+double place_lay(const storyboard *board, sb_place *place, int32_t *piece);
 sb_place place_of(storyboard *board, int32_t position, int32_t actor);
 void place_on_path(storyboard *board, sb_place *place, int32_t path, int32_t *piece);
 int32_t place_lane(int32_t path, double s, int32_t id);
@@ -241,6 +243,6 @@ void action_end(storyboard *board, int32_t action);
 /* conditions.c */
 bool trigger_is_true(storyboard *board, int32_t trigger);
 void trigger_forget(storyboard *board, int32_t trigger);
-double gap_ahead(storyboard *board, int32_t actor, double x, double y, sb_memory *memory, double *aside);
+double gap_ahead(storyboard *board, int32_t actor, int32_t other, double x, double y, sb_memory *memory, double *aside);
 
 #endif
