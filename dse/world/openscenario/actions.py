@@ -89,6 +89,8 @@ class Actions:
         entries = list(node.all("SpeedProfileEntry"))
         if node.has("entityRef"):
             raise fail("a speed profile relative to an entity is not supported", node.where)
+        if limits is not None:
+            self._without_jerk(limits)
         first = tables.count("entries")
         for i, entry in enumerate(entries):
             has_time = entry.has("time") or (limits is None and i == 0)
@@ -122,11 +124,17 @@ class Actions:
         flags |= (_FREESPACE if node.flag("freespace") else 0) | (_CONTINUOUS if node.flag("continuous") else 0)
         return self._kept(node, node.number("distance", 0.0), flags, "DO_LATERAL_DISTANCE", "LATERAL")
 
+    def _without_jerk(self, limits: Node) -> None:
+        if limits.has("maxAccelerationRate") or limits.has("maxDecelerationRate"):
+            limits.ignore("the acceleration changes without a limit of its rate")
+
     def _kept(self, node: Node, gap: Number, flags: int, kind: str, controls: str) -> Row:
         limits = node.child("DynamicConstraints")
         names = "maxAcceleration", "maxDeceleration", "maxSpeed"
         numbers = [limits.number(name, _NO_LIMIT) if limits else constant(_NO_LIMIT) for name in names]
-        flags |= _LIMITS if limits else 0
+        if limits is not None:
+            self._without_jerk(limits)
+            flags |= _LIMITS
         row: Row = {"kind": kind, "controls": controls, "entity": self.layout.entity(node)}
         return {**row, "flags": flags, "numbers": [gap, *numbers]}
 

@@ -119,6 +119,7 @@ static void follow(storyboard *board, sb_actor *actor) {
 /* Whoever is in a lane that does not go on beside the path leaves it there. */
 static void turn_off(storyboard *board, sb_actor *actor, double before) {
     sb_place *at = &actor->at;
+    if (at->lane == 0) return;
     for (int32_t i = 0; i < scenario_tables.branch_count; ++i) {
         const sb_branch *branch = &scenario_tables.branches[i];
         bool passes = before < branch->station && at->s >= branch->station && at->sense > 0;
