@@ -181,7 +181,7 @@ class Node:
             return self.with_parameters()
         catalog, entry = self.text("catalogName"), self.text("entryName")
         assigned = {
-            each.element.get("parameterRef"): each.value("value")
+            each.element.get("parameterRef").removeprefix("$"): each.value("value")
             for group in self.all("ParameterAssignments")
             for each in group.all("ParameterAssignment")
         }

@@ -193,12 +193,16 @@ class _Compiler:
                 name = choice.text("entityRef", "")
                 if name:
                     other = entities.get(name, NONE)
-                    if other <= number:
-                        what = f"the trailer '{name}' is no entity that follows its tow"
-                        raise fail(what, choice.where, closest(name, entities))
+                    if other == NONE:
+                        raise fail(f"the trailer '{name}' is no entity", choice.where, closest(name, entities))
+                    ahead = number
+                    while ahead not in {NONE, other}:
+                        ahead = found[ahead][1]
+                    if ahead == other or found[other][1] != NONE:
+                        raise fail(f"the trailer '{name}' has a tow already, or is its own", choice.where)
                     found[other] = (found[other][0], *at)
             elif choice is not None:
-                whole = choice.need("Vehicle") if choice.tag == "Trailer" else choice
+                whole = choice.need("Vehicle", "CatalogReference") if choice.tag == "Trailer" else choice
                 names.append(f"{names[number]}+")
                 entities[names[-1]] = len(found)
                 found.append((whole.resolved(), *at))

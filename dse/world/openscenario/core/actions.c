@@ -362,12 +362,7 @@ static void place_actor(storyboard *board, const sb_action *action) {
     actor->drift = 0;
     bool is_moved[SB_ENTITIES] = {false};
     is_moved[action->actor] = true;
-    for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
-        int32_t tow = scenario_tables.entities[i].tow;
-        if (tow == SB_NONE || !is_moved[tow]) continue;
-        place_trailer(board, i, true);
-        is_moved[i] = true;
-    }
+    for (int32_t i; (i = next_trailer(is_moved)) != SB_NONE; is_moved[i] = true) place_trailer(board, i, true);
 }
 
 void action_begin(storyboard *board, int32_t self) {

@@ -205,6 +205,14 @@ sb_place place_of(storyboard *board, int32_t number, int32_t actor) {
     return place;
 }
 
+int32_t next_trailer(const bool is_moved[SB_ENTITIES]) {
+    for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
+        int32_t tow = scenario_tables.entities[i].tow;
+        if (tow != SB_NONE && is_moved[tow] && !is_moved[i]) return i;
+    }
+    return SB_NONE;
+}
+
 void place_trailer(storyboard *board, int32_t trailer, bool is_straight) {
     const sb_entity *entity = &scenario_tables.entities[trailer];
     const sb_actor *tow = &board->actors[entity->tow];

@@ -206,8 +206,13 @@ static void frame(storyboard *board, double h) {
     }
     if (h > 0) {
         advance_time(board);
+        bool is_moved[SB_ENTITIES] = {false};
         for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
-            move(board, i);
+            is_moved[i] = scenario_tables.entities[i].tow == SB_NONE;
+            if (is_moved[i]) move(board, i);
+        }
+        for (int32_t i; (i = next_trailer(is_moved)) != SB_NONE; is_moved[i] = true) move(board, i);
+        for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
             bool is_driven = board->has_host && i == scenario_tables.host;
             if (!is_driven) board->actors[i].acceleration = (board->actors[i].speed - before[i]) / h;
         }

@@ -222,6 +222,9 @@ int32_t place_sense(int32_t path, double s, int32_t number);
 int32_t place_road(int32_t path, double s);
 double place_middle(int32_t path, double s, int32_t lane, int32_t near);
 
+/* The first trailer that was not moved, of those whose tow was; SB_NONE: there is none. */
+int32_t next_trailer(const bool is_moved[SB_ENTITIES]);
+
 /* A trailer that follows its tow, straight behind it or from where it is. */
 void place_trailer(storyboard *board, int32_t trailer, bool is_straight);
 
