@@ -114,7 +114,7 @@ static double box_distance(const storyboard *board, int32_t a, int32_t b) {
 static double distance_to(storyboard *board, const sb_condition *condition, int32_t actor, double x, double y, int32_t other,
                           int32_t distance, sb_memory *memory) {
     const sb_place *at = &board->actors[actor].at;
-    double c = cos(at->heading), s = sin(at->heading), aside = 0;
+    double c = board->actors[actor].cosine, s = board->actors[actor].sine, aside = 0;
     if (distance == EUCLIDIAN) {
         double away = condition->is_freespace && other != SB_NONE ? box_distance(board, actor, other) : hypot(x - at->x, y - at->y);
         return copysign(away, (x - at->x) * c + (y - at->y) * s);
@@ -129,7 +129,7 @@ static double distance_to(storyboard *board, const sb_condition *condition, int3
                                           : between(aside - own->centre_y, 0.5 * own->width, 0);
     }
     const sb_entity *its = &scenario_tables.entities[other];
-    double turn = board->actors[other].at.heading - at->heading, ct = cos(turn), st = sin(turn);
+    double oc = board->actors[other].cosine, os = board->actors[other].sine, ct = oc * c + os * s, st = os * c - oc * s;
     ahead += ct * its->centre_x - st * its->centre_y;
     aside += st * its->centre_x + ct * its->centre_y;
     double half_length = 0.5 * (fabs(ct) * its->length + fabs(st) * its->width);

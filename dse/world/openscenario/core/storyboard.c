@@ -192,7 +192,12 @@ static void advance_time(storyboard *board) {
 static void frame(storyboard *board, double h) {
     double before[SB_ENTITIES];
     board->h = h;
-    for (int32_t i = 0; i < scenario_tables.entity_count; ++i) before[i] = board->actors[i].speed;
+    for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
+        sb_actor *actor = &board->actors[i];
+        before[i] = actor->speed;
+        actor->cosine = cos(actor->at.heading);
+        actor->sine = sin(actor->at.heading);
+    }
     for (int32_t i = 0; i < scenario_tables.element_count; ++i) {
         board->progress[i].changed = board->progress[i].changing;
         board->progress[i].changing = 0;

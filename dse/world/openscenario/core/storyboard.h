@@ -168,6 +168,7 @@ typedef struct {
     int32_t trajectory, slot;
     double along;                               /* of the trajectory */
     double laid_s, stretch;                     /* station that was laid last, m per station there */
+    double cosine, sine;                        /* of its heading when triggers are evaluated */
     int32_t lateral, longitudinal;              /* actions that control it; SB_NONE: none */
 } sb_actor;
 
