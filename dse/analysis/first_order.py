@@ -175,7 +175,8 @@ def alias_sentences(data: StudyData, metric: str) -> tuple[str, ...]:
         for group in aliased(there)
     )
     interactions = (
-        f"{factor} follows from {one} and {other} in these runs, so its effect cannot be told from their interaction"
+        f"{factor} follows from {one} and {other} in these runs, "
+        "so its effect cannot be separated from their interaction"
         for one, other, factor in interacting(there)
     )
     return (*together, *interactions)

@@ -175,7 +175,10 @@ def test_an_interaction_is_not_credited_to_the_factor_that_is_aliased_with_it():
     assert [each.factor for each in model_first_order_shares(data, "y")] == ["brake"]
     assert [each.factor for each in main_effects(data, "y")] == ["brake"]
     (finding,) = shares(data, "y")
-    assert "; c follows from a and b in these runs, so its effect cannot be told from their interaction" in finding.text
+    assert (
+        "; c follows from a and b in these runs, so its effect cannot be separated from their interaction"
+        in finding.text
+    )
     names = [factor.name for factor in data.factors]
     assert [{names[k] for k in group} for group in _dependent(data)] == [{"a", "b", "c"}, {"brake"}]
 
