@@ -33,6 +33,7 @@ from .first_order import (
     aliased as aliased,
     courses as courses,
     going_together as going_together,
+    interacting as interacting,
 )
 from .importance import (
     Importance as Importance,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from dse.analysis.bins import binned
 from dse.analysis.data import StudyData
-from dse.analysis.first_order import aliased
+from dse.analysis.first_order import inseparable
 from dse.analysis.probability import CONFIDENCE, Interval
 
 if TYPE_CHECKING:
@@ -32,11 +32,11 @@ class MainEffect:
 
 
 def main_effects(data: StudyData, metric: str) -> tuple[MainEffect, ...]:
-    """Of every factor, over the runs in which the metric is defined and the factor present; not of `aliased` ones.
+    """Of every factor, over the runs in which the metric is defined and the factor present; not of `inseparable` ones.
     Raises DseError.
     """
     there, values = data.evenly(metric, _LEAST_EVEN).response(metric, _LEAST)
-    left_out = {name for group in aliased(there) for name in group}
+    left_out = inseparable(there)
     effects = []
     for k, factor in enumerate(there.factors):
         if factor.name in left_out:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,7 @@ _LEAST_BINS = 6
 _TURN, _SURE, _DOUBTED = 0.1, 3.0, 0.25
 _COURSES = {(1,): "rising", (-1,): "falling", (1, -1): "with a peak", (-1, 1): "with a valley"}
 _ROUNDING = 1e-12
+_MOST_LEVELS = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,11 +50,11 @@ def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
 
     Shares add up to 1 at most where factors are independent; what they leave is due to several factors together, or to
     bins that are too wide for few runs. Intervals are 1.96 standard deviations to either side, by the jackknife.
-    A factor of which fewer than 40 runs have a value is left out, and so are `aliased` ones. Raises DseError, as
+    A factor of which fewer than 40 runs have a value is left out, and so are `inseparable` ones. Raises DseError, as
     `StudyData.response` does, and `StudyData.evenly`.
     """
     there, values = data.evenly(metric, LEAST).response(metric, LEAST)
-    left_out = {name for group in aliased(there) for name in group}
+    left_out = inseparable(there)
     found = []
     for k, factor in enumerate(there.factors):
         if factor.name in left_out:
@@ -119,7 +121,7 @@ def aliased(data: StudyData) -> tuple[tuple[str, ...], ...]:
     Each value of one goes with one value of the other. Of two numbers, also the order of the values has to agree: in a
     random sample each value occurs once, with one value of every other variable.
     """
-    columns = [np.unique(column, return_inverse=True)[1].reshape(-1) for column in data.places.T]
+    columns = _ranks(data)
     groups: list[list[int]] = []
     for k, column in enumerate(columns):
         if len(data) and column.any():
@@ -132,13 +134,64 @@ def aliased(data: StudyData) -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(data.factors[k].name for k in group) for group in groups if len(group) > 1)
 
 
+@memoized
+def interacting(data: StudyData) -> tuple[tuple[str, str, str], ...]:
+    """Factors whose value two others determine together, and neither of them alone; the two first, then the factor.
+
+    What such a factor does cannot be told from an interaction of the two. In a 2^(3-1) fraction with C = AB that is so
+    for each of A, B and C. All combinations of the two occur: where each run has values of its own, as in a random
+    sample, any two determine everything. Factors of more than 12 values, and `aliased` ones, are not looked at.
+    """
+    groups = {name for group in aliased(data) for name in group}
+    few = {
+        k: column
+        for k, column in enumerate(_ranks(data))
+        if len(data) and 0 < column.max() < _MOST_LEVELS and data.factors[k].name not in groups
+    }
+    rows = np.unique(np.array([*few.values()], dtype=np.intp).reshape(len(few), len(data)), axis=1)
+    columns = dict(zip(few, rows, strict=True))
+    found: dict[int, tuple[str, str, str]] = {}
+    for one, other in combinations(columns, 2):
+        both = columns[one] * (columns[other].max() + 1) + columns[other]
+        if not np.bincount(both).all() or both.max() + 1 < (columns[one].max() + 1) * (columns[other].max() + 1):
+            continue
+        for k in columns.keys() - {one, other} - found.keys():
+            alone = (_is_function(columns[each], columns[k]) for each in (one, other))
+            if _is_function(both, columns[k]) and not any(alone):
+                found[k] = (data.factors[one].name, data.factors[other].name, data.factors[k].name)
+    return tuple(found[k] for k in sorted(found))
+
+
+def inseparable(data: StudyData) -> set[str]:
+    """Factors that are `aliased`, or aliased with an interaction (`interacting`)."""
+    return {*(name for group in aliased(data) for name in group), *(each[2] for each in interacting(data))}
+
+
 def alias_sentences(data: StudyData, metric: str) -> tuple[str, ...]:
-    """For each group of `aliased` factors of the runs that define *metric*, why nothing is said of them."""
+    """For each group of `inseparable` factors of the runs that define *metric*, why nothing is said of them."""
     there = data.response(metric, 1)[0]
-    return tuple(
+    together = (
         f"{listed(group)} always change together in these runs, so their effects cannot be separated"
         for group in aliased(there)
     )
+    interactions = (
+        f"{factor} follows from {one} and {other} in these runs, "
+        "so its effect cannot be separated from their interaction"
+        for one, other, factor in interacting(there)
+    )
+    return (*together, *interactions)
+
+
+def _ranks(data: StudyData) -> list[NDArray[np.intp]]:
+    """The values of each factor as 0, 1, … in their order."""
+    return [np.unique(column, return_inverse=True)[1].reshape(-1) for column in data.places.T]
+
+
+def _is_function(of: NDArray[np.intp], values: NDArray[np.intp]) -> bool:
+    """Whether equal numbers *of* have equal *values*."""
+    first = np.empty(int(of.max()) + 1, dtype=np.intp)
+    first[of] = values
+    return bool((first[of] == values).all())
 
 
 def _goes_with(data: StudyData, columns: Sequence[NDArray[np.intp]], one: int, other: int) -> bool:

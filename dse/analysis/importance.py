@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from dse.analysis.data import Floats, StudyData, withheld
-from dse.analysis.first_order import Share, first_order_shares as given_data_shares
+from dse.analysis.first_order import Share, first_order_shares as given_data_shares, interacting
 from dse.analysis.memoize import memoized
 from dse.analysis.phrases import listed, percent
 from dse.analysis.probability import Interval
@@ -180,7 +180,8 @@ def _dependent(data: StudyData) -> list[tuple[int, ...]]:
     """The factors, by position, in groups that are independent of each other in these runs.
 
     Two depend on each other if a constraint names both, or if some `_scores` correlate as they do by chance in one of
-    100 studies. Runs that share the values of both, as those at each condition do, are one, but not of two choices.
+    100 studies. Runs that share the values of both, as those at each condition do, are one, but not of two choices. So
+    do three of which two determine the third (`interacting`).
     """
     from scipy.special import chdtrc
 
@@ -196,6 +197,8 @@ def _dependent(data: StudyData) -> list[tuple[int, ...]]:
         chance = chdtrc(freedom, len(both) * float(((first.T @ second) ** 2).sum())) if freedom else 1.0
         if chance < _CHANCE / len(pairs) or any({names[one], names[other]} <= each for each in named):
             group[group == group[other]] = group[one]
+    for together in interacting(data):
+        group[np.isin(group, group[[names.index(name) for name in together]])] = group[names.index(together[0])]
     return [tuple(np.flatnonzero(group == each).tolist()) for each in dict.fromkeys(group.tolist())]
 
 

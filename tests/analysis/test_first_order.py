@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from known_functions import ISHIGAMI, even, g_function, g_indices, ishigami, study, variable
 
-from dse.analysis import aliased, going_together, main_effects, model_first_order_shares, study_data
+from dse.analysis import aliased, going_together, interacting, main_effects, model_first_order_shares, study_data
 from dse.analysis.dependence import shares
+from dse.analysis.importance import _dependent
 from dse.errors import DseError
 
 
@@ -158,6 +159,44 @@ def test_one_at_a_time_and_a_half_fraction_confound_only_what_they_do():
     assert aliased(study_data(study(np.stack([a, b, c, 1 - a], axis=1), {"y": a}))) == (("x1", "x4"),)
     single = 0.5 + 0.3 * np.concatenate([np.zeros((1, 3)), np.eye(3)]).repeat(10, axis=0)
     assert aliased(study_data(study(single, {"y": single[:, 0]}))) == ()
+
+
+def _fraction(y):
+    """A 2^(3-1) fraction with C = AB as choices, at two grades of a brake; each case is run ten times."""
+    rows = [(a, b, a ^ b, d) for a in (0, 1) for b in (0, 1) for d in (0, 1)] * 10
+    choices = [{"a": "no"[a], "b": "no"[b], "c": "no"[c], "brake": "no"[d]} for a, b, c, d in rows]
+    return study_data(study(np.zeros((80, 0)), {"y": np.array([y(*row) for row in rows])}, choices=choices))
+
+
+def test_an_interaction_is_not_credited_to_the_factor_that_is_aliased_with_it():
+    data = _fraction(lambda a, b, c, brake: 3.0 * (a ^ b) + brake)  # c itself does nothing
+    assert aliased(data) == ()
+    assert interacting(data) == (("b", "c", "a"), ("a", "c", "b"), ("a", "b", "c"))
+    assert [each.factor for each in model_first_order_shares(data, "y")] == ["brake"]
+    assert [each.factor for each in main_effects(data, "y")] == ["brake"]
+    (finding,) = shares(data, "y")
+    assert (
+        "; c follows from a and b in these runs, so its effect cannot be separated from their interaction"
+        in finding.text
+    )
+    names = [factor.name for factor in data.factors]
+    assert [{names[k] for k in group} for group in _dependent(data)] == [{"a", "b", "c"}, {"brake"}]
+
+
+def test_what_follows_from_one_factor_or_is_crossed_with_all_is_in_no_interaction():
+    rows = [(a, b, c) for a in range(3) for b in range(2) for c in range(2)] * 5
+    whole = [{"a": "xyz"[a], "b": "no"[b], "c": "no"[c]} for a, b, c in rows]
+    values = {"y": np.arange(60.0)}
+    assert interacting(study_data(study(np.zeros((60, 0)), values, choices=whole))) == ()
+    # A class of a alone.
+    coarse = [{"a": "xyz"[a], "b": "no"[b], "kind": "no"[a == 2]} for a, b, _ in rows]
+    assert interacting(study_data(study(np.zeros((60, 0)), values, choices=coarse))) == ()
+    # Of two of four combinations nothing is known.
+    some = [{"a": "no"[a % 2], "b": "no"[a % 2], "c": "no"[c]} for a, _, c in rows]
+    assert interacting(study_data(study(np.zeros((60, 0)), values, choices=some))) == ()
+    # Each run has a value of its own.
+    points = even(64, 3)
+    assert interacting(study_data(study(points, {"y": points[:, 0]}))) == ()
 
 
 def test_random_samples_at_several_conditions_are_not_aliased():

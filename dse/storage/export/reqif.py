@@ -99,7 +99,7 @@ def _values(
         verdicts = [row["verdict"] for row in rows[name]]
         passed, failed = (verdicts.count(str(verdict)) for verdict in (Verdict.PASS, Verdict.FAIL))
         counts = (passed, failed, len(verdicts) - passed - failed)
-        results = "\n".join(_told(row) for row in rows[name])
+        results = "\n".join(_result(row) for row in rows[name])
         yield (
             name,
             [
@@ -113,7 +113,7 @@ def _values(
         )
 
 
-def _told(row: Mapping[str, str]) -> str:
+def _result(row: Mapping[str, str]) -> str:
     """The result of a configuration in a line."""
     unit = f" {row['unit']}".rstrip()
     text = f"{row['configuration']}: {row['verdict']}; of {row['points']} points {row['pass']} pass, {row['fail']} fail"
