@@ -15,7 +15,6 @@ from dse.world.tables import RoadTables
 
 SCENARIO = "scenario"
 """The name of the struct in C, and of the header."""
-OWN_PARAMETERS = ("drives_host", "host_front")
 _CORE = Path(__file__).parent / "core"
 
 
