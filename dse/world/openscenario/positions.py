@@ -23,8 +23,6 @@ _MOST_ORDER = 8
 _NURBS_CHORDS = 200
 _MOST_VERTICES = 10_000
 _MOST_WAYPOINTS = 1000
-_BEYOND = 1.0
-"""How far a place may be beyond an end of its road, in m."""
 
 
 @dataclass(slots=True)
@@ -95,15 +93,13 @@ class Layout:
         return None
 
     def _lane_place(self, place: Node) -> tuple[str, int, float]:
-        """Road, lane and station of a <LanePosition>. Raises DseError where the road does not have them."""
+        """Road, lane and station of a <LanePosition>. Raises DseError where there is no such lane."""
         road, lane, s = place.text("roadId"), place.whole("laneId"), place.number("s").value
         found = self.network(place.where).road(road, place.where)
-        lanes = {id_ for section in found.sections for id_ in section.lanes}
+        lanes = {0} | {id_ for section in found.sections for id_ in section.lanes}
         if lane not in lanes:
             listed = ", ".join(map(str, sorted(lanes)))
             raise fail(f"road '{road}' has no lane {lane}", place.where, f"possible: {listed}")
-        if not -_BEYOND <= s <= found.length + _BEYOND:
-            raise fail(f"road '{road}' is {found.length:g} m long, and 's' is {s:g} m", place.where)
         return road, lane, s
 
     def _nearest(self, x: float, y: float, where: Location) -> Placed | None:

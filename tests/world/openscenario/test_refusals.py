@@ -108,7 +108,6 @@ REFUSED: dict[str, tuple[str, str]] = {
     "a scenario as a road": (on_road().replace("road.xodr", "scenario.xosc"), "'scenario.xosc' is not supp"),
     "no road": (on_road(teleport(lane(1, road=7))), "there is no road '7' in the road network"),
     "no lane": (on_road(teleport(lane(1, lane=-7))), "road '0' has no lane -7"),
-    "behind the road": (on_road(teleport(lane(900))), "road '0' is 500 m long"),
     "no entity": (scenario(EGO, private("Eggo", speed(1))), "there is no entity 'Eggo'"),
     "two entities": (scenario(EGO + EGO), "there is another entity 'Ego'"),
     "too many entities": (scenario("".join(car(f"c{i}") for i in range(10**4))), "at most 48"),
