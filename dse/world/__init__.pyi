@@ -16,7 +16,6 @@ from .opendrive.reading import network_in as network_in, read_network as read_ne
 from .opendrive.roadside import COLOURS as COLOURS, PHASES as PHASES, SHIFT as SHIFT
 from .opendrive.structure import Lane as Lane, Network as Network, Road as Road, Signal as Signal
 from .openscenario.code import (
-    OWN_PARAMETERS as OWN_PARAMETERS,
     SCENARIO as SCENARIO,
     host_tables as host_tables,
     scenario_files as scenario_files,
@@ -30,7 +29,11 @@ from .openscenario.distributions import (
     is_variation as is_variation,
     read_variation as read_variation,
 )
-from .openscenario.scenario import Scenario as Scenario, read_scenario as read_scenario
+from .openscenario.scenario import (
+    OWN_PARAMETERS as OWN_PARAMETERS,
+    Scenario as Scenario,
+    read_scenario as read_scenario,
+)
 from .pieces import from_cubics as from_cubics, value as value
 from .road_reader import open_roads as open_roads, opendrive_text as opendrive_text
 from .routes import Route as Route, Way as Way, list_ways as list_ways, way_length as way_length, way_of as way_of

@@ -15,7 +15,6 @@ from dse.world.tables import RoadTables
 
 SCENARIO = "scenario"
 """The name of the struct in C, and of the header."""
-OWN_PARAMETERS = ("drives_host", "host_front")
 _CORE = Path(__file__).parent / "core"
 
 
@@ -97,6 +96,7 @@ typedef struct {
     } par;
     storyboard board;
     int32_t shown[SCENARIO_MOVERS];
+    bool is_undefined; /* an expression has no finite value with these parameters, which ends the run by name */
 } scenario;
 
 void scenario_init(scenario *self);
@@ -116,9 +116,14 @@ static inline double sign_of(double x) {
     return (x > 0) - (x < 0);
 }
 
+static inline double defined(scenario *self, double x) {
+    if (!isfinite(x)) self->is_undefined = true;
+    return x;
+}
+
 void scenario_numbers(scenario *self) {
     double *values = self->board.values, *variables = self->board.variables;
-    const double unused = sign_of(0);
+    const double unused = defined(self, sign_of(0));
     (void)unused;
     (void)variables;
 @NUMBERS@

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from math import isinf
 from pathlib import Path
 from typing import TypeVar
 
@@ -21,6 +22,10 @@ _CATALOGS = {
     "Trajectory": "TrajectoryCatalog", "Route": "RouteCatalog",
 }  # fmt: skip
 _MOST_CATALOG_FILES = 1000
+_MAY_BE_INFINITE = frozenset({
+    "value", "delay", "duration", "tolerance", "distanceForward", "distanceBackward", "from", "to", "maxSpeed",
+    "maxAcceleration", "maxDeceleration", "maxLateralAcc", "maxAccelerationRate", "maxDecelerationRate",
+})  # fmt: skip
 _REFERENCE = re.compile(r"\$[A-Za-z_]")
 
 
@@ -44,11 +49,16 @@ class Context:
 
     def file(self, name: str, where: Location, what: str) -> Path:
         """The file or folder *name*, seen from the scenario. Raises DseError: not there, or outside the workspace."""
-        path = (self.path.parent / name.replace("\\", "/")).resolve()
+        missing = fail(f"{what} '{shortened(name)}' does not exist", where)
+        try:
+            path = (self.path.parent / name.replace("\\", "/")).resolve()
+            is_there = path.is_file() or path.is_dir()
+        except (OSError, RuntimeError) as error:  # a name that is too long, links in a circle
+            raise missing from error
         if self.inside is not None and not path.is_relative_to(self.inside.resolve()):
             raise fail(f"{what} '{shortened(name)}' is outside the workspace", where)
-        if not path.exists():
-            raise fail(f"{what} '{shortened(name)}' does not exist", where)
+        if not is_there:
+            raise missing
         return path
 
 
@@ -87,6 +97,8 @@ class Node:
         value = self.value(name)
         if isinstance(value, str):
             raise fail(f"<{self.tag}>: '{name}' is '{shortened(value)}', not a number", self.where)
+        if isinf(value.value) and name not in _MAY_BE_INFINITE:
+            raise fail(f"<{self.tag}>: '{name}' is infinite", self.where)
         return value
 
     def real(self, name: str, default: float | None = None) -> float:
@@ -96,7 +108,7 @@ class Node:
     def whole(self, name: str, default: int | None = None) -> int:
         """The attribute as a whole number that is decided when the FMU is built."""
         value = self.real(name, default)
-        if value != round(value) or abs(value) > 1e9:
+        if not abs(value) <= 1e9 or value != round(value):
             raise fail(f"<{self.tag}>: '{name}' is {value:g}, not a whole number", self.where)
         return round(value)
 
@@ -249,6 +261,10 @@ def open_document(context: Context) -> Document:
             raise fail(f"the scenario has no parameter '{shortened(name)}'", root.where, closest(name, names))
     for each in declared.all("ParameterDeclaration") if declared else ():
         name, type_, text = each.element.get("name"), each.element.get("parameterType"), each.element.get("value")
+        if not name:
+            raise fail("<ParameterDeclaration> has no 'name'", each.where)
+        if name in scope:
+            raise fail(f"there is another parameter '{shortened(name)}'", each.where)
         text = context.given.get(name, text)
         value = read_value(text, scope, each.where)
         depends = _REFERENCE.search(text) is not None

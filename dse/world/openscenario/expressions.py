@@ -20,6 +20,7 @@ _PART = re.compile(
 )
 _MOST_LEVELS = 100
 _MOST_CHARACTERS = 10_000
+_MOST_C = 100_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,6 +179,8 @@ class _Parser:
 
     def _folded(self, apply: Callable[..., float], parts: tuple[Number, ...], c: str) -> Number:
         names = frozenset[str]().union(*(each.names for each in parts))
+        if names and len(c) > _MOST_C:
+            raise self._wrong(f"it has more than {_MOST_C} characters with what its parameters stand for")
         try:
             value = float(apply(*(each.value for each in parts)))
         except (ArithmeticError, ValueError) as error:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from dse.errors import Location, closest, fail
+from dse.formats import XmlElement
 from dse.world.openscenario.document import Node
 from dse.world.openscenario.expressions import Number
 from dse.world.openscenario.paths import Paths
@@ -20,6 +21,8 @@ POSITIONS = frozenset(
 TRAJECTORY_SHAPES = frozenset({"Polyline", "Clothoid", "ClothoidSpline", "Nurbs"})
 _MOST_ORDER = 8
 _NURBS_CHORDS = 200
+_MOST_VERTICES = 10_000
+_MOST_WAYPOINTS = 1000
 
 
 @dataclass(slots=True)
@@ -40,6 +43,8 @@ class Layout:
     entities: Mapping[str, int]
     paths: Paths | None
     starts: dict[int, Placed] = field(default_factory=dict)
+    open: list[XmlElement] = field(default_factory=list)
+    """Trajectories that are being read."""
 
     def entity(self, node: Node, name: str = "entityRef") -> int:
         """The number of the entity that an attribute names. Raises DseError located at the element."""
@@ -72,7 +77,7 @@ class Layout:
         if paths is None:
             return None
         if place.tag == "LanePosition":
-            road, lane, s = place.text("roadId"), place.whole("laneId"), place.number("s").value
+            road, lane, s = self._lane_place(place)
             return Placed(paths.through(road, lane, s, place.where), road, lane, s)
         if place.tag == "RoadPosition":
             road, s, t = place.text("roadId"), place.number("s").value, place.number("t").value
@@ -86,6 +91,16 @@ class Layout:
         if place.tag == "WorldPosition":
             return self._nearest(place.number("x").value, place.number("y").value, place.where)
         return None
+
+    def _lane_place(self, place: Node) -> tuple[str, int, float]:
+        """Road, lane and station of a <LanePosition>. Raises DseError where there is no such lane."""
+        road, lane, s = place.text("roadId"), place.whole("laneId"), place.number("s").value
+        found = self.network(place.where).road(road, place.where)
+        lanes = {0} | {id_ for section in found.sections for id_ in section.lanes}
+        if lane not in lanes:
+            listed = ", ".join(map(str, sorted(lanes)))
+            raise fail(f"road '{road}' has no lane {lane}", place.where, f"possible: {listed}")
+        return road, lane, s
 
     def _nearest(self, x: float, y: float, where: Location) -> Placed | None:
         paths = self.network(where)
@@ -113,10 +128,12 @@ class Layout:
     def route_roads(self, route: Node) -> tuple[list[str], int, float]:
         """The roads of the waypoints of a <Route>, and lane and station of the first."""
         places: list[tuple[str, int, float]] = []
+        if len(route.element.children) > _MOST_WAYPOINTS:
+            raise fail(f"a route has at most {_MOST_WAYPOINTS} waypoints", route.where)
         for waypoint in route.all("Waypoint"):
             place = waypoint.need("Position").only().resolved()
             if place.tag == "LanePosition":
-                places.append((place.text("roadId"), place.whole("laneId"), place.number("s").value))
+                places.append(self._lane_place(place))
             elif place.tag == "RoadPosition":
                 places.append((place.text("roadId"), 0, place.number("s").value))
             elif place.tag == "WorldPosition":
@@ -160,7 +177,8 @@ class Layout:
             row["is_relative"] = turned.text("type", "absolute") == "relative"
         match place.tag:
             case "LanePosition":
-                row |= self._at_road(place, place.text("roadId"), place.whole("laneId"), place.number("s"), actor)
+                road, lane, _ = self._lane_place(place)
+                row |= self._at_road(place, road, lane, place.number("s"), actor)
                 row["kind"] = "AT_LANE"
                 row["numbers"] = [t.number(place.number("s")), t.number(place.number("offset", 0.0))]
             case "RoadPosition":
@@ -216,6 +234,18 @@ class Layout:
     def trajectory(self, node: Node) -> int:
         """The row of a <Trajectory>."""
         shape, t = node.need("Shape").only(), self.tables
+        if shape.element in self.open:
+            raise fail("the trajectory refers to itself", shape.where)
+        if len(shape.element.children) > _MOST_VERTICES:
+            raise fail(f"a trajectory has at most {_MOST_VERTICES} vertices or segments", shape.where)
+        self.open.append(shape.element)
+        try:
+            return t.add("trajectories", self._trajectory(node, shape))
+        finally:
+            self.open.pop()
+
+    def _trajectory(self, node: Node, shape: Node) -> dict[str, object]:
+        t = self.tables
         row: dict[str, object] = {
             "kind": "POLYLINE", "order": 0, "knot": 0, "knots": 0, "is_closed": node.flag("closed"), "is_timed": False,
         }  # fmt: skip
@@ -246,7 +276,7 @@ class Layout:
             t.add("vertices", vertex)
         row |= {"vertex": first, "vertices": len(vertices), "point": t.points, "points": points}
         t.points += points
-        return t.add("trajectories", row)
+        return row
 
     def _vertex(self, vertex: Node) -> dict[str, object]:
         position = self.position(vertex.need("Position"))

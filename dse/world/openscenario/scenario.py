@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from dse.errors import Problem, Problems, closest, fail, raise_if_any
+from dse.expression import KEYWORDS
 from dse.formats import shown
-from dse.loading import Workspace, find_root
+from dse.loading import Workspace, find_root, is_identifier
 from dse.world.opendrive.reading import read_network
 from dse.world.opendrive.structure import Network
 from dse.world.openscenario.actions import Actions
@@ -21,6 +22,8 @@ from dse.world.openscenario.tables import NONE, Tables
 from dse.world.road_reader import open_roads
 
 MOST_ENTITIES, MOST_ELEMENTS = 48, 10_000
+OWN_PARAMETERS = ("drives_host", "host_front")
+"""Of a component of a scenario, besides those of the file."""
 _MOST_PASSES = 4
 _DESCRIPTIONS = ("Vehicle", "Pedestrian", "MiscObject")
 _CLASSES = {
@@ -28,7 +31,9 @@ _CLASSES = {
     "bicycle": 4,
 }  # fmt: skip
 PEDESTRIAN, OBSTACLE = 5, 6
-_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_MACRO = re.compile(
+    r"NAN|NULL|INFINITY|HUGE_VAL|(SB|M|FP|MATH|SCENARIO|U?INT|U?INTPTR|PTRDIFF|SIZE)[A-Z0-9]*_[A-Z0-9_]*"
+)
 _KINDS = {
     "STORY": "story",
     "ACT": "act",
@@ -82,13 +87,19 @@ def read_scenario(
     for _ in range(_MOST_PASSES):
         context = Context(path, given or {}, fixed, inside)
         document = open_document(context)
-        unfit = {each.name for each in document.parameters if not _IDENTIFIER.fullmatch(each.name)}
+        unfit = {each.name for each in document.parameters if not _is_c_name(each.name)}
         scenario = None if unfit - fixed else _Compiler(document).scenario(host)
         decided = frozenset(context.found_fixed) | fixed | unfit
         if decided == fixed and scenario is not None:
             return scenario
         fixed = decided
     raise fail("its parameters depend on each other", document.root.where)
+
+
+def _is_c_name(name: str) -> bool:
+    """Whether a parameter of an FMU from C can have the name."""
+    is_word = is_identifier(name) and name not in KEYWORDS
+    return is_word and name not in OWN_PARAMETERS and not _MACRO.fullmatch(name)
 
 
 @dataclass(slots=True)
@@ -122,6 +133,9 @@ class _Compiler:
         layout = Layout(self.tables, entities, paths)
         actions = Actions(layout)
         storyboard = root.need("Storyboard")
+        count = sum(len(private.element.children) for private in self._privates(storyboard))
+        if count > MOST_ELEMENTS:
+            raise fail(f"<Init> has at most {MOST_ELEMENTS} actions", storyboard.where)
         self._starts(storyboard, layout)
         for number, (node, tow, hitch) in enumerate(described):
             with self.problems:
@@ -235,7 +249,7 @@ class _Compiler:
                 target = routing.child("Position") if routing.tag == "TeleportAction" else None
                 if target is not None:
                     places.append((private, target))
-        for _ in places:
+        for _ in layout.entities:
             for private, target in places:
                 with self.problems:
                     layout.start(target, layout.entity(private))
@@ -305,9 +319,7 @@ class _Compiler:
             "kind": kind, "parent": parent, "end": 0, "start": NONE, "stop": NONE, "most": 1, "priority": "PARALLEL",
             "action": NONE,
         }  # fmt: skip
-        number = self.tables.add("elements", row)
-        if number >= MOST_ELEMENTS:
-            raise fail(f"a storyboard has at most {MOST_ELEMENTS} elements", node.where)
+        number = self._add_element(row)
         self.names.setdefault(_KINDS[kind], []).append((full, number))
         self.elements.append(Element(_KINDS[kind], full))
         for key, tag in (("start", "StartTrigger"), ("stop", "StopTrigger")):
@@ -333,6 +345,14 @@ class _Compiler:
                     raise child.unsupported()
         row["end"] = self.tables.count("elements")
 
+    def _add_element(self, row: dict[str, object]) -> int:
+        """The number of a new row; that there are too many is one problem."""
+        if self.tables.count("elements") >= MOST_ELEMENTS:
+            raise fail(
+                f"a storyboard has at most {MOST_ELEMENTS} elements", self.document.root.need("Storyboard").where
+            )
+        return self.tables.add("elements", row)
+
     def _actors(self, group: Node, actions: Actions) -> list[int]:
         who = group.need("Actors")
         if who.flag("selectTriggeringEntities"):
@@ -356,7 +376,7 @@ class _Compiler:
                 "kind": "ACTION", "parent": parent, "start": NONE, "stop": NONE, "most": 1, "priority": "PARALLEL",
                 "action": action,
             }  # fmt: skip
-            number = self.tables.add("elements", {**element, "end": self.tables.count("elements") + 1})
+            number = self._add_element({**element, "end": self.tables.count("elements") + 1})
             self.names.setdefault("action", []).append((full, number))
             self.elements.append(Element("action", full))
 

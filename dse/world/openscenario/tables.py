@@ -115,7 +115,7 @@ class Tables:
 
 
 def _own(c: str) -> str:
-    return c.replace("par->", "self->par.")
+    return f"defined(self, {c.replace('par->', 'self->par.')})" if "par->" in c else c
 
 
 def _c(row: object) -> str:

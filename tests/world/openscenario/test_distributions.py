@@ -71,7 +71,7 @@ REFUSED = {
             "<UserDefinedDistribution> is not supported", 6),
     "no step": (variation("base.xosc", ranged("a", 0, 1, 0)), "'stepWidth' is 0, not above 0", 6),
     "a step of NaN": (variation("base.xosc", ranged("a", 0, 1, "NaN")), "'stepWidth' is 'NaN', not a number", 6),
-    "an endless range": (variation("base.xosc", ranged("a", 0, "INF", 1)), "'upperLimit' is inf, not a number", 6),
+    "an endless range": (variation("base.xosc", ranged("a", 0, "INF", 1)), "'upperLimit' is infinite", 6),
     "a fine step": (variation("base.xosc", ranged("a", 0, 1, 1e-9)), "1,000,000,001 values: at most 100,000", 6),
     "a range upside down": (variation("base.xosc", ranged("a", 1, 0, 1)), "'upperLimit' is below 'lowerLimit'", 6),
     "no values": (variation("base.xosc", listed("a")), "has no values", 6),

@@ -83,9 +83,11 @@ static void output(scenario *self) {
         self->out.states[i] = self->board.progress[i].state;
     }
     self->out.ended = self->board.has_ended;
+    if (self->is_undefined) self->out.movers[0].station = self->out.everyone[0].station = NAN;
 }
 
 void scenario_init(scenario *self) {
+    self->is_undefined = false;
     scenario_numbers(self);
     self->board.has_host = !self->par.drives_host && scenario_tables.host != SB_NONE;
     for (int32_t k = 0; k < SCENARIO_MOVERS; ++k) self->shown[k] = SB_NONE;
