@@ -72,8 +72,8 @@ def event(name: str, number: int) -> str:
 def act(name: str) -> str:
     events = "".join(event(name, number) for number in range(3))
     actors = f'<Actors selectTriggeringEntities="false"><EntityRef entityRef="{name}"/></Actors>'
-    group = f'<ManeuverGroup name="{name}" maximumExecutionCount="1">{actors}<Maneuver name="{name}">{events}</Maneuver>'
-    return f'<Act name="{name}">{group}</ManeuverGroup></Act>'
+    group = f'{actors}<Maneuver name="{name}">{events}</Maneuver>'
+    return f'<Act name="{name}"><ManeuverGroup name="{name}" maximumExecutionCount="1">{group}</ManeuverGroup></Act>'
 
 
 def scenario_of_ten() -> str:

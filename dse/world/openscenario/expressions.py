@@ -180,7 +180,7 @@ class _Parser:
     def _folded(self, apply: Callable[..., float], parts: tuple[Number, ...], c: str) -> Number:
         names = frozenset[str]().union(*(each.names for each in parts))
         if names and len(c) > _MOST_C:
-            raise self._wrong(f"it has more than {_MOST_C} characters with what its parameters stand for")
+            raise self._wrong(f"it has more than {_MOST_C} characters with its parameters replaced by their values")
         try:
             value = float(apply(*(each.value for each in parts)))
         except (ArithmeticError, ValueError) as error:
