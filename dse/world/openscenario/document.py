@@ -263,8 +263,6 @@ def open_document(context: Context) -> Document:
         name, type_, text = each.element.get("name"), each.element.get("parameterType"), each.element.get("value")
         if not name:
             raise fail("<ParameterDeclaration> has no 'name'", each.where)
-        if name in scope:
-            raise fail(f"there is another parameter '{shortened(name)}'", each.where)
         text = context.given.get(name, text)
         value = read_value(text, scope, each.where)
         depends = _REFERENCE.search(text) is not None

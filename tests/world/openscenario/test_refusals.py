@@ -73,7 +73,6 @@ REFUSED: dict[str, tuple[str, str]] = {
     "a catalogue": (catalog("a"), "<OpenSCENARIO> has no <Entities>"),
     "parameters in a circle": (on_road(parameters=declared(a="$b", b="$a")), "there is no parameter 'b'"),
     "a parameter of itself": (on_road(parameters=declared(a="${$a + 1}")), "there is no parameter 'a'"),
-    "a parameter twice": (on_road(parameters=declared(a=1) + declared(a=2)), "there is another parameter 'a'"),
     "a parameter without a name": (on_road(parameters="<ParameterDeclaration/>"), "has no 'name'"),
     "a parameter that doubles": (on_road(parameters=DOUBLED), "it has more than 100000 characters with"),
     "a division by zero": (on_road(speed("${1 / 0}")), "the expression '1 / 0': it has no value"),
