@@ -1,8 +1,8 @@
 /* The storyboard of a scenario as tables, and the road users that it moves.
  *
  * dse writes the tables and a function that computes their numbers from the scenario's parameters; a number in a table
- * is an index of these. Each step: the time advances, triggers are evaluated on the state that the last step left,
- * actions start and advance, and the road users move. A road user is either on a path (a station of its reference
+ * is an index of these. Each step: triggers are evaluated on the state that the last step left, actions start and
+ * advance, then the time, and the road users move. A road user is either on a path (a station of its reference
  * line, a lane and an offset from the lane's middle), on a trajectory, or free in the plane.
  */
 #ifndef STORYBOARD_H
