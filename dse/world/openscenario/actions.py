@@ -226,12 +226,9 @@ class Actions:
         network = self.layout.network(node.where)
         start = self.layout.starts.get(actor)
         if node.tag == "AcquirePositionAction":
-            place = node.need("Position").only()
-            if place.tag not in {"LanePosition", "RoadPosition"}:
-                raise place.unsupported()
             if start is None or not start.road:
                 raise fail("the entity starts on no road", node.where)
-            roads = [start.road, place.text("roadId")]
+            roads = [start.road, self.layout.road_place(node.need("Position"))[0]]
             roads, lane = roads if roads[0] != roads[1] else roads[:1], start.lane
         else:
             roads, lane, _ = self.layout.route_roads(node.need("Route", "CatalogReference").resolved())

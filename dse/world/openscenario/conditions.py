@@ -108,7 +108,11 @@ class Conditions:
     def variable(self, node: Node) -> Row:
         """<VariableCondition> and <ParameterCondition>."""
         tables = self.actions.layout.tables
-        name = node.text("variableRef" if node.tag == "VariableCondition" else "parameterRef")
+        reference = "variableRef" if node.tag == "VariableCondition" else "parameterRef"
+        if not node.has(reference):  # some programs keep criteria of their own so
+            node.ignore("names nothing, and is never true")
+            return {"kind": "IF_TIME", "rule": "LESS", "numbers": [tables.number(-1.0), 0, 0, 0]}
+        name = node.text(reference)
         if name not in tables.variables:
             raise fail(f"there is no variable '{name}'", node.where, closest(name, tables.variables))
         rule = node.word("rule", _RULES)

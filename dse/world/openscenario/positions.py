@@ -127,26 +127,27 @@ class Layout:
 
     def route_roads(self, route: Node) -> tuple[list[str], int, float]:
         """The roads of the waypoints of a <Route>, and lane and station of the first."""
-        places: list[tuple[str, int, float]] = []
         if len(route.element.children) > _MOST_WAYPOINTS:
             raise fail(f"a route has at most {_MOST_WAYPOINTS} waypoints", route.where)
-        for waypoint in route.all("Waypoint"):
-            place = waypoint.need("Position").only().resolved()
-            if place.tag == "LanePosition":
-                places.append(self._lane_place(place))
-            elif place.tag == "RoadPosition":
-                places.append((place.text("roadId"), 0, place.number("s").value))
-            elif place.tag == "WorldPosition":
-                found = self.network(place.where).nearest(place.number("x").value, place.number("y").value)
-                if found is None:
-                    raise fail("the waypoint is on no road", place.where)
-                places.append(found[:3])
-            else:
-                raise place.unsupported()
+        places = [self.road_place(waypoint.need("Position")) for waypoint in route.all("Waypoint")]
         if not places:
             raise fail("<Route> has no <Waypoint>", route.where)
         roads = [road for i, (road, _, _) in enumerate(places) if i == 0 or road != places[i - 1][0]]
         return roads, places[0][1], places[0][2]
+
+    def road_place(self, position: Node) -> tuple[str, int, float]:
+        """Road, lane and station of a <Position> on a road, with the default parameters. Raises DseError elsewhere."""
+        place = position.only().resolved()
+        if place.tag == "LanePosition":
+            return self._lane_place(place)
+        if place.tag == "RoadPosition":
+            return place.text("roadId"), 0, place.number("s").value
+        if place.tag != "WorldPosition":
+            raise place.unsupported()
+        found = self.network(place.where).nearest(place.number("x").value, place.number("y").value)
+        if found is None:
+            raise fail("the position is on no road", place.where)
+        return found[:3]
 
     def _path_with(self, road: str, lane: int, s: float, actor: int, where: Location) -> tuple[int, float, int]:
         """A path that has the station of a road, the actor's own if it does: its number, the base and the sense."""

@@ -361,8 +361,11 @@ class _Compiler:
 
     def _action(self, node: Node, parent: int, prefix: str, actions: Actions, actors: list[int]) -> None:
         """A row for each actor; an action that does nothing ends at once."""
-        choice = node.only()
-        if choice.tag == "PrivateAction":
+        choice = node.child("PrivateAction", "GlobalAction", "UserDefinedAction")
+        if choice is None:
+            node.ignore("is empty")
+            rows = []
+        elif choice.tag == "PrivateAction":
             rows = [row for actor in actors for row in actions.private(choice, actor)]
         elif choice.tag == "GlobalAction":
             rows = actions.global_(choice)
