@@ -142,9 +142,9 @@ class Conditions:
         return {"entity": self.actions.layout.entity(node)} if node.has("entityRef") else {}
 
     def lasting(self, node: Node) -> Row:
-        """<StandStillCondition>, <EndOfRoadCondition> and <OffroadCondition>."""
-        kinds = {"StandStillCondition": "IF_STANDSTILL", "EndOfRoadCondition": "IF_END_OF_ROAD"}
-        return {"kind": kinds.get(node.tag, "IF_OFF_ROAD"), "numbers": self._numbers(node, "duration")}
+        """<StandStillCondition> and <EndOfRoadCondition>."""
+        kind = "IF_STANDSTILL" if node.tag == "StandStillCondition" else "IF_END_OF_ROAD"
+        return {"kind": kind, "numbers": self._numbers(node, "duration")}
 
     def travelled(self, node: Node) -> Row:
         """<TraveledDistanceCondition>."""
@@ -235,7 +235,6 @@ _BY_ENTITY: dict[str, Callable[[Conditions, Node], Row]] = {
     "AccelerationCondition": Conditions.speed,
     "StandStillCondition": Conditions.lasting,
     "EndOfRoadCondition": Conditions.lasting,
-    "OffroadCondition": Conditions.lasting,
     "TraveledDistanceCondition": Conditions.travelled,
     "ReachPositionCondition": Conditions.reached,
     "DistanceCondition": Conditions.distance,

@@ -7,7 +7,6 @@
 #define STILL 1e-3     /* m/s */
 #define SAME 1e-6      /* of two equal numbers */
 #define NEVER NAN      /* a time to something that does not happen fits nothing */
-#define MOST_BESIDE 60.0 /* m: a point farther from a road is off it */
 
 static bool fits(int32_t rule, double a, double b) {
     switch (rule) {
@@ -233,7 +232,6 @@ static bool of_actor(storyboard *board, const sb_condition *condition, int32_t a
     case IF_TRAVELLED: return own->travelled >= value;
     case IF_REACHED: return hypot(x - own->at.x, y - own->at.y) <= value;
     case IF_END_OF_ROAD: return lasts(own->ended, value);
-    case IF_OFF_ROAD: return lasts(own->off_road, value);
     case IF_COLLISION:
         if (condition->entity != SB_NONE) return apart(board, actor, condition->entity) <= 0;
         for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {

@@ -94,7 +94,7 @@ typedef struct {
 
 enum {
     IF_TIME, IF_VARIABLE, IF_STATE, IF_SPEED, IF_RELATIVE_SPEED, IF_ACCELERATION, IF_STANDSTILL, IF_TRAVELLED, IF_REACHED,
-    IF_DISTANCE, IF_RELATIVE_DISTANCE, IF_HEADWAY, IF_TIME_TO_COLLISION, IF_COLLISION, IF_END_OF_ROAD, IF_OFF_ROAD,
+    IF_DISTANCE, IF_RELATIVE_DISTANCE, IF_HEADWAY, IF_TIME_TO_COLLISION, IF_COLLISION, IF_END_OF_ROAD,
     IF_ANGLE, IF_RELATIVE_ANGLE, IF_CLEARANCE, IF_ALWAYS,
 };
 enum { GREATER, LESS, EQUAL, GREATER_OR_EQUAL, LESS_OR_EQUAL, NOT_EQUAL }; /* rules */
@@ -163,7 +163,7 @@ typedef struct {
     sb_place at;
     int32_t piece;
     double speed, acceleration, drift;          /* along its heading; offset per second */
-    double travelled, standing, off_road, ended; /* m, s */
+    double travelled, standing, ended; /* m, s */
     double origin_x, origin_y;
     int32_t trajectory, slot;
     double along;                               /* of the trajectory */
