@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import typer
 
 from dse.cli.arguments import Output
+from dse.cli.diagnostics import Checked
 from dse.cli.endings import DONE, RUNS_FAILED
 from dse.cli.terminal import console, plain, plain_table, print_json, print_line, print_some, print_table
 from dse.errors import raise_if_any
@@ -103,14 +104,14 @@ def simulate_package(
     raise typer.Exit(DONE)
 
 
-def check_package(path: Path, *, strict: bool) -> None:
-    """Read the package and its FMUs. *strict*: what would be ignored is refused."""
+def check_package(path: Path) -> Checked:
+    """Read the package and its FMUs."""
     from dse.interchange import check_ssp
 
     with console(stderr=True).status("opening FMUs"):
         resolved = check_ssp(path)
-    _show_ignored(resolved, strict=strict)
-    print_line(f"ok: {len(resolved.structure.elements)} FMUs, {len(resolved.signals)} outputs")
+    counts = {"FMU": len(resolved.structure.elements), "output": len(resolved.signals)}
+    return Checked(ignored=resolved.ignored, counts=counts, notes=resolved.notes)
 
 
 def _show_ignored(resolved: ResolvedSystem, *, strict: bool) -> None:

@@ -10,6 +10,7 @@ import typer
 
 from dse.cli.arguments import Output
 from dse.cli.content import content
+from dse.cli.diagnostics import Checked
 from dse.cli.endings import DONE
 from dse.cli.terminal import plain, plain_table, print_json, print_line, print_some, print_table, status_line
 from dse.errors import raise_if_any
@@ -53,22 +54,16 @@ def simulate_scenario(
     raise typer.Exit(DONE)
 
 
-def check_scenario(path: Path, *, strict: bool) -> None:
-    """Read the scenario with its roads and catalogues, and compile it. *strict*: what would be ignored is refused."""
+def check_scenario(path: Path) -> Checked:
+    """Read the scenario with its roads and catalogues, and compile it."""
     from dse.world import read_scenario
 
     scenario = read_scenario(path)
-    if strict:
-        raise_if_any(scenario.ignored)
-    print_some("ignored", scenario.ignored)
-    for each in scenario.parameters:
-        print_line(f"parameter {plain(each.name)}: {each.start:g}")
-    for name, text in scenario.decided.items():
-        print_line(f"parameter {plain(name)}: {plain(text)} (decided when the FMU is built)")
-    counts = {"entity": len(scenario.entities), "element": len(scenario.elements)}
-    said = ", ".join(f"{n} {what if n == 1 else _PLURALS[what]}" for what, n in counts.items())
-    host = plain(scenario.entities[scenario.host]) if scenario.host >= 0 else "none"
-    print_line(f"ok: {said} of the storyboard; host: {host}")
+    details = [f"parameter {each.name}: {each.start:g}" for each in scenario.parameters]
+    details += [f"parameter {name}: {text} (decided when the FMU is built)" for name, text in scenario.decided.items()]
+    counts = {"entity": len(scenario.entities), "element of the storyboard": len(scenario.elements)}
+    host = scenario.entities[scenario.host] if scenario.host >= 0 else "none"
+    return Checked(ignored=scenario.ignored, counts=counts, details=details, more=f"; host: {host}")
 
 
 def draw_scenario(path: Path, target: Path | None, kind: str) -> None:
@@ -85,9 +80,6 @@ def draw_scenario(path: Path, target: Path | None, kind: str) -> None:
     written = place / f"{path.stem}.{kind}"
     save_drawing(draw(path.stem, picture, element_times(played), float(played.time[-1])), written)
     print_line(str(written))
-
-
-_PLURALS = {"entity": "entities", "element": "elements"}
 
 
 def _played(

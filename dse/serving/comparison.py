@@ -83,7 +83,7 @@ def _flips(study: Compared) -> str:
         row += [escape(_shown(flip.point.get(each.name), each.unit)) for each in variables]
         rows.append(row)
     more = len(study.flips) - len(rows)
-    told = f'<p class="hint">and {more:,} more: <code>dse compare --json</code> has all</p>' if more > 0 else ""
+    told = f'<p class="hint">and {more:,} more: <code>dse compare --format json</code> has all</p>' if more > 0 else ""
     return f"<details><summary>One by one</summary>{table(heads, rows, 'plain numbers')}{told}</details>"
 
 

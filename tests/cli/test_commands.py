@@ -343,7 +343,7 @@ def test_components_are_compared_on_the_same_inputs(dse):
     same = dse("compare-components", "pd_acc", "pd_acc_coded", "--steps", "200", "--input", "speed=0:40")
     assert same.returncode == 0, same.stderr
     assert "equal to 1e-12 in 200 steps of 0.01 s" in same.stdout
-    other = dse("compare-components", "pd_acc", "pi_time_gap_acc", "--json", "--input", "set_gap=40")
+    other = dse("compare-components", "pd_acc", "pi_time_gap_acc", "--format", "json", "--input", "set_gap=40")
     assert other.returncode == 3
     found = json.loads(other.stdout)
     assert found["parameters"]["kp_speed"] == [1.2, 0.7]

@@ -184,7 +184,7 @@ def test_two_studies_are_compared_in_words_and_as_json(dse, explored) -> None:
     done = dse("compare", str(explored), str(explored))
     assert done.returncode == 0, done.stderr
     assert "20 of 20 runs are in both; 0 verdicts on them flipped" in done.stdout
-    told = json.loads(dse("compare", str(explored), str(explored), "--json").stdout)
+    told = json.loads(dse("compare", str(explored), str(explored), "--format", "json").stdout)
     assert [each["shared"] for each in told] == [20, 20]
     assert told[1]["changed"] == told[1]["flips"] == []
 

@@ -40,10 +40,10 @@ def test_two_designs_are_decided_between(study: Path, tmp_path: Path) -> None:
 
 
 def test_a_decision_is_also_plain_data(study: Path, tmp_path: Path) -> None:
-    done = run_dse(study, "compare", ".", "--designs", "0", "q", "--json", cache=tmp_path)
+    done = run_dse(study, "compare", ".", "--designs", "0", "q", "--format", "json", cache=tmp_path)
     assert done.returncode == 1
     assert "'q' is the start of several designs" in done.stderr
-    done = run_dse(study, "compare", ".", "--designs", "0", "60", "--json", cache=tmp_path)
+    done = run_dse(study, "compare", ".", "--designs", "0", "60", "--format", "json", cache=tmp_path)
     found = json.loads(done.stdout)
     assert (found["ahead"], found["first"]["missed"], found["second"]["missed"]) == ("B", 2, 0)
     assert [pair["case"] for pair in found["pairs"]] == [[10], [20], [30]]

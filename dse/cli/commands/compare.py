@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.cli.app import app
-from dse.cli.arguments import SI, units_word
+from dse.cli.arguments import SI, Format, Output, units_word
 from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ Folders = Annotated[
 @app.command()
 def compare(
     folders: Folders,
-    as_json: Annotated[bool, typer.Option("--json", help="As JSON, with every flip.")] = False,
+    form: Format = Output.TABLE,
     si: SI = False,
     designs: Annotated[
         tuple[str, str] | None,
@@ -36,12 +36,12 @@ def compare(
     by case, in the same draws of the noise. Nothing is simulated.
     """
     if designs is not None:
-        _show_designs(folders, designs, as_json=as_json)
+        _show_designs(folders, designs, form)
         return
     from dse.api import compare as compare_studies, comparison_as_data
 
     found = compare_studies(folders)
-    if as_json:
+    if form is Output.JSON:
         print_json(comparison_as_data(found, units_word(si)))
         return
     _show_counts(found)
@@ -73,7 +73,7 @@ def _show_changes(first: Path, study: Compared) -> None:
         print_line(f"  {name}: {was} → {now}, {count:,} run{'s' * (count != 1)}")
 
 
-def _show_designs(folders: Sequence[Path], designs: tuple[str, str], *, as_json: bool) -> None:
+def _show_designs(folders: Sequence[Path], designs: tuple[str, str], form: Output) -> None:
     from dse.api import Results
     from dse.cli.decision import decision_as_data, show_decision
 
@@ -81,7 +81,7 @@ def _show_designs(folders: Sequence[Path], designs: tuple[str, str], *, as_json:
         raise typer.BadParameter("name one study folder", param_hint="--designs")
     results = Results(folders[0])
     found = results.against(*designs)
-    if as_json:
+    if form is Output.JSON:
         print_json(decision_as_data(found))
     else:
         show_decision(found, results.definition)

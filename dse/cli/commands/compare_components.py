@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.cli.app import app
-from dse.cli.arguments import FmiVersion
+from dse.cli.arguments import FmiVersion, Format, Output
 from dse.cli.completion import components
 from dse.cli.endings import DONE, RUNS_FAILED
 from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table
@@ -44,7 +44,7 @@ def compare_components(
     ] = 1e-12,
     version: FmiVersion = 2,
     workspace: Annotated[Path, typer.Option("--workspace", "-w", help="A folder or file in the workspace.")] = Path(),
-    as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
+    form: Format = Output.TABLE,
 ) -> None:
     """Run two components on the same inputs, and show how much their outputs differ.
 
@@ -60,7 +60,7 @@ def compare_components(
     found = compare(
         first, second, inputs=given, steps=steps, step=step, tolerance=tolerance, fmi=version, near=workspace
     )
-    if as_json:
+    if form is Output.JSON:
         print_json(pair_as_data(found))
     else:
         _show(found)

@@ -8,12 +8,10 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import timedelta
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from dse.cli.app import app
-from dse.cli.arguments import Folder
+from dse.cli.arguments import Folder, Format, Output
 from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table, size_text
 
 if TYPE_CHECKING:
@@ -24,9 +22,7 @@ _TIME = re.compile(r" at t = [\d.e+-]+ s")
 
 
 @app.command()
-def status(
-    folder: Folder, as_json: Annotated[bool, typer.Option("--json", help="As JSON, for a program.")] = False
-) -> None:
+def status(folder: Folder, form: Format = Output.TABLE) -> None:
     """Show the progress of a study.
 
     Runs, rate, time left, processes at work, failures and their causes, and disk space; also while another process
@@ -35,7 +31,7 @@ def status(
     from dse.api import status_as_data, statuses
 
     found = statuses(folder)
-    if as_json:
+    if form is Output.JSON:
         data = [status_as_data(each) for each in found]
         print_json(data[0] if len(data) == 1 else {"shards": data})
     elif len(found) == 1:
