@@ -15,6 +15,7 @@ from .api import (
     compare_components as compare_components,
     open as open,
     results as results,
+    simulate as simulate,
 )
 from .errors import DseError as DseError, Problem as Problem
 from .space import Explanation as Explanation, Tally as Tally

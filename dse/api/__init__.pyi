@@ -15,7 +15,7 @@ from .lookup import (
     study_folder as study_folder,
     workspace_of as workspace_of,
 )
-from .packages import simulate_package as simulate_package
+from .packages import simulate as simulate, simulate_package as simulate_package
 from .presentation.definition_rows import (
     metric_rows as metric_rows,
     ranking_as_data as ranking_as_data,

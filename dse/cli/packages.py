@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     Columns = Mapping[str, NDArray[np.float64]]
 
-SUFFIXES = (".ssp", ".ssd")
+SUFFIXES = (".ssp", ".ssd", ".fmu")
 _TIMEOUT = 600.0
 """Seconds a package's run may take, if nobody says it."""
 
@@ -48,7 +48,7 @@ class Wishes:
 
 
 def is_package(name: str) -> bool:
-    """Whether *name* is that of a package, not of a test bench."""
+    """Whether *name* is that of a package or an FMU, not of a test bench."""
     return Path(name).suffix.lower() in SUFFIXES
 
 
@@ -92,7 +92,7 @@ def simulate_package(
     if target is not None:
         # As other tools do, the headings of CSV are the names alone.
         is_csv = target.suffix.lower() == ".csv"
-        units = {} if is_csv else {signal.name: signal.unit for signal in prepared.resolved.signals}
+        units = {} if is_csv else prepared.units
         Waveforms(run.waveforms, units).write(target, _about(prepared))
         print_line(f"{target}: {len(columns)} waveforms of {len(run.waveforms.time)} points")
     elif output is Output.JSON:

@@ -1,9 +1,9 @@
-"""An SSP package made ready to be simulated: its FMUs opened, its experiment complete."""
+"""An SSP package, or a single FMU, made ready to be simulated: its FMUs opened, its experiment complete."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dse.cache import cache_folder
@@ -16,11 +16,12 @@ from dse.domain.run import Waveforms
 from dse.errors import DseError, Location, fail
 from dse.fmu import in_parallel, open_fmu
 from dse.formats import shown
+from dse.interchange.names import free_word
 from dse.interchange.reading.open import open_ssp
 from dse.interchange.resolving.matching import of_fmu
 from dse.interchange.resolving.network import Models
 from dse.interchange.resolving.resolve import ResolvedSystem, system_of
-from dse.interchange.structure import ExperimentSettings, SspComponent, SspSystem
+from dse.interchange.structure import Connector, ExperimentSettings, SspComponent, SspSystem, System
 from dse.metrics import compile_metrics
 from dse.testbench import KnownFmus, PreparedBench, Recording, with_facts
 
@@ -47,6 +48,11 @@ class PreparedPackage:
     timing: Timing
     bench: PreparedBench
 
+    @property
+    def units(self) -> dict[str, str]:
+        """The units of its signals."""
+        return {signal.name: signal.unit for signal in self.resolved.signals}
+
     def signals(self, recorded: Waveforms) -> Waveforms:
         """What was recorded as the system's own connectors show it."""
         values = {s.name: s.carry.apply_all(recorded.values[s.label]) for s in self.resolved.signals}
@@ -54,12 +60,38 @@ class PreparedPackage:
 
 
 def read_package(path: Path, variant: str | None = None, cache: Path | None = None) -> tuple[SspSystem, Models]:
-    """The package at *path* with its FMUs opened. Raises DseError with the problems of all of them."""
+    """The package or FMU at *path* with its FMUs opened. Raises DseError with the problems of all of them."""
+    if is_fmu(path):
+        return _alone(path, cache)
     ssp = open_ssp(path, cache_folder(cache) / "ssp", variant)
     components: dict[tuple[Path, str], SspComponent] = {}
     for component in ssp.places.values():
         components.setdefault(component.key, component)
     return ssp, in_parallel(components, lambda key: _opened(components[key], cache))
+
+
+def is_fmu(path: Path) -> bool:
+    """Whether *path* is that of a single FMU."""
+    return path.suffix.lower() == ".fmu"
+
+
+def _alone(path: Path, cache: Path | None) -> tuple[SspSystem, Models]:
+    """The FMU as the only component of a system, with its outputs as connectors."""
+    model, where = open_fmu(path, cache=cache), Location(shown(path))
+    outputs = tuple(
+        Connector(each.name, "output", None, where, (None,) * len(each.shape))
+        for each in model.variables.values()
+        if each.causality == "output"
+    )
+    name = _element(path)
+    component = SspComponent(name, path.name, path, outputs, (), where)
+    system = System(name, (component,), (), (), ())
+    return SspSystem(path.stem, "", "", system, ExperimentSettings()), {component.key: model}
+
+
+def _element(path: Path) -> str:
+    """What a single FMU is called in messages; its variables are called as they are."""
+    return free_word(path.stem, ())
 
 
 def _opened(component: SspComponent, cache: Path | None) -> FmuModel:
@@ -71,7 +103,10 @@ def _opened(component: SspComponent, cache: Path | None) -> FmuModel:
 
 
 def check_ssp(path: Path, cache: Path | None = None) -> ResolvedSystem:
-    """The system of the package at *path*, whose experiment may be incomplete. Raises DseError with what is wrong."""
+    """The system of the package or FMU at *path*, whose experiment may be incomplete.
+
+    Raises DseError with what is wrong.
+    """
     return system_of(*read_package(path, None, cache))
 
 
@@ -88,18 +123,27 @@ def prepare_ssp(
     timeout: float = 600.0,
     cache: Path | None = None,
 ) -> PreparedPackage:
-    """Make the package at *path* ready to be simulated. Raises DseError with all that is wrong.
+    """Make the package or FMU at *path* ready to be simulated. Raises DseError with all that is wrong.
 
     The run may take *timeout* seconds. What *stop* and *step* (seconds) do not say is taken from the package, then from
     its FMUs' default experiments; so it is with what FMUs are told as their *tolerance*.
     """
     require_kernel()
     ssp, models = read_package(path, variant, cache)
-    resolved = system_of(ssp, models, settings=settings, record=record)
-    where = Location(shown(path))
+    where, prefix = Location(shown(path)), f"{_element(path)}." if is_fmu(path) else ""
+
+    def full(name: str) -> str:
+        is_full = name.startswith(prefix) and not any(name in model.variables for model in models.values())
+        return name if is_full else prefix + name
+
+    given = {full(name): text for name, text in (settings or {}).items()}
+    resolved = system_of(ssp, models, settings=given, record=[full(name) for name in record])
+    if prefix:
+        signals = (replace(each, name=each.name.removeprefix(prefix)) for each in resolved.signals)
+        resolved = replace(resolved, signals=tuple(signals))
     if not resolved.signals:
-        hint = "add output connectors to its components, or name what to record"
-        raise fail("nothing in the package can be recorded", where, hint)
+        hint = "name what to record (--record)"
+        raise fail("it has no outputs that can be recorded", where, hint)
     timing = timing_of(ssp.experiment, models.values(), stop, step, where)
     every = ssp.experiment.record_every if step is None else None
     if not (every and is_multiple(every, timing.step) and is_multiple(timing.stop, every)):
@@ -132,7 +176,7 @@ def timing_of(
     stops = [said.stop - (said.start or 0.0) for said in own if said.stop is not None]
     until, stop_said_by = _first(stop, experiment.stop, max(stops, default=None))
     if until is None:
-        what = "neither the package nor its FMUs define how long to simulate"
+        what = "it does not define how long to simulate"
         raise fail(what, where, "set it: --stop '10 s'")
     least = min((said.step for said in own if said.step), default=None)
     every, step_said_by = _first(step, experiment.step, least if least and is_multiple(until, least) else None)

@@ -10,6 +10,7 @@ import zipfile
 from io import BytesIO
 from pathlib import Path
 
+import fmpy
 import numpy as np
 import pytest
 from reference_fmus import build
@@ -26,6 +27,8 @@ from ssp_packages import (
     parameter_set,
 )
 from workspaces import written
+
+from dse import DseError, simulate
 
 FILES = {
     "components/interfaces.yaml": """\
@@ -258,7 +261,7 @@ def test_a_setting_changes_a_package_too(package, dse_in, simulated):
         (["ramped", "--stop", "1 s"], 2, "this is for a package"),
         (["ramped", "--tolerance", "1e-8"], 2, "this is for a package"),
         (["ramped.ssp", "--fmi", "3"], 2, "this is for a bench"),
-        (["radar.fmu"], 1, "'radar.fmu' is an FMU\n    hint: 'dse import fmu radar.fmu' makes a component of it"),
+        (["radar.fmu"], 1, "radar.fmu: there is no such file"),
         (["gone.ssp"], 1, "gone.ssp: there is no such file"),
     ],
 )  # fmt: skip
@@ -312,6 +315,31 @@ def test_a_foreign_package_and_its_variants_are_simulated(foreign, dse_in, tmp_p
         assert (data["stop"], data["step"]) == (1.0, 0.1)
         # The FMU integrates with RK4 in steps of its own of at most 0.1 s: its error is below (k h)^5.
         assert data["signals"]["level"]["end"] == pytest.approx(np.exp(-rate), abs=(0.1 * rate) ** 5)
+
+
+@pytest.mark.thorough
+def test_a_single_fmu_is_simulated_by_the_names_it_has_itself(dse_in, tmp_path, dahlquist):
+    path = tmp_path / "2 body.fmu"  # its name is no word
+    path.write_bytes(dahlquist)
+    done = dse_in(tmp_path, "simulate", path.name, "--set", "k=2", "--stop", "1 s", "--format", "json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["signals"]["x"]["end"] == pytest.approx(np.exp(-2), abs=0.2**5)
+    assert dse_in(tmp_path, "check", path.name).stdout == "ok: 1 FMU, 1 output\n"
+    wrong = dse_in(tmp_path, "simulate", path.name, "--set", "kk=2")
+    assert wrong.returncode == 1
+    meant = wrong.stderr.partition("did you mean '")[2].partition("'")[0]
+    assert dse_in(tmp_path, "simulate", path.name, "--set", f"{meant}=2").returncode == 0
+
+    theirs = fmpy.simulate_fmu(str(path), stop_time=1.0, step_size=0.1, start_values={"k": 2.0})
+    ours = simulate(path, stop=1, step=0.1, set={"k": 2})
+    assert list(ours) == ["x"]
+    # Its points in time are sums of steps, ours multiples.
+    np.testing.assert_allclose(ours["x"], theirs["x"], rtol=1e-14)
+    assert list(simulate(path, record=["k", "der(x)"])) == ["k", "der(x)"]
+    with pytest.raises(DseError, match=r"no 'x2_body\.q' to record"):
+        simulate(path, record=["q"])
+    with pytest.raises(DseError, match=r"README\.md"):
+        simulate("README.md")
 
 
 @pytest.mark.thorough

@@ -47,7 +47,7 @@ def test_what_is_asked_for_comes_first_then_the_package_then_its_fmus(said, mode
 @pytest.mark.parametrize(
     ("said", "expected"),
     [
-        (ExperimentSettings(), "neither the package nor its FMUs define how long to simulate"),
+        (ExperimentSettings(), "it does not define how long to simulate"),
         (
             ExperimentSettings(start=5.0, stop=9.0),
             "the experiment starts at 5 s; simulations start at 0 s in this version",

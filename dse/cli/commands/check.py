@@ -21,7 +21,7 @@ from dse.errors import DseError, Problem, raise_if_any
 @app.command()
 def check(
     workspace: Annotated[
-        Path, typer.Argument(help="A folder or file in the workspace; an SSP package; or an OpenSCENARIO file.")
+        Path, typer.Argument(help="A folder or file in the workspace; an SSP package or FMU; or an OpenSCENARIO file.")
     ] = Path(),
     strict: Strict = False,
     form: Annotated[
@@ -29,7 +29,7 @@ def check(
         typer.Option("--format", help="For a person, a program, code scanning, or the log of a GitHub workflow."),
     ] = CheckFormat.TEXT,
 ) -> None:
-    """Check a workspace, an SSP package or an OpenSCENARIO file, and list all errors.
+    """Check a workspace, an SSP package, an FMU or an OpenSCENARIO file, and list all errors.
 
     Checks every component, design space, test bench and study: keys, units, types, wiring, metrics,
     and that each design space has a valid configuration.

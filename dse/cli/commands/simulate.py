@@ -39,7 +39,8 @@ Subject = Annotated[
     typer.Argument(
         metavar="BENCH",
         autocompletion=benches,
-        help="A test bench: its name, or its YAML file; an SSP package (.ssp), or an OpenSCENARIO file (.xosc).",
+        help="A test bench: its name, or its YAML file; an SSP package (.ssp), an FMU, or an "
+        "OpenSCENARIO file (.xosc).",
     ),
 ]
 Waveforms = Annotated[
@@ -97,14 +98,14 @@ def simulate(
     parts: Parts = None,
     si: SI = False,
 ) -> None:
-    """Simulate one configuration once, an SSP package, or an OpenSCENARIO file.
+    """Simulate one configuration once, an SSP package, an FMU, or an OpenSCENARIO file.
 
     Shows a configuration's metrics, and the verdicts with their margins.
 
     Takes the first valid configuration unless --configuration names another.
 
-    --output writes the waveforms. For a package, shows the first and the last value of each output. In a scenario
-    file, the scenario drives every entity; shows where they were, and when events began.
+    --output writes the waveforms. For a package or an FMU, shows the first and the last value of each output. In a
+    scenario file, the scenario drives every entity; shows where they were, and when events began.
     """
     wishes = Wishes(
         variant,
