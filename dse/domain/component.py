@@ -277,16 +277,6 @@ class ModelicaSource(Source):
     tolerance: float | None = None
 
 
-PLANNED_KINDS = ("python",)
-
-
-@dataclass(frozen=True, slots=True)
-class UnsupportedSource(Source):
-    """A kind of source, one of `PLANNED_KINDS`, that this version can list and enumerate but not build."""
-
-    kind: str
-
-
 @dataclass(frozen=True, slots=True)
 class Component:
     """One part that can be chosen. *names* maps a port, group, array or parameter to what its FMU calls it.

@@ -24,18 +24,15 @@ from dse.loading import KINDS, kind_of
 def build(component: Component, *, version: int = 2, cache: Path | None = None) -> Path:
     """The FMU archive of *component*, for FMI *version* 2 or 3 if it has to be made; from the cache if it was.
 
-    An existing FMU is returned as it is, whatever its version. Raises DseError: the component has no source or
-    one of a kind that cannot be built, its C does not compile or lacks a port, or there is no compiler.
+    An existing FMU is returned as it is, whatever its version. Raises DseError: the component has no source, its
+    C does not compile or lacks a port, or there is no compiler.
     """
     source, kind = component.source, kind_of(component)
     *others, last = KINDS.names()
     known = f"a source of the kind {', '.join(others)} or {last}"
-    if source is None:
+    if source is None or kind is None:
         what = f"component '{component.name}' has no source, so there is nothing to build"
         raise fail(what, component.where, f"it can be counted and listed only; give it {known}")
-    if kind is None:
-        what = f"component '{component.name}': sources of the kind '{source.kind}' cannot be built in this version"
-        raise fail(what, component.where, f"use {known}")
     if version not in (2, 3) and not source.is_finished:
         raise fail(f"FMUs are built for FMI 2 and 3, not {version}")
     return kind.build(component, source, version=version, cache=cache)

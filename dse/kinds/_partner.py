@@ -12,8 +12,10 @@ from dse.domain.labels import c_member
 _C_TYPES = {Kind.REAL: "double", Kind.INTEGER: "int32_t", Kind.BOOLEAN: "bool", Kind.ENUMERATION: "int32_t"}
 
 
-def partner_files(component: Component, struct: str) -> dict[str, str]:
+def partner_files(component: Component, struct: str, step: float | None = None) -> dict[str, str]:
     """Header and code by file name. All goes as doubles, enumerations as numbers of their items.
+
+    With *step* (s) the code is sampled.
 
     Asked are the step (0 at the start) and the values of `asked_names`, answered those of `answered_names`.
     """
@@ -33,16 +35,18 @@ typedef struct {{
     double ask[{1 + len(asked)}], answer[{len(answered)}];
 }} {struct};
 void {struct}_init({struct} *self);
-void {struct}_step({struct} *self, double h);
+void {struct}_step({struct} *self{"" if step else ", double h"});
 void {struct}_take({struct} *self);
 """
     code = f"""#include "{struct}.h"
 
-void {struct}_init({struct} *self) {{ {struct}_step(self, 0.0); }}
-
-void {struct}_step({struct} *self, double h) {{
+static void ask({struct} *self, double h) {{
     self->ask[0] = h;
 {asks}}}
+
+void {struct}_init({struct} *self) {{ ask(self, 0.0); }}
+
+void {struct}_step({struct} *self{"" if step else ", double h"}) {{ ask(self, {repr(step) if step else "h"}); }}
 
 void {struct}_take({struct} *self) {{
 {takes}}}

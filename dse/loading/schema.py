@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from dse.domain.component import PLANNED_KINDS
 from dse.domain.study import CheckStep, Keep
 from dse.loading.bench.bench import BenchFile
 from dse.loading.bench.study import StudyFile
@@ -51,7 +50,7 @@ def _component(schema: Schema) -> None:
     source: Schema = {
         "type": "object",
         "required": ["kind"],
-        "properties": {"kind": {"enum": [*kinds, *(word for word in PLANNED_KINDS if word not in kinds)]}},
+        "properties": {"kind": {"enum": kinds}},
         "allOf": [],
     }
     for word in kinds:

@@ -23,14 +23,16 @@ def test_a_workspace_can_be_made_of_starts_alone_and_runs(dse_in, tmp_path):
         "new component cruise",
         "new component other --kind modelica --implements cruise",
         "new component third --kind modelica",
-        "new design car cruise other",
+        "new component fourth --kind python --implements cruise",
+        "new component fifth --kind python",
+        "new design car cruise other fourth",
         "new bench step --design car",
         "new study gains --bench step",
     ):
         done = dse_in(tmp_path, *line.split())
         assert done.returncode == 0, (line, done.stderr)
     checked = dse_in(tmp_path, "check")
-    assert checked.stdout == "ok: 2 interfaces, 3 components, 1 design space, 1 test bench, 1 study\n", checked.stderr
+    assert checked.stdout == "ok: 3 interfaces, 5 components, 1 design space, 1 test bench, 1 study\n", checked.stderr
     done = dse_in(tmp_path, "explore", "gains")
     assert done.stdout.startswith("out/gains: 5 runs, 5 of them new"), done.stderr
     done = dse_in(tmp_path, "simulate", "step", "--set", "cruise.set_speed=2 m/s", "--format", "json")
@@ -118,7 +120,7 @@ def test_a_name_that_is_taken_elsewhere_in_the_workspace_is_refused(dse_in, tmp_
         ("component ../out", "cannot be a name"),
         ("component double", "a keyword of C"),
         ("component absent", "tests whether a part is present"),
-        ("component x --kind python", "possible: c, modelica"),
+        ("component x --kind ada", "possible: c, modelica, python"),
         ("component x --kind fmu", "dse import fmu"),
         ("component x --implements brakes", "did you mean 'brake'?"),
         ("design x", "COMPONENT"),

@@ -318,7 +318,8 @@ def test_a_foreign_package_and_its_variants_are_simulated(foreign, dse_in, tmp_p
 
 
 @pytest.mark.thorough
-def test_a_single_fmu_is_simulated_by_the_names_it_has_itself(dse_in, tmp_path, dahlquist):
+def test_a_single_fmu_is_simulated_by_the_names_it_has_itself(dse_in, tmp_path, dahlquist, monkeypatch):
+    monkeypatch.setenv("DSE_CACHE", str(tmp_path / "cache"))
     path = tmp_path / "2 body.fmu"  # its name is no word
     path.write_bytes(dahlquist)
     done = dse_in(tmp_path, "simulate", path.name, "--set", "k=2", "--stop", "1 s", "--format", "json")

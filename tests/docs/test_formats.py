@@ -88,7 +88,7 @@ def dse(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path],
 def test_the_blocks_are_a_workspace_without_a_mistake(dse):
     done = dse("check")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("ok: 5 interfaces, 5 components, 1 design space, 1 road, 3 test benches, 3 studies")
+    assert done.stdout.startswith("ok: 5 interfaces, 6 components, 1 design space, 1 road, 3 test benches, 3 studies")
 
 
 @pytest.mark.thorough

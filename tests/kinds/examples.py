@@ -55,6 +55,20 @@ def c() -> Files:
     return {**written(block), "twice/twice.h": HEADER, "twice/twice.c": CODE}
 
 
+CLASS = """\
+class Twice:
+    def __init__(self, parameters):
+        self.parameters = parameters
+
+    def step(self, inputs, h):
+        return {"y": self.parameters["factor"] * inputs["u"]}
+"""
+
+
+def python() -> Files:
+    return {**written("{kind: python, files: [twice.py]}"), "twice/twice.py": CLASS}
+
+
 def modelica() -> Files:
     return {**written("{kind: modelica, model: Twice, files: [twice.mo]}"), "twice/twice.mo": MODEL}
 
@@ -145,6 +159,7 @@ EXAMPLES: dict[str, Callable[[], Files]] = {
     "c": c,
     "fmu": fmu,
     "modelica": modelica,
+    "python": python,
     "road": road,
     "scenario": scenario,
     "sumo": sumo,

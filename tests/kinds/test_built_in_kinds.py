@@ -1,4 +1,4 @@
-"""Every kind that comes with dse does what a kind has to do; what is planned only can be listed, not built."""
+"""Every kind that comes with dse does what a kind has to do."""
 
 from __future__ import annotations
 
@@ -31,19 +31,6 @@ class TestBuiltInKinds(KindSuite):
             pytest.skip("SUMO is not installed")
         assert request.param in EXAMPLES, "write an example of the new kind into tests/kinds/examples.py"
         return EXAMPLES[request.param]()
-
-
-@pytest.mark.parametrize("word", ["python"])
-def test_a_planned_kind_is_read_and_refused_when_it_is_built(tmp_path, word):
-    component = the_component(lay_out(written(f"{{kind: {word}, port: 5000}}"), tmp_path))
-    assert component.source.label == word
-    assert kind_of(component) is None
-    with pytest.raises(DseError, match=f"sources of the kind '{word}' cannot be built in this version") as caught:
-        build(component, cache=tmp_path / "cache")
-    (problem,) = caught.value.problems
-    assert (
-        problem.hint == "use a source of the kind c, fmu, modelica, road, scenario, simulink, sumo, time_series or udp"
-    )
 
 
 @pytest.mark.parametrize(

@@ -10,13 +10,15 @@ from dse.api.templates.write import headed
 from dse.domain.component import Causality, Interface, Kind, Port, Type
 from dse.domain.labels import c_member
 from dse.domain.outline import Outlined, outline
+from dse.domain.python_source import class_name
 from dse.errors import closest, fail
 from dse.formats import write_text
 
 if TYPE_CHECKING:
     from dse.loading import Workspace
 
-C, MODELICA = "c", "modelica"
+C, MODELICA, PYTHON = "c", "modelica", "python"
+_CODE = {C: ".c", MODELICA: ".mo", PYTHON: ".py"}
 _ELSEWHERE = {
     "fmu": "'dse import fmu FILE.fmu' imports an FMU as a component",
     "road": "write only a component.yaml that names the road's file: 'dse docs world'",
@@ -39,24 +41,26 @@ def new_component(workspace: Workspace, name: str, kind: str, implements: str | 
 
     Raises DseError for a kind or an interface that no start can be written for.
     """
-    if kind not in (C, MODELICA):
-        hint = _ELSEWHERE.get(kind) or closest(kind, (C, MODELICA))
+    if kind not in _CODE:
+        hint = _ELSEWHERE.get(kind) or closest(kind, _CODE)
         raise fail(f"there is no template for components of the kind '{kind}'", hint=hint)
     folder = PurePosixPath("components", name)
     interface = _own(name) if implements is None else _known(workspace, implements)
     files = {folder / "interfaces.yaml": headed(_OWN_INTERFACE.format(name=name), 2, "interfaces")}
     if implements is not None or interface.name in workspace.interfaces:
         files = {}
-    _require_written(interface, _C_TYPES if kind == C else _MODELICA_TYPES)
-    source = f"{{kind: c, files: [{name}.c], step: 10 ms}}" if kind == C else None
-    source = source or f"{{kind: modelica, model: {name}, files: [{name}.mo]}}"
+    _require_written(interface, _MODELICA_TYPES if kind == MODELICA else _C_TYPES)
+    keys = f"model: {name}, " if kind == MODELICA else ""
+    step = "" if kind == MODELICA else ", step: 10 ms"
+    source = f"{{kind: {kind}, {keys}files: [{name}{_CODE[kind]}]{step}}}"
     yaml = _yaml(name, interface, source, kind, is_own=implements is None)
     files[folder / "component.yaml"] = headed(yaml, 2, "component")
     if kind == C:
         files[folder / f"{name}.h"] = _header(name, interface, is_own=implements is None)
         files[folder / f"{name}.c"] = _code(name, interface, is_own=implements is None)
     else:
-        files[folder / f"{name}.mo"] = _model(name, interface, is_own=implements is None)
+        start = _model if kind == MODELICA else _class
+        files[folder / f"{name}{_CODE[kind]}"] = start(name, interface, is_own=implements is None)
     return files
 
 
@@ -104,7 +108,6 @@ def _parameter(interface: Interface, *, is_own: bool) -> str:
 
 
 def _yaml(name: str, interface: Interface, source: str, kind: str, *, is_own: bool) -> str:
-    code = f"{name}.c" if kind == C else f"{name}.mo"
     lines = [
         f"component: {name}\n",
         f"title: {name}\n",
@@ -119,7 +122,9 @@ def _yaml(name: str, interface: Interface, source: str, kind: str, *, is_own: bo
         lines.append(f"map: {{{inside}}}{' ' * 4}# ports that have other names in the model\n")
     parameter = _parameter(interface, is_own=is_own)
     if parameter:
-        lines.append(f"parameters:{' ' * 21}# what a bench can set and a study can vary; see {code}\n{parameter}")
+        lines.append(
+            f"parameters:{' ' * 21}# what a bench can set and a study can vary; see {name}{_CODE[kind]}\n{parameter}"
+        )
     lines.append("properties: {cost: 0 EUR, mass: 0 kg}   # values for the constraints of a design space\n")
     return "".join(lines)
 
@@ -207,6 +212,35 @@ def _model(name: str, interface: Interface, *, is_own: bool) -> str:
             value = "offset" if port is _offset(interface) else "false" if port.type.kind is Kind.BOOLEAN else "0"
             lines.append(f"  {_flat(port.name)} = {value};\n")
     return f'model {name} "Description of the model"\n{"".join(lines)}end {name};\n'
+
+
+def _class(name: str, interface: Interface, *, is_own: bool) -> str:
+    outputs = [port for port in interface.ports if port.causality is Causality.OUTPUT]
+    offset = 'self.parameters["offset"]'
+    lines = [
+        f'            "{port.name}": {offset if port is _offset(interface) else _plain_value(port.type)},\n'
+        for port in outputs
+    ]
+    own = '            "force": self.parameters["gain"] * (inputs["set_speed"] - inputs["speed"]),\n'
+    return f'''\
+"""{name}: ports and parameters by their names in {interface.name} and component.yaml, in SI."""
+
+
+class {class_name(name)}:
+    def __init__(self, parameters):
+        self.parameters = parameters  # always with the present values
+
+    def step(self, inputs, h):
+        """The outputs; *h* is the time since the last step in s, and 0 at the start of a run."""
+        return {{
+{own if is_own else "".join(lines)}        }}
+'''
+
+
+def _plain_value(type_: Type) -> str:
+    if type_.kind is Kind.ENUMERATION:
+        return f'"{type_.items[0]}"'
+    return {Kind.BOOLEAN: "False", Kind.INTEGER: "0"}.get(type_.kind, "0.0")
 
 
 def _top(label: str) -> str:

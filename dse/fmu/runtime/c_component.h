@@ -104,17 +104,17 @@ static inline bool dse_do_step(struct dse_instance *instance, const char *functi
     const double end = (time - at->start_time) + step - 1e-4 * DSE_PERIOD;
     while ((double)at->hits * DSE_PERIOD < end) {
         dse_component_step(&at->now);
-        if (!DSE_ASK_CODED(instance, function, false)) {
+        if (!DSE_ASK_CODED(instance, function, false) || !DSE_ASK_PARTNER(instance, function, DSE_PERIOD)) {
             return false;
         }
         at->hits++;
     }
 #else
     dse_component_step(&at->now, step);
-#endif
     if (!DSE_ASK_PARTNER(instance, function, step)) {
         return false;
     }
+#endif
     at->time = time + step;
     return true;
 }

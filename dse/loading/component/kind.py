@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from pydantic import ConfigDict
 
-from dse.domain.component import PLANNED_KINDS, Component, Source, UnsupportedSource
+from dse.domain.component import Component, Source
 from dse.errors import DseError, Location, Problem, fail
 from dse.formats import Entry, shown
 from dse.loading.paths import followed, is_file, named_file
@@ -112,15 +112,11 @@ class _AnySource(SourceSection):
 def read_source(entry: Entry, component: str, inside: Path) -> Source:
     """The ``source`` of *component*; the files it names lie in *inside*. Raises DseError."""
     word = read_section(entry, _AnySource).kind
-    if word in PLANNED_KINDS and word not in KINDS.names():
-        return UnsupportedSource(word)
     kind = KINDS.get(word, entry["kind"].where)
     source: Source = kind.read(read_section(entry, kind.section), SourcePlace(component, entry, inside))
     return source
 
 
 def kind_of(component: Component) -> ComponentKind[Any, Any] | None:
-    """The kind of *component*; None if it has no source, or one that this version cannot build. Raises DseError."""
-    if component.source is None or component.source.kind not in KINDS.names():
-        return None
-    return KINDS.get(component.source.kind, component.where)
+    """The kind of *component*; None if it has no source. Raises DseError."""
+    return None if component.source is None else KINDS.get(component.source.kind, component.where)

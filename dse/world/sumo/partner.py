@@ -7,63 +7,19 @@ runs with the same parameters begin in the very same state, and whoever crashes 
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
-import signal
 import struct
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
+from dse.partners import END, START, STEP, Line, Question, how_ended, open_line
 from dse.world.sumo.simulation import Simulation, SumoError
-
-_START, _STEP, _END = range(3)
-_HEAD = struct.Struct("=II")
-_LONGEST = 400
-
-Question = tuple[int, tuple[float, ...]]
-
-
-class _Line:
-    """The socket over which questions come and answers go."""
-
-    def __init__(self, file: int) -> None:
-        self._file = file
-
-    def question(self) -> Question | None:
-        """The next; None if there are no more."""
-        head = self._read(_HEAD.size)
-        if head is None:
-            return None
-        kind, count = _HEAD.unpack(head)
-        numbers = self._read(8 * count)
-        return None if numbers is None else (kind, struct.unpack(f"={count}d", numbers))
-
-    def answer(self, values: Sequence[float]) -> None:
-        self._write(_HEAD.pack(0, len(values)) + struct.pack(f"={len(values)}d", *values))
-
-    def refuse(self, why: str) -> None:
-        text = why.encode()[:_LONGEST]
-        self._write(_HEAD.pack(1, len(text)) + text)
-
-    def _read(self, size: int) -> bytes | None:
-        parts = b""
-        while len(parts) < size:
-            part = os.read(self._file, size - len(parts))
-            if not part:
-                return None
-            parts += part
-        return parts
-
-    def _write(self, content: bytes) -> None:
-        while content:
-            content = content[os.write(self._file, content) :]
 
 
 class _Partner:
-    def __init__(self, folder: Path, line: _Line) -> None:
+    def __init__(self, folder: Path, line: Line) -> None:
         told = json.loads((folder / "lanes.json").read_text("utf-8"))
         self._folder, self._line = folder, line
         self._parameters: list[str] = told["parameters"]
@@ -73,7 +29,7 @@ class _Partner:
         """Have simulations warmed up until nobody asks any more."""
         question = self._line.question()
         while question:
-            question = self._in_a_fork(question) if question[0] == _START else self._line.question()
+            question = self._in_a_fork(question) if question[0] == START else self._line.question()
 
     def _in_a_fork(self, question: Question) -> Question | None:
         """Warm up and make all runs with the same parameters; the first question with others, None if there is none."""
@@ -101,7 +57,7 @@ class _Partner:
         except Exception as error:  # noqa: BLE001  # whatever it is, it is told
             self._line.refuse(_error_text(error, said))
             return self._line.question()
-        while question and question[0] == _START and question[1][1 : 1 + len(values)] == values:
+        while question and question[0] == START and question[1][1 : 1 + len(values)] == values:
             child = os.fork()
             if not child:
                 self._run(simulation, question, said)
@@ -111,11 +67,11 @@ class _Partner:
 
     def _run(self, simulation: Simulation, question: Question | None, said: int) -> NoReturn:
         first = 1 + len(self._parameters)
-        while question and question[0] != _END:
+        while question and question[0] != END:
             kind, numbers = question
             inputs = dict(zip(self._inputs, numbers[first:], strict=True))
             try:
-                self._line.answer(simulation.step(inputs, numbers[0]) if kind == _STEP else simulation.look(inputs))
+                self._line.answer(simulation.step(inputs, numbers[0]) if kind == STEP else simulation.look(inputs))
             except Exception as error:  # noqa: BLE001  # whatever it is, it is told
                 self._line.refuse(_error_text(error, said))
                 os._exit(0)
@@ -124,12 +80,10 @@ class _Partner:
 
     def _ended(self, child: int) -> bool:
         """Wait for *child*; whether it ended of itself without having answered, which is told now."""
-        status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-        if status < 0:
-            self._line.refuse(f"SUMO has crashed ({signal.Signals(-status).name})")
-        elif status > 0:
-            self._line.refuse(f"SUMO has ended with the exit code {status}")
-        return status != 0
+        told = how_ended(child, "SUMO")
+        if told:
+            self._line.refuse(told)
+        return bool(told)
 
 
 def _listen() -> int:
@@ -152,16 +106,8 @@ def _error_text(error: Exception, said: int) -> str:
 
 
 def main() -> None:
-    """Talk over standard input; end, with all forks, when the other end of standard output is closed."""
-    line, life = os.dup(0), os.dup(1)
-    nothing = os.open(os.devnull, os.O_RDWR)
-    os.dup2(nothing, 0)
-    os.dup2(2, 1)
-    # A simulation that hangs reads nothing: the system ends the whole group when the process that started it is gone.
-    fcntl.fcntl(life, fcntl.F_SETOWN, -os.getpgrp())
-    fcntl.fcntl(life, fcntl.F_SETFL, os.O_ASYNC)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    talk = _Line(line)
+    """Talk until nobody asks any more."""
+    talk = open_line()
     try:
         os.environ["LIBSUMO_AS_TRACI"] = "quiet"
         import libsumo  # noqa: F401  # forks have it then
