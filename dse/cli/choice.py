@@ -1,0 +1,147 @@
+"""Which design to take, on the terminal. The sentences are those of the report's page (`choice.ts`)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from dse.cli.decision import assumed_text, certainty_text, class_of, order_text, share_text, title_of
+from dse.cli.terminal import print_line
+
+if TYPE_CHECKING:
+    from dse.analysis import Choice, Side
+    from dse.domain.definition import StudyDefinition
+
+_MOST_CASES, _MOST_CHANGES = 2, 6
+
+
+def show_choice(choice: Choice | None, definition: StudyDefinition, *, briefly: bool = False) -> None:
+    """Print which design to take; nothing if there is no choice. *briefly* without how sure that is."""
+    if choice is None:
+        return
+    print_line("which design:", style="bold")
+    for line in choice_sentences(choice, definition)[: 3 if briefly else None]:
+        print_line(f"  {line}")
+
+
+def choice_sentences(choice: Choice, definition: StudyDefinition) -> list[str]:
+    """The design with its result, the next one with what decides, what is cheaper, how sure it is, and the order."""
+    decision = choice.decision
+    first, names = decision.first, ("This design", "The next one")
+    changes = _changes(definition, first, decision.second) or decision.second.configuration
+    found = [
+        f"{design_name(definition, first)} ({first.configuration}, run {first.runs[0]})",
+        " ".join([*_result(choice, definition), _values(choice, definition)]),
+        f"Next: {changes}. {order_text(decision, definition, names)}{_where(choice, definition)}",
+    ]
+    if choice.cheaper:
+        configuration, run = choice.cheaper
+        costs = (_cost(definition, each, choice.price) for each in (configuration, first.configuration))
+        what = f"As few missed verdicts of each severity for a lower {choice.price}: {configuration} (run {run})"
+        found.append("{}, {} instead of {}.".format(what, *costs))
+    unsure = f"{first.unsure or 'None'} of its {first.judged:,} verdicts {'are' if first.unsure > 1 else 'is'} open"
+    may = ": more draws or finer numerics may change it" if first.unsure else ""
+    sure = [f"{unsure}{may}.", certainty_text(decision), *_reversed(choice), assumed_text(decision, definition)]
+    return [*found, " ".join(sure), order_sentence(choice, definition)]
+
+
+def order_sentence(choice: Choice, definition: StudyDefinition) -> str:
+    """The order of designs."""
+    counts, objectives = choice.decision.first.counts, choice.decision.objectives
+    missed = [f"missed {class_of(each.severity, len(counts))}" for each in counts]
+    aims = [f"{'larger' if each.maximize else 'smaller'} {title_of(each.name, definition)}" for each in objectives]
+    first = f"fewest {missed[0]} (certain ones before open ones)"
+    return f"Order of designs: {', then '.join([first, *missed[1:], *aims, 'larger least margin'])}."
+
+
+def design_name(definition: StudyDefinition, side: Side) -> str:
+    """What a design chooses where configurations differ, and its values of the design variables."""
+    from dse.analysis import value_label
+
+    choices = [each.choices for each in definition.configurations]
+    mine = definition.configuration(side.configuration).choices
+    paths = dict.fromkeys(path for each in choices for path in each)
+    chosen = [mine[path] for path in paths if path in mine and len({each.get(path) for each in choices}) > 1]
+    variables = {each.name: each for each in definition.variables}
+    return ", ".join(chosen + [value_label(variables[name], value) for name, value in side.point.items()]) or (
+        side.configuration
+    )
+
+
+def _changes(definition: StudyDefinition, first: Side, other: Side) -> str:
+    """What *other* chooses differently."""
+    from dse.analysis import value_label
+
+    mine, theirs = (definition.configuration(side.configuration).choices for side in (first, other))
+    paths = dict.fromkeys([*mine, *theirs])
+    found = [f"{path} {theirs.get(path, '–')}" for path in paths if mine.get(path) != theirs.get(path)]
+    variables = {each.name: each for each in definition.variables}
+    found += [value_label(variables[name], at) for name, at in other.point.items() if first.point.get(name) != at]
+    rest = len(found) - _MOST_CHANGES
+    return ", ".join(found[:_MOST_CHANGES]) + (f" and {rest} more" if rest > 0 else "")
+
+
+def _result(choice: Choice, definition: StudyDefinition) -> Iterator[str]:
+    side, wanted = choice.decision.first, len(definition.requirements)
+    all_ = f"all {wanted} requirements" if wanted > 1 else "the requirement"
+    where = f" in all {choice.conditions} conditions" if choice.conditions > 1 else ""
+    if not side.missed:
+        yield f"It meets {all_}{where}: {side.judged:,} verdicts. {choice.feasible} of {choice.designs} designs do."
+        return
+    parts = (f"{each.missed} of {each.judged:,} {class_of(each.severity, len(side.counts))}" for each in side.counts)
+    yield f"No design meets {all_}{where}. This one is the first in the order: it misses {', '.join(parts)}."
+    for requirement in definition.requirements:
+        if cases := [*side.misses[requirement.name].items()]:
+            unsure = sum(is_open for _, is_open in cases)
+            state = "" if not unsure else "open" if unsure == len(cases) else f"{unsure} open"
+            told = _cases(definition, [case for case, _ in cases])
+            yield f"Missed: {requirement.title or requirement.name}{f' ({state})' if state else ''}{told}."
+
+
+def _cases(definition: StudyDefinition, cases: Sequence[tuple[float, ...]]) -> str:
+    from dse.analysis import case_label
+
+    told = [label for case in cases[:_MOST_CASES] if (label := case_label(definition, case))]
+    rest = len(cases) - _MOST_CASES
+    return f", at {'; '.join(told)}{f' and {rest} more' if rest > 0 else ''}" if told else ""
+
+
+def _where(choice: Choice, definition: StudyDefinition) -> str:
+    """The cases in which only the next design misses a requirement of the class that decides."""
+    from dse.analysis import severity_levels
+
+    decision = choice.decision
+    for requirement, level in zip(definition.requirements, severity_levels(definition), strict=True):
+        mine, theirs = (side.misses[requirement.name] for side in (decision.first, decision.second))
+        cases = [case for case in theirs if case not in mine]
+        if cases and (decision.by - 1) // 2 == level:
+            return f" It alone misses {requirement.title or requirement.name}{_cases(definition, cases)}."
+    return ""
+
+
+def _values(choice: Choice, definition: StudyDefinition) -> str:
+    from dse.api import quantity
+
+    decision, side = choice.decision, choice.decision.first
+    told = [
+        f"{title_of(each.name, definition)} {quantity(value, unit)}"
+        for each, value, unit in zip(decision.objectives, side.objectives, decision.units, strict=True)
+    ]
+    if choice.price and all(each.name != choice.price for each in decision.objectives):
+        told.append(f"{choice.price} {_cost(definition, side.configuration, choice.price)}")
+    text = ", ".join([*told, f"least margin {share_text(side.slack)}"])
+    return f"{text[0].upper()}{text[1:]}."
+
+
+def _cost(definition: StudyDefinition, configuration: str, price: str) -> str:
+    from dse.api import quantity
+
+    total = definition.configuration(configuration).totals[price]
+    return f"{quantity(total.value, '')} {total.unit}"
+
+
+def _reversed(choice: Choice) -> Iterator[str]:
+    """The assumed numbers that alter which of both is better."""
+    for effect in choice.decision.effects:
+        if effect.is_assumed and effect.reverses:
+            yield f"Which one has the larger margin of {effect.requirement} depends on the assumed {effect.variable}."
