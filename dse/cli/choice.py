@@ -20,29 +20,34 @@ def show_choice(choice: Choice | None, definition: StudyDefinition, *, briefly: 
     if choice is None:
         return
     print_line("which design:", style="bold")
-    for line in choice_sentences(choice, definition)[: 3 if briefly else None]:
-        print_line(f"  {line}")
+    name, lines = choice_lines(choice, definition)
+    print_line(f"  {name}")
+    for label, text in lines:
+        if not briefly or label not in ("how sure", "order"):
+            print_line(f"  {label + ':':<10}{text}")
 
 
-def choice_sentences(choice: Choice, definition: StudyDefinition) -> list[str]:
-    """The design with its result, the next one with what decides, what is cheaper, how sure it is, and the order."""
+def choice_lines(choice: Choice, definition: StudyDefinition) -> tuple[str, list[tuple[str, str]]]:
+    """The name of the design, and lines with what they are about: its result, the next one with what decides, what is
+    cheaper, how sure it is, and the order."""
     decision = choice.decision
     first, names = decision.first, ("This design", "The next one")
+    what, *missed = _result(choice, definition)
     changes = _changes(definition, first, decision.second) or decision.second.configuration
-    found = [
-        f"{design_name(definition, first)} ({first.configuration}, run {first.runs[0]})",
-        " ".join([*_result(choice, definition), _values(choice, definition)]),
-        f"Next: {changes}. {order_text(decision, definition, names)}{_where(choice, definition)}",
-    ]
+    found = [("result", what), *(("misses", text) for text in missed), ("values", _values(choice, definition))]
+    found.append(("next", f"{changes}. {order_text(decision, definition, names)}{_where(choice, definition)}"))
     if choice.cheaper:
         configuration, run = choice.cheaper
         costs = (_cost(definition, each, choice.price) for each in (configuration, first.configuration))
         what = f"As few missed verdicts of each severity for a lower {choice.price}: {configuration} (run {run})"
-        found.append("{}, {} instead of {}.".format(what, *costs))
-    unsure = f"{first.unsure or 'None'} of its {first.judged:,} verdicts {'are' if first.unsure > 1 else 'is'} open"
-    may = ": more draws or finer numerics may change it" if first.unsure else ""
-    sure = [f"{unsure}{may}.", certainty_text(decision), *_reversed(choice), assumed_text(decision, definition)]
-    return [*found, " ".join(sure), order_sentence(choice, definition)]
+        found.append(("cheaper", "{}, {} instead of {}.".format(what, *costs)))
+    verdicts = f"{first.judged:,} verdict{'s' * (first.judged != 1)}"
+    unsure = f"{first.unsure or 'None'} of its {verdicts} {'are' if first.unsure > 1 else 'is'} open"
+    may = ": more draws or finer numerics may change that" if first.unsure else ""
+    sure = [f"{unsure}{may}.", certainty_text(decision)]
+    sure += [*_reversed(choice, definition), assumed_text(decision, definition)]
+    found += [("how sure", " ".join(sure)), ("order", order_sentence(choice, definition))]
+    return f"{design_name(definition, first)} ({first.configuration}, run {first.runs[0]})", found
 
 
 def order_sentence(choice: Choice, definition: StudyDefinition) -> str:
@@ -50,8 +55,8 @@ def order_sentence(choice: Choice, definition: StudyDefinition) -> str:
     counts, objectives = choice.decision.first.counts, choice.decision.objectives
     missed = [f"missed {class_of(each.severity, len(counts))}" for each in counts]
     aims = [f"{'larger' if each.maximize else 'smaller'} {title_of(each.name, definition)}" for each in objectives]
-    first = f"fewest {missed[0]} (certain ones before open ones)"
-    return f"Order of designs: {', then '.join([first, *missed[1:], *aims, 'larger least margin'])}."
+    first = f"Fewest {missed[0]} (certain ones before open ones)"
+    return f"{', then '.join([first, *missed[1:], *aims, 'larger least margin'])}."
 
 
 def design_name(definition: StudyDefinition, side: Side) -> str:
@@ -60,8 +65,11 @@ def design_name(definition: StudyDefinition, side: Side) -> str:
 
     choices = [each.choices for each in definition.configurations]
     mine = definition.configuration(side.configuration).choices
-    paths = dict.fromkeys(path for each in choices for path in each)
-    chosen = [mine[path] for path in paths if path in mine and len({each.get(path) for each in choices}) > 1]
+    chosen = [
+        mine[path]
+        for path in definition.design.places
+        if path in mine and len({each.get(path) for each in choices}) > 1
+    ]
     variables = {each.name: each for each in definition.variables}
     return ", ".join(chosen + [value_label(variables[name], value) for name, value in side.point.items()]) or (
         side.configuration
@@ -73,8 +81,12 @@ def _changes(definition: StudyDefinition, first: Side, other: Side) -> str:
     from dse.analysis import value_label
 
     mine, theirs = (definition.configuration(side.configuration).choices for side in (first, other))
-    paths = dict.fromkeys([*mine, *theirs])
-    found = [f"{path} {theirs.get(path, '–')}" for path in paths if mine.get(path) != theirs.get(path)]
+    paths = definition.design.places
+    found = [
+        f"{path} {theirs.get(path, '–')} instead of {mine.get(path, '–')}"
+        for path in paths
+        if mine.get(path) != theirs.get(path)
+    ]
     variables = {each.name: each for each in definition.variables}
     found += [value_label(variables[name], at) for name, at in other.point.items() if first.point.get(name) != at]
     rest = len(found) - _MOST_CHANGES
@@ -95,7 +107,7 @@ def _result(choice: Choice, definition: StudyDefinition) -> Iterator[str]:
             unsure = sum(is_open for _, is_open in cases)
             state = "" if not unsure else "open" if unsure == len(cases) else f"{unsure} open"
             told = _cases(definition, [case for case, _ in cases])
-            yield f"Missed: {requirement.title or requirement.name}{f' ({state})' if state else ''}{told}."
+            yield f"{requirement.title or requirement.name}{f' ({state})' if state else ''}{told}."
 
 
 def _cases(definition: StudyDefinition, cases: Sequence[tuple[float, ...]]) -> str:
@@ -129,7 +141,7 @@ def _values(choice: Choice, definition: StudyDefinition) -> str:
     ]
     if choice.price and all(each.name != choice.price for each in decision.objectives):
         told.append(f"{choice.price} {_cost(definition, side.configuration, choice.price)}")
-    text = ", ".join([*told, f"least margin {share_text(side.slack)}"])
+    text = ", ".join([*told, f"least margin {share_text(side.slack)} of the bound"])
     return f"{text[0].upper()}{text[1:]}."
 
 
@@ -140,8 +152,11 @@ def _cost(definition: StudyDefinition, configuration: str, price: str) -> str:
     return f"{quantity(total.value, '')} {total.unit}"
 
 
-def _reversed(choice: Choice) -> Iterator[str]:
+def _reversed(choice: Choice, definition: StudyDefinition) -> Iterator[str]:
     """The assumed numbers that alter which of both is better."""
-    for effect in choice.decision.effects:
-        if effect.is_assumed and effect.reverses:
-            yield f"Which one has the larger margin of {effect.requirement} depends on the assumed {effect.variable}."
+    titles = {each.name: each.title or each.name for each in definition.requirements}
+    titles |= {each.name: each.title or each.name for each in definition.variables}
+    for each in choice.decision.effects:
+        if each.is_assumed and each.reverses:
+            margin, number = titles[each.requirement], titles[each.variable]
+            yield f"Which one has the larger margin of {margin} depends on the assumed {number}."

@@ -145,6 +145,7 @@ def _show_outcome(study: Study, results: Results, summary: Summary, explored: Ex
             show_ranking(results, results.best(_MOST_SHOWN), study)
         else:
             print_findings(results.essentials())
+    if not following.startswith("dse merge") and summary.finished <= _MOST_LOOKED_AT:
         show_choice(results.choice(), results.definition, briefly=True)
     if summary.failures:
         screen.print("to try failed runs again: the same command with --retry-failed", soft_wrap=True)
