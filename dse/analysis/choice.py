@@ -19,13 +19,14 @@ from dse.storage import RunTable, over_draws
 @dataclass(frozen=True, slots=True)
 class Choice:
     """Of *designs*, of which *feasible* meet every requirement at all *conditions*, the first of *decision* is the one
-    to take, and its second the next one in the order.
+    to take, with *run* as one of its runs, and its second the next one in the order.
 
     *cheaper* misses as many verdicts of each class and has the lowest *price*: its configuration, and one of its runs;
     None if that is the first one, or if the study has no price.
     """
 
     decision: Decision
+    run: int
     designs: int
     feasible: int
     conditions: int
@@ -61,6 +62,7 @@ def choice_of(
     at = [n for n, v in enumerate(merged.header.definition.variables) if v.role == Role.CONDITION]
     return Choice(
         decision,
+        runs[first],
         len(designs),
         int((order.is_whole & (order.certain + order.open == 0).all(axis=1)).sum()),
         len(equal_rows(merged.coordinates()[:, at])) if at else 1,

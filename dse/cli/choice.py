@@ -47,7 +47,7 @@ def choice_lines(choice: Choice, definition: StudyDefinition) -> tuple[str, list
     sure = [f"{unsure}{may}.", certainty_text(decision)]
     sure += [*_reversed(choice, definition), assumed_text(decision, definition)]
     found += [("how sure", " ".join(sure)), ("order", order_sentence(choice, definition))]
-    return f"{design_name(definition, first)} ({first.configuration}, run {first.runs[0]})", found
+    return f"{design_name(definition, first)} ({first.configuration}, run {choice.run})", found
 
 
 def order_sentence(choice: Choice, definition: StudyDefinition) -> str:
@@ -96,7 +96,8 @@ def _changes(definition: StudyDefinition, first: Side, other: Side) -> str:
 def _result(choice: Choice, definition: StudyDefinition) -> Iterator[str]:
     side, wanted = choice.decision.first, len(definition.requirements)
     all_ = f"all {wanted} requirements" if wanted > 1 else "the requirement"
-    where = f" in all {choice.conditions} conditions" if choice.conditions > 1 else ""
+    all_of = "both" if choice.conditions == 2 else f"all {choice.conditions:,}"
+    where = f" in {all_of} conditions" if choice.conditions > 1 else ""
     if not side.missed:
         yield f"It meets {all_}{where}: {side.judged:,} verdicts. {choice.feasible} of {choice.designs} designs do."
         return

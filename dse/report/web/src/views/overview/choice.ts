@@ -108,7 +108,7 @@ function result(store: Store, { classes, keys, place }: DesignOrder, decision: D
   const used = study.requirements.map((_, index) => index).filter((index) => !state.thresholds[index]!.off);
   const all = used.length > 1 ? `all ${used.length} requirements` : "the requirement";
   const { conditions } = groupingOf(study);
-  const at = conditions > 1 ? ` in all ${group(conditions)} conditions` : "";
+  const at = conditions > 1 ? ` in ${conditions === 2 ? "both" : `all ${group(conditions)}`} conditions` : "";
   if (!decision.missed[0]) {
     const columns = keys.slice(0, 1 + 2 * classes.length);
     const feasible = Array.from(place).filter((_, design) => columns.every((column) => !column[design])).length;
