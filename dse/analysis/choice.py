@@ -5,10 +5,10 @@ The report's page has the same (`choice.ts`); both are tested with `tests/order_
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from dse.analysis.decision import Decision, decide_between, is_price
+from dse.analysis.decision import Decision, decide_between, is_price, point_of
 from dse.analysis.design_ranking import objectives_of, ordered
 from dse.domain.definition import StudyDefinition
 from dse.domain.sampler import Objective, Role
@@ -21,8 +21,8 @@ class Choice:
     """Of *designs*, of which *feasible* meet every requirement at all *conditions*, the first of *decision* is the one
     to take, with *run* as one of its runs, and its second the next one in the order.
 
-    *cheaper* misses as many verdicts of each class and has the lowest *price*: its configuration, and one of its runs;
-    None if that is the first one, or if the study has no price.
+    *cheaper* misses as many verdicts of each class and has the lowest *price*: its configuration, values of its design
+    variables, and one of its runs; None if that is the first one, or if the study has no price.
     """
 
     decision: Decision
@@ -31,7 +31,7 @@ class Choice:
     feasible: int
     conditions: int
     price: str
-    cheaper: tuple[str, int] | None
+    cheaper: tuple[str, Mapping[str, float], int] | None
 
 
 def choice_of(
@@ -64,10 +64,16 @@ def choice_of(
         decision,
         runs[first],
         len(designs),
-        int((order.is_whole & (order.certain + order.open == 0).all(axis=1)).sum()),
+        int((order.is_whole & (order.certain + order.doubtful == 0).all(axis=1)).sum()),
         len(equal_rows(merged.coordinates()[:, at])) if at else 1,
         price,
-        (designs.configurations[cheapest], runs[cheapest]) if cheapest != first else None,
+        None
+        if cheapest == first
+        else (
+            designs.configurations[cheapest],
+            point_of(merged, int(designs.rows[cheapest][0])),
+            runs[cheapest],
+        ),
     )
 
 

@@ -51,17 +51,17 @@ _ROUNDING = 1e-9
 @dataclass(frozen=True, slots=True)
 class ClassCount:
     """Of *judged* verdicts on requirements of a *severity* ("" for none), so many are missed for *certain*, and so many
-    missed ones are *open*."""
+    missed ones are *doubtful*."""
 
     severity: str
     judged: int
     certain: int
-    open: int
+    doubtful: int
 
     @property
     def missed(self) -> int:
-        """Certain and open ones."""
-        return self.certain + self.open
+        """Certain and doubtful ones."""
+        return self.certain + self.doubtful
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +71,7 @@ class Side:
 
     *objectives* (SI) are as `Decision.objectives` has them. *margins* (SI) are those of the draw that decides, by
     requirement and case, NaN where a metric is undefined; *rates* with their intervals where points have several draws.
-    *misses* has the cases in which a requirement is missed, and whether that is open; *unsure* is how many of all
+    *misses* has the cases in which a requirement is missed, and whether that is doubtful; *unsure* is how many of all
     verdicts are. *slack* is the least margin as a share; *key* is the place in the order.
     """
 
@@ -219,14 +219,14 @@ def bound_changes(
     """By how much a bound must be moved for another design to be ahead, and which; the looser one first.
 
     A bound that neither meets anywhere is no answer. The designs have these margins in the cases in which they are
-    judged, and whether they are missed but open. *level* is the requirement's class of severity.
+    judged, and whether they are missed but doubtful. *level* is the requirement's class of severity.
     """
     margins = [np.nan_to_num(np.array([m for m, _ in own], dtype=np.float64), nan=-np.inf) for own in (first, second)]
-    unsure = [np.array([is_open for _, is_open in own], dtype=np.bool_) for own in (first, second)]
+    unsure = [np.array([is_doubtful for _, is_doubtful in own], dtype=np.bool_) for own in (first, second)]
     column = 1 + 2 * level
 
-    def moved(key: Key, own: Floats, is_open: NDArray[np.bool_], fails: NDArray[np.bool_]) -> Key:
-        kinds = ~is_open, is_open
+    def moved(key: Key, own: Floats, is_doubtful: NDArray[np.bool_], fails: NDArray[np.bool_]) -> Key:
+        kinds = ~is_doubtful, is_doubtful
         counts = (
             key[column + n] + int((fails & kind).sum()) - int(((own < 0) & kind).sum()) for n, kind in enumerate(kinds)
         )
@@ -266,6 +266,13 @@ def leading(pairs: Sequence[PairedDraws]) -> Interval:
     return Interval(b / (b + c) if b + c else math.nan, float(low[0]), float(high[0]))
 
 
+def point_of(table: RunTable, row: int) -> dict[str, float]:
+    """Values (SI) of the design variables that the design of *row* has."""
+    has = table.header.has(table.configurations[row]).tolist()
+    variables = zip(table.header.definition.variables, has, strict=True)
+    return {v.name: float(table.points[v.name][row]) for v, own in variables if own and v.role == Role.DESIGN}
+
+
 def _sides(
     table: RunTable, merged: RunTable, rows: tuple[NDArray[np.intp], NDArray[np.intp]], objectives: Sequence[Objective]
 ) -> tuple[Side, Side]:
@@ -287,7 +294,6 @@ def _sides(
     signs = np.array([-1.0 if each.maximize else 1.0 for each in objectives])
     order = design_order(merged, own, signs * np.array(values))
     classes = severities_of(definition)
-    decided = [v.name for v in definition.variables if v.role == Role.DESIGN]
 
     def side(place: int) -> Side:
         here, margins, rates, misses = own[place], {}, {}, {}
@@ -310,14 +316,12 @@ def _sides(
                     cases[k]: Interval(float(met[k] / of[k]), float(low[k]), float(high[k])) for k in counted
                 }
         counts = tuple(
-            ClassCount(word, *(int(each[place, level]) for each in (order.judged, order.certain, order.open)))
+            ClassCount(word, *(int(each[place, level]) for each in (order.judged, order.certain, order.doubtful)))
             for level, word in enumerate(classes)
         )
-        configuration = table.configurations[rows[place][0]]
-        has = dict(zip(merged.header.variables, merged.header.has(configuration).tolist(), strict=True))
         return Side(
-            configuration,
-            {name: float(merged.points[name][here[0]]) for name in decided if has[name]},
+            table.configurations[rows[place][0]],
+            point_of(merged, int(here[0])),
             tuple(table.numbers[rows[place]].tolist()),
             sum(each.missed for each in counts),
             sum(each.judged for each in counts),

@@ -1,15 +1,15 @@
 """The order of designs: which of them to take.
 
-    run at all conditions | missed critical: certain, open | missed major: certain, open | objectives | least margin
-            yes           |            0       0           |          0      2           |   5450    |    -3.9
-            yes           |            0       0           |          0      2           |   5990    |    -3.9
-            yes           |            1       0           |          0      0           |   5400    |   -25
+    run at all conditions | critical missed: certain, doubtful | major: certain, doubtful | objectives | least margin
+            yes           |             0       0              |     0        2           |    5450    |    -3.9
+            yes           |             0       0              |     0        2           |    5990    |    -3.9
+            yes           |             1       0              |     0        0           |    5400    |    -1.1
 
 The first column in which two designs differ decides: above, 540 EUR, and then a missed critical verdict, whatever it
-costs. A verdict is that on a requirement at a point. It is missed if it fails, or if the run failed. It is open if more
-draws or finer numerics may change it, or if no run of the design exercised the requirement. Classes of severity are
-those that the requirements name; requirements without one are the last class. Several objectives count in the order in
-which the study lists them.
+costs. A verdict is that on a requirement at a point. It is missed if it fails, or if the run failed. It is doubtful if
+more draws or finer numerics may change it, or if no run of the design exercised the requirement. Classes of severity
+are those that the requirements name; requirements without one are the last class. Several objectives count in the order
+in which the study lists them.
 
 Command line and page have the same order (`order.ts`); both are tested with `tests/order_cases.json`.
 """
@@ -49,14 +49,14 @@ Key = tuple[float, ...]
 class DesignOrder:
     """n designs, with verdicts by c classes of severity, the highest first.
 
-    Of *judged* verdicts, (n, c), so many are missed for *certain*, (n, c), and so many that are *open*, (n, c).
+    Of *judged* verdicts, (n, c), so many are missed for *certain*, (n, c), and so many that are *doubtful*, (n, c).
     *is_whole*, (n,), are those that were run at all conditions, *slack*, (n,), their least margins as shares
     (`dse.analysis.slack`). *keys*, (n, k), are each a `Key`.
     """
 
     judged: NDArray[np.int64]
     certain: NDArray[np.int64]
-    open: NDArray[np.int64]
+    doubtful: NDArray[np.int64]
     is_whole: NDArray[np.bool_]
     slack: Floats
     keys: Floats
@@ -77,7 +77,7 @@ def design_order(table: RunTable, rows: Sequence[NDArray[np.intp]], objectives: 
     for number, own in enumerate(rows):
         design[own] = number
     classes = severities_of(definition)
-    judged, certain, open_ = np.zeros((3, size, len(classes)), dtype=np.int64)
+    judged, certain, doubtful = np.zeros((3, size, len(classes)), dtype=np.int64)
     for requirement in definition.requirements:
         column = classes.index(_severity(requirement.severity))
         codes, unsure = table.verdicts(requirement.name), unsure_of(table, requirement.name)
@@ -90,12 +90,12 @@ def design_order(table: RunTable, rows: Sequence[NDArray[np.intp]], objectives: 
         all_ = counted(missed | (codes == MET))
         judged[:, column] += np.maximum(all_, 1)
         certain[:, column] += counted(missed & ~unsure)
-        open_[:, column] += np.where(all_ == 0, 1, counted(missed & unsure))
+        doubtful[:, column] += np.where(all_ == 0, 1, counted(missed & unsure))
     is_whole, slack = _whole(table, design, size), np.full(size, np.inf)
     np.minimum.at(slack, design[design >= 0], slack_of_runs(table)[design >= 0])
-    by_class = np.stack([certain, open_], axis=2).reshape(size, 2 * len(classes))
+    by_class = np.stack([certain, doubtful], axis=2).reshape(size, 2 * len(classes))
     last = significant(np.column_stack([np.nan_to_num(objectives, nan=np.inf), -slack]))
-    return DesignOrder(judged, certain, open_, is_whole, slack, np.column_stack([~is_whole, by_class, last]))
+    return DesignOrder(judged, certain, doubtful, is_whole, slack, np.column_stack([~is_whole, by_class, last]))
 
 
 def severities_of(definition: StudyDefinition) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from dse.cli.decision import assumed_text, certainty_text, class_of, order_text, share_text, title_of
@@ -33,16 +33,17 @@ def choice_lines(choice: Choice, definition: StudyDefinition) -> tuple[str, list
     decision = choice.decision
     first, names = decision.first, ("This design", "The next one")
     what, *missed = _result(choice, definition)
-    changes = _changes(definition, first, decision.second) or decision.second.configuration
+    second = decision.second
+    changes = _changes(definition, first, second.configuration, second.point) or second.configuration
     found = [("result", what), *(("misses", text) for text in missed), ("values", _values(choice, definition))]
     found.append(("next", f"{changes}. {order_text(decision, definition, names)}{_where(choice, definition)}"))
     if choice.cheaper:
-        configuration, run = choice.cheaper
-        costs = (_cost(definition, each, choice.price) for each in (configuration, first.configuration))
-        what = f"As few missed verdicts of each severity for a lower {choice.price}: {configuration} (run {run})"
-        found.append(("cheaper", "{}, {} instead of {}.".format(what, *costs)))
+        configuration, point, run = choice.cheaper
+        cost, now = (_cost(definition, each, choice.price) for each in (configuration, first.configuration))
+        what = f"{_changes(definition, first, configuration, point)} ({configuration}, run {run})"
+        found.append(("cheaper", f"{what}: as few missed verdicts of each severity for {cost} instead of {now}."))
     verdicts = f"{first.judged:,} verdict{'s' * (first.judged != 1)}"
-    unsure = f"{first.unsure or 'None'} of its {verdicts} {'are' if first.unsure > 1 else 'is'} open"
+    unsure = f"{first.unsure or 'None'} of its {verdicts} {'are' if first.unsure > 1 else 'is'} doubtful"
     may = ": more draws or finer numerics may change that" if first.unsure else ""
     sure = [f"{unsure}{may}.", certainty_text(decision)]
     sure += [*_reversed(choice, definition), assumed_text(decision, definition)]
@@ -55,7 +56,7 @@ def order_sentence(choice: Choice, definition: StudyDefinition) -> str:
     counts, objectives = choice.decision.first.counts, choice.decision.objectives
     missed = [f"missed {class_of(each.severity, len(counts))}" for each in counts]
     aims = [f"{'larger' if each.maximize else 'smaller'} {title_of(each.name, definition)}" for each in objectives]
-    first = f"Fewest {missed[0]} (certain ones before open ones)"
+    first = f"Fewest {missed[0]} (certain ones before doubtful ones)"
     return f"{', then '.join([first, *missed[1:], *aims, 'larger least margin'])}."
 
 
@@ -76,11 +77,11 @@ def design_name(definition: StudyDefinition, side: Side) -> str:
     )
 
 
-def _changes(definition: StudyDefinition, first: Side, other: Side) -> str:
-    """What *other* chooses differently."""
+def _changes(definition: StudyDefinition, first: Side, other: str, point: Mapping[str, float]) -> str:
+    """What the configuration *other* with the values of *point* chooses differently."""
     from dse.analysis import value_label
 
-    mine, theirs = (definition.configuration(side.configuration).choices for side in (first, other))
+    mine, theirs = (definition.configuration(each).choices for each in (first.configuration, other))
     paths = definition.design.places
     found = [
         f"{path} {theirs.get(path, '–')} instead of {mine.get(path, '–')}"
@@ -88,14 +89,14 @@ def _changes(definition: StudyDefinition, first: Side, other: Side) -> str:
         if mine.get(path) != theirs.get(path)
     ]
     variables = {each.name: each for each in definition.variables}
-    found += [value_label(variables[name], at) for name, at in other.point.items() if first.point.get(name) != at]
+    found += [value_label(variables[name], at) for name, at in point.items() if first.point.get(name) != at]
     rest = len(found) - _MOST_CHANGES
     return ", ".join(found[:_MOST_CHANGES]) + (f" and {rest} more" if rest > 0 else "")
 
 
 def _result(choice: Choice, definition: StudyDefinition) -> Iterator[str]:
     side, wanted = choice.decision.first, len(definition.requirements)
-    all_ = f"all {wanted} requirements" if wanted > 1 else "the requirement"
+    all_ = "the requirement" if wanted == 1 else "both requirements" if wanted == 2 else f"all {wanted} requirements"
     all_of = "both" if choice.conditions == 2 else f"all {choice.conditions:,}"
     where = f" in {all_of} conditions" if choice.conditions > 1 else ""
     if not side.missed:
@@ -105,8 +106,8 @@ def _result(choice: Choice, definition: StudyDefinition) -> Iterator[str]:
     yield f"No design meets {all_}{where}. This one is the first in the order: it misses {', '.join(parts)}."
     for requirement in definition.requirements:
         if cases := [*side.misses[requirement.name].items()]:
-            unsure = sum(is_open for _, is_open in cases)
-            state = "" if not unsure else "open" if unsure == len(cases) else f"{unsure} open"
+            unsure = sum(is_doubtful for _, is_doubtful in cases)
+            state = "" if not unsure else "doubtful" if unsure == len(cases) else f"{unsure} doubtful"
             told = _cases(definition, [case for case, _ in cases])
             yield f"{requirement.title or requirement.name}{f' ({state})' if state else ''}{told}."
 
@@ -116,7 +117,8 @@ def _cases(definition: StudyDefinition, cases: Sequence[tuple[float, ...]]) -> s
 
     told = [label for case in cases[:_MOST_CASES] if (label := case_label(definition, case))]
     rest = len(cases) - _MOST_CASES
-    return f", at {'; '.join(told)}{f' and {rest} more' if rest > 0 else ''}" if told else ""
+    more = f" and {rest} more condition{'s' * (rest > 1)}" if rest > 0 else ""
+    return f", at {'; '.join(told)}{more}" if told else ""
 
 
 def _where(choice: Choice, definition: StudyDefinition) -> str:

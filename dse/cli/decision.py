@@ -76,14 +76,16 @@ def order_text(decision: Decision, definition: StudyDefinition, names: tuple[str
     start, rival = f"{named[0]} is ahead", named[1][0].lower() + named[1][1:] if len(named[1]) > 1 else named[1]
     if not decision.by:
         return f"{start}: {rival} was not run at all conditions."
-    level, is_open = divmod(decision.by - 1, 2)
+    level, is_doubtful = divmod(decision.by - 1, 2)
     if level < len(one.counts):
         a, b = one.counts[level], other.counts[level]
         of = f"{max(a.judged, b.judged):,} {class_of(a.severity, len(one.counts))}"
-        if is_open:
+        if is_doubtful:
             both = f"both miss {a.certain or 'none'} of {of} for certain"
-            return f"{start}: {both}; of those that are open it misses {a.open or 'none'}, {rival} {b.open}."
-        surely = " for certain" if a.open or b.open else ""
+            return (
+                f"{start}: {both}; of those that are doubtful it misses {a.doubtful or 'none'}, {rival} {b.doubtful}."
+            )
+        surely = " for certain" if a.doubtful or b.doubtful else ""
         return f"{start}: it misses {a.certain or 'none'} of {of}{surely}, {rival} {b.certain}."
     number = decision.by - 1 - 2 * len(one.counts)
     if number < len(decision.objectives):

@@ -89,14 +89,14 @@ def keys_of(missed: Any, open_: Any, tie: int) -> Any:
 
 
 def sides_of(case: dict[str, Any]) -> Iterator[list[tuple[float, bool]]]:
-    for name, left in zip(("first", "second"), case["open"], strict=True):
+    for name, left in zip(("first", "second"), case["doubtful"], strict=True):
         missed = [n for n, each in enumerate(case[name]) if each is not None and each < 0][:left]
         yield [(NAN if each is None else each, n in missed) for n, each in enumerate(case[name])]
 
 
 @pytest.mark.parametrize("case", PAIR_CASES["bounds"])
 def test_bounds_that_change_the_order_are_found(case: dict[str, Any]) -> None:
-    keys = keys_of(case["missed"], case["open"], case["tie"])
+    keys = keys_of(case["missed"], case["doubtful"], case["tie"])
     assert [list(each) for each in bound_changes(*sides_of(case), keys, 0)] == case["changes"]
 
 

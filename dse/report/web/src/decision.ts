@@ -70,12 +70,12 @@ export function decide(
     study.variables[variable]!.role === "design"
       ? siblings(study, variable, first, second, paired)
       : cases.map((entry) => [study.variables[variable]!.values[entry.runs[0]]!, entry]);
-  const total = (what: "judged" | "certain" | "open", design: number): number =>
+  const total = (what: "judged" | "certain" | "doubtful", design: number): number =>
     order.classes.reduce((sum, counts) => sum + counts[what][design]!, 0);
   const last = 1 + 2 * order.classes.length;
   const margins = (index: number, runs: Int32Array): Missable[] => marginsOf(study, thresholds, each, index, runs);
   return {
-    missed: [first, second].map((design) => total("certain", design) + total("open", design)) as [number, number],
+    missed: [first, second].map((design) => total("certain", design) + total("doubtful", design)) as [number, number],
     judged: [total("judged", first), total("judged", second)],
     ahead,
     by,
@@ -126,11 +126,11 @@ export function isCertain({ low, high }: Interval): boolean {
   return low > 0 || high < 0;
 }
 
-/** A margin, and whether it is missed but open. */
+/** A margin, and whether it is missed but doubtful. */
 export type Missable = [number, boolean];
 
 /** By how much a bound must be moved for another design to be ahead, and which; the looser one first. A bound that
- * neither meets anywhere is no answer. In the keys, *column* counts misses for certain, and the next one open ones. */
+ * neither meets anywhere is no answer. In the keys, *column* counts misses for certain, and the next one doubtful ones. */
 export function boundChanges(
   first: Missable[],
   second: Missable[],
@@ -138,13 +138,16 @@ export function boundChanges(
   column: number,
 ): [number, Ahead][] {
   const sides = [first, second].map((own) =>
-    own.map(([margin, open]): Missable => [Number.isNaN(margin) ? -Infinity : margin, open]),
+    own.map(([margin, doubtful]): Missable => [Number.isNaN(margin) ? -Infinity : margin, doubtful]),
   );
   const all = sides.flat().map(([margin]) => margin);
   const aheadWith = (fails: (margin: number) => boolean): Ahead => {
     const moved = keys.map((key, side) => {
-      const change = (open: boolean): number =>
-        sides[side]!.reduce((sum, [by, state]) => (state === open ? sum + Number(fails(by)) - Number(by < 0) : sum), 0);
+      const change = (doubtful: boolean): number =>
+        sides[side]!.reduce(
+          (sum, [by, state]) => (state === doubtful ? sum + Number(fails(by)) - Number(by < 0) : sum),
+          0,
+        );
       const now = [...key];
       now[column]! += change(false);
       now[column + 1]! += change(true);

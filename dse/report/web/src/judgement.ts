@@ -29,10 +29,10 @@ export interface Standing {
   /** The requirement whose margin that is; -1 if there is none. */
   decidedBy: Int32Array;
   /** By requirement: how many verdicts each design has, how many are missed for certain, and how many missed ones are
-   * open. What no run exercises is one open verdict. */
+   * doubtful. What no run exercises is one doubtful verdict. */
   judged: Int32Array[];
   certain: Int32Array[];
-  open: Int32Array[];
+  doubtful: Int32Array[];
   /** The run that decides: one that failed to run, else that of the least slack, else the first. */
   deciding: Int32Array;
 }
@@ -70,7 +70,7 @@ export function standingOf(
     decidedBy: new Int32Array(size).fill(-1),
     judged: each.map(() => new Int32Array(size)),
     certain: each.map(() => new Int32Array(size)),
-    open: each.map(() => new Int32Array(size)),
+    doubtful: each.map(() => new Int32Array(size)),
     deciding: new Int32Array(size),
   };
   each.forEach((marks, index) => judgeOne(study, grouping, thresholds[index]!, index, marks, standing));
@@ -126,7 +126,7 @@ function judgeOne(
 ): void {
   const { values } = study.metrics[study.requirements[index]!.metric]!;
   const [each, margins, worst] = [standing.each[index]!, standing.margins[index]!, standing.worst[index]!];
-  const [judged, certain, open] = [standing.judged[index]!, standing.certain[index]!, standing.open[index]!];
+  const [judged, certain, doubtful] = [standing.judged[index]!, standing.certain[index]!, standing.doubtful[index]!];
   for (let design = 0; design < size; design++) {
     let found: number = NOT_EXERCISED;
     let least = Infinity;
@@ -135,7 +135,7 @@ function judgeOne(
       const run = rows[i]!;
       const mark = marks[run]!;
       if (mark === FAIL || mark === FAILED) {
-        if (isDoubtful(study, index, run, threshold)) open[design]!++;
+        if (isDoubtful(study, index, run, threshold)) doubtful[design]!++;
         else certain[design]!++;
         judged[design]!++;
       } else if (mark === PASS) judged[design]!++;
@@ -151,7 +151,7 @@ function judgeOne(
       }
     }
     // What no run exercises is not met.
-    if (!judged[design]) judged[design] = open[design] = 1;
+    if (!judged[design]) judged[design] = doubtful[design] = 1;
     each[design] = found;
     margins[design] = Number.isFinite(least) ? least : NaN;
     worst[design] = at;

@@ -9,18 +9,18 @@ import type { Judgement, Threshold } from "./verdicts";
 import { aggregated } from "./views/designs/values";
 import { scaleOf } from "./views/shared/margins";
 
-/** Verdicts on requirements of one severity ("" for none): how many of each design, missed ones for certain, and open ones. */
+/** Verdicts on requirements of one severity ("" for none): how many of each design, missed ones for certain, and doubtful ones. */
 export interface SeverityClass {
   severity: string;
   judged: Int32Array;
   certain: Int32Array;
-  open: Int32Array;
+  doubtful: Int32Array;
 }
 
 export interface DesignOrder {
   /** Those of requirements that are on, the highest first. */
   classes: SeverityClass[];
-  /** What decides, by column: not run at all conditions; of each class missed verdicts for certain, and open ones;
+  /** What decides, by column: not run at all conditions; of each class missed verdicts for certain, and doubtful ones;
    * objectives; least margin. The smaller value is ahead. */
   keys: Float64Array[];
   /** Designs, the first first, and the place of each. */
@@ -62,8 +62,13 @@ export function designOrder(study: Study, thresholds: Threshold[], standing: Sta
     const own = used.filter((index) => study.requirements[index]!.level === level);
     const sum = (counts: Int32Array[]): Int32Array =>
       Int32Array.from(slack, (_, design) => own.reduce((all, index) => all + counts[index]![design]!, 0));
-    const { judged, certain, open } = standing;
-    return { severity: severityOf(study, own[0]!), judged: sum(judged), certain: sum(certain), open: sum(open) };
+    const { judged, certain, doubtful } = standing;
+    return {
+      severity: severityOf(study, own[0]!),
+      judged: sum(judged),
+      certain: sum(certain),
+      doubtful: sum(doubtful),
+    };
   });
   for (const index of used) {
     const [margins, worst] = [standing.margins[index]!, standing.worst[index]!];
@@ -76,7 +81,7 @@ export function designOrder(study: Study, thresholds: Threshold[], standing: Sta
   }
   const keys = [
     Float64Array.from(whole, (each) => 1 - each),
-    ...classes.flatMap(({ certain, open }) => [Float64Array.from(certain), Float64Array.from(open)]),
+    ...classes.flatMap(({ certain, doubtful }) => [Float64Array.from(certain), Float64Array.from(doubtful)]),
     ...aimsOf(study).map(({ values, maximize }) => values.map((value) => significant(maximize ? -value : value))),
     slack.map((share) => significant(-share)),
   ];
@@ -121,8 +126,8 @@ function significant(value: number): number {
 
 /** Missed verdicts of each class that has some: `2 of 9 major`; of one class `2 of 45`. */
 export function missedText({ classes }: DesignOrder, design: number): string {
-  const parts = classes.map(({ severity, judged, certain, open }) => {
-    const missed = certain[design]! + open[design]!;
+  const parts = classes.map(({ severity, judged, certain, doubtful }) => {
+    const missed = certain[design]! + doubtful[design]!;
     return missed ? `${missed} of ${judged[design]} ${severity || (classes.length > 1 ? "others" : "")}`.trim() : "";
   });
   return parts.filter(Boolean).join(", ") || "none";

@@ -152,14 +152,14 @@ for (const wanted of cases.decisions) {
 }
 
 test("bounds and objectives that change the order are those of Python", () => {
-  for (const { first, second, open, missed, tie, changes } of cases.bounds) {
+  for (const { first, second, doubtful, missed, tie, changes } of cases.bounds) {
     const sides = [first, second].map((own, side) => {
       const margins = own.map((each) => each ?? NaN);
-      const misses = margins.flatMap((each, place) => (each < 0 ? [place] : [])).slice(0, open[side]);
+      const misses = margins.flatMap((each, place) => (each < 0 ? [place] : [])).slice(0, doubtful[side]);
       return margins.map((each, place): Missable => [each, misses.includes(place)]);
     }) as [Missable[], Missable[]];
     const ties = [Number(tie < 0), Number(tie > 0)];
-    const keys = missed.map((all, side) => [0, all - open[side]!, open[side]!, ties[side]!]);
+    const keys = missed.map((all, side) => [0, all - doubtful[side]!, doubtful[side]!, ties[side]!]);
     deepEqual(boundChanges(...sides, keys as [number[], number[]], 1), changes);
   }
   for (const { values, ahead, changes } of cases.objectives) {

@@ -323,7 +323,7 @@ function noteOf(model: Model, shown: number): string {
   const parts = [
     `Order of designs: ${orderSentence(aimsOf(store.study), model.order())}`,
     choices.demand ? `Verdicts are with ${Math.round(100 * choices.demand)}\u202f% margin.` : "",
-    choices.criteria.length
+    model.scores().some((score) => !Number.isNaN(score))
       ? "Score: TOPSIS over the feasible designs shown (Hwang and Yoon 1981), criteria in vector normalisation, weights by their share."
       : "",
     several

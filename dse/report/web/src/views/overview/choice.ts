@@ -106,7 +106,8 @@ export function choiceOf(model: Model): Choice | null {
 function result(store: Store, { classes, keys, place }: DesignOrder, decision: Decision, first: number): string[] {
   const { study, state } = store;
   const used = study.requirements.map((_, index) => index).filter((index) => !state.thresholds[index]!.off);
-  const all = used.length > 1 ? `all ${used.length} requirements` : "the requirement";
+  const many = used.length === 2 ? "both requirements" : `all ${used.length} requirements`;
+  const all = used.length === 1 ? "the requirement" : many;
   const { conditions } = groupingOf(study);
   const at = conditions > 1 ? ` in ${conditions === 2 ? "both" : `all ${group(conditions)}`} conditions` : "";
   if (!decision.missed[0]) {
@@ -117,14 +118,14 @@ function result(store: Store, { classes, keys, place }: DesignOrder, decision: D
     ];
   }
   const parts = classes.map(
-    ({ severity, judged, certain, open }) =>
-      `${group(certain[first]! + open[first]!)} of ${group(judged[first]!)} ${classText(severity, classes.length)}`,
+    ({ severity, judged, certain, doubtful }) =>
+      `${group(certain[first]! + doubtful[first]!)} of ${group(judged[first]!)} ${classText(severity, classes.length)}`,
   );
   const missed = used.flatMap((index): string[] => {
     const runs = missesOf(store, index, first);
     if (!runs.length) return [];
-    const open = runs.filter((run) => isDoubtful(study, index, run, state.thresholds[index]!)).length;
-    const how = open === runs.length ? " (open)" : open ? ` (${open} open)` : "";
+    const doubtful = runs.filter((run) => isDoubtful(study, index, run, state.thresholds[index]!)).length;
+    const how = doubtful === runs.length ? " (doubtful)" : doubtful ? ` (${doubtful} doubtful)` : "";
     return [`${study.requirements[index]!.title}${how}${casesText(study, runs)}.`];
   });
   return [`No design meets ${all}${at}. This one is the first in the order: it misses ${parts.join(", ")}.`, ...missed];
@@ -146,7 +147,7 @@ function casesText(study: Study, runs: number[]): string {
     .map((run) => caseText(study, run))
     .filter(Boolean);
   const rest = runs.length - MOST_CASES;
-  return cases.length ? `, at ${cases.join("; ")}${rest > 0 ? ` and ${group(rest)} more` : ""}` : "";
+  return cases.length ? `, at ${cases.join("; ")}${rest > 0 ? ` and ${count(rest, "more condition")}` : ""}` : "";
 }
 
 function caseText(study: Study, run: number): string {
@@ -228,7 +229,7 @@ function cheaper(model: Model, { classes, keys, ranked }: DesignOrder, first: nu
   const { id } = study.configurations[configurationOf(model, best)]!;
   const run = study.number[model.grouping.first[best]!];
   return [
-    `As few missed verdicts of each severity for a lower ${price.title}: ${id} (run ${run}), ${costText(model, best)} instead of ${costText(model, first)}.`,
+    `${changes(model, first, best)} (${id}, run ${run}): as few missed verdicts of each severity for ${costText(model, best)} instead of ${costText(model, first)}.`,
   ];
 }
 
@@ -243,7 +244,7 @@ function sureness(store: Store, { judged }: Decision, first: number): string {
       const isJudged = mark === PASS || mark === FAIL || mark === FAILED;
       if (!threshold.off && isJudged && isDoubtful(study, index, run, threshold)) unsure++;
     }
-  const are = `of its ${count(judged[0], "verdict")} ${unsure > 1 ? "are" : "is"} open`;
+  const are = `of its ${count(judged[0], "verdict")} ${unsure > 1 ? "are" : "is"} doubtful`;
   return `${unsure ? group(unsure) : "None"} ${are}${unsure ? ": more draws or finer numerics may change that" : ""}.`;
 }
 

@@ -84,9 +84,9 @@ function nothingPasses(store: Store): Warning[] {
   if (!study.requirements.length || overall.includes(PASS)) return [];
   const never = study.requirements
     .filter((_, index) => !state.thresholds[index]!.off && !each[index]!.includes(PASS))
-    .map(({ title }) => title);
+    .map(({ title }) => `\u201c${title}\u201d`);
   const why = never.length
-    ? `No ${noun} meets ${never.join(", nor ")}.`
+    ? `No ${noun} meets ${never.join(" nor ")}.`
     : `Each requirement is met by some ${noun}, but no ${noun} meets all of them.`;
   return [
     {

@@ -84,10 +84,10 @@ export function sidesTable(
     .map(({ title, unit, text, values }) => numbers(title, unit, text, values[a]!, values[b]!))
     .filter(({ differ }) => differ);
   const asked = aims.map(({ title, unit, text }, place) => numbers(title, unit, text, ...decision.objectives[place]!));
-  const missed = classes.map(({ severity, judged, certain, open }) => {
+  const missed = classes.map(({ severity, judged, certain, doubtful }) => {
     const of = (design: number): string => {
-      const unsure = open[design] ? `, ${group(open[design]!)} of them open` : "";
-      return `${group(certain[design]! + open[design]!)} of ${group(judged[design]!)}${unsure}`;
+      const unsure = doubtful[design] ? `, ${group(doubtful[design]!)} of them doubtful` : "";
+      return `${group(certain[design]! + doubtful[design]!)} of ${group(judged[design]!)}${unsure}`;
     };
     return { cells: [`missed ${classText(severity, classes.length)}`, of(first), of(second), ""] };
   });

@@ -34,11 +34,11 @@ export function orderText(
   const level = (by - 1) >> 1;
   const counts = order.classes[level];
   if (counts) {
-    const { severity, certain, open } = counts;
+    const { severity, certain, doubtful } = counts;
     const of = `${group(Math.max(counts.judged[one]!, counts.judged[other]!))} ${classText(severity, order.classes.length)}`;
     if ((by - 1) % 2)
-      return `${start}: both miss ${few(certain[one]!)} of ${of} for certain; of those that are open it misses ${few(open[one]!)}, ${rival} ${open[other]}.`;
-    const surely = open[one] || open[other] ? " for certain" : "";
+      return `${start}: both miss ${few(certain[one]!)} of ${of} for certain; of those that are doubtful it misses ${few(doubtful[one]!)}, ${rival} ${doubtful[other]}.`;
+    const surely = doubtful[one] || doubtful[other] ? " for certain" : "";
     return `${start}: it misses ${few(certain[one]!)} of ${of}${surely}, ${rival} ${group(certain[other]!)}.`;
   }
   const aim = aims[by - 1 - 2 * order.classes.length];
@@ -60,7 +60,7 @@ export function classText(severity: string, classes: number): string {
 export function orderSentence(aims: Aim[], { classes }: DesignOrder): string {
   const [first, ...others] = classes.map(({ severity }) => `missed ${classText(severity, classes.length)}`);
   const parts = [
-    ...(first ? [`fewest ${first} (certain ones before open ones)`] : []),
+    ...(first ? [`fewest ${first} (certain ones before doubtful ones)`] : []),
     ...others,
     ...aims.map(({ title, maximize }) => `${maximize ? "larger" : "smaller"} ${title}`),
     "larger least margin",
