@@ -123,7 +123,7 @@ def certainty_text(decision: Decision) -> str:
     """How sure the differences are."""
     random = [each for each in decision.pairs if each.low < each.high]
     if not decision.pairs:
-        return "They have no case in common."
+        return "They have no condition in common."
     if not random:
         return "These runs have no noise: the differences are exact."
     if all(each.draws == 1 for each in random):
@@ -137,7 +137,7 @@ def _counted(pairs: list[PairedDraws], leading: Interval | None) -> str:
     both, a, b, neither = (
         sum(getattr(each, what) for each in pairs) for what in ("both", "first", "second", "neither")
     )
-    text = f"both meet it in {both} draws, only A in {a}, only B in {b}, neither in {neither} ({len(pairs)} cases)"
+    text = f"both meet it in {both} draws, only A in {a}, only B in {b}, neither in {neither} ({len(pairs)} verdicts)"
     if leading is None or math.isnan(leading.value):
         return text
     share = " … ".join(f"{100 * end:.0f}" for end in (leading.low, leading.high))
@@ -150,7 +150,7 @@ def _show_cases(decision: Decision, definition: StudyDefinition, named: Mapping[
         return
     requirements = {each.name: each for each in definition.requirements}
     heads = ("rate of A less B", "from", "to", "only A", "only B", "of draws", "margin of A less B")
-    table = plain_table("requirement", "case", *heads, "a bound that only one meets", right=heads)
+    table = plain_table("requirement", "condition", *heads, "a bound that only one meets", right=heads)
     for each in sorted(certain, key=lambda one: -abs(one.difference)):
         shares = (f"{100 * share:+.0f} %" for share in (each.difference, each.low, each.high))
         unit = requirements[each.requirement].unit

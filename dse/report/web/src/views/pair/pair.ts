@@ -44,7 +44,7 @@ export const pairView: View = {
       { class: "controls" },
       el("div", { class: "row" }, field("A", one), field("B", other), swap),
     );
-    const alike = el("label", { class: "check" }, every, " Cases in which they are alike, too");
+    const alike = el("label", { class: "check" }, every, " Verdicts in which they are alike, too");
     let listed = "";
     const draw = (): void => {
       const [first, second] = chosenOf(model);
@@ -86,7 +86,7 @@ export const pairView: View = {
       card("pair-changes", "What would change the order", changes, rule),
       ...(hasDraws(store.study)
         ? [
-            card("pair-cases", "Case by case", el("div", { class: "controls" }, alike), cases),
+            card("pair-cases", "Verdict by verdict", el("div", { class: "controls" }, alike), cases),
             card("pair-effects", "What the difference depends on", below),
           ]
         : []),

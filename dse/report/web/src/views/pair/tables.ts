@@ -195,7 +195,7 @@ export function casesTable(store: Store, { cases }: Decision, all: boolean): HTM
   });
   const heads = [
     "Requirement",
-    "Case",
+    "Condition",
     "A",
     "B",
     "Rate of A less B",
@@ -206,12 +206,12 @@ export function casesTable(store: Store, { cases }: Decision, all: boolean): HTM
     "div",
     {},
     rows.length
-      ? table("pair-cases", "A and B case by case", heads, rows, 2)
-      : el("p", { class: "muted" }, "In no case do their verdicts or draws differ."),
+      ? table("pair-cases", "A and B verdict by verdict", heads, rows, 2)
+      : el("p", { class: "muted" }, "None of their verdicts or draws differ."),
     el(
       "p",
       { class: "hint" },
-      `${count(shown.length, "row")} of ${group(cases.length)}. Rates and their differences are with 95\u202f% confidence, each by itself: of many, one in twenty may differ by chance. Bold: certain.`,
+      `${group(shown.length)} of ${count(cases.length, "verdict")}. Rates and their differences are with 95\u202f% confidence, each by itself: of many, one in twenty may differ by chance. Bold: certain.`,
     ),
   );
 }
@@ -294,7 +294,7 @@ export function effectsTable(study: Study, { effects }: Decision): HTMLElement[]
       "p",
       { class: "hint" },
       [
-        "Mean difference of the margins over all other cases, with 95\u202f% confidence; with more than twelve values, on a straight line through them.",
+        "Mean difference of the margins over all other conditions, with 95\u202f% confidence; with more than twelve values, on a straight line through them.",
         without.length && rows.length
           ? `No certain change with ${without.map((variable) => study.variables[variable]!.title).join(", ")}.`
           : "",

@@ -72,7 +72,7 @@ export function certaintyOf(study: Study, { cases }: Decision): string {
   if (!hasDraws(study))
     return "There are too many draws for this page: \u2018dse compare DIR --designs A B\u2019 compares them.";
   const random = cases.filter(({ counts }) => isRandom(counts));
-  if (!cases.length) return "They have no case in common.";
+  if (!cases.length) return "They have no condition in common.";
   if (!random.length) return "These runs have no noise: the differences are exact.";
   if (random.every(({ counts }) => counts.both + counts.first + counts.second + counts.neither === 1))
     return "Each verdict rests on one draw of the noise, so that no difference of rates is certain.";
