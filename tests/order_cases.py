@@ -6,6 +6,7 @@ The report's page is tested with the same file.
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -68,13 +69,14 @@ def order_table(folder: Path, case: dict[str, Any]) -> RunTable:
     study, runs = order_study(case), []
     rows = [row for row in case.get("runs", ORDER_CASES["runs"]) if row[0] in case["designs"]]
     for number, (name, speed, draw, gap, peak) in enumerate(rows):
-        values = {"gap": gap, "peak": peak}
+        values = {"gap": gap, "peak": math.nan if peak is None else peak}
         judged = []
         for requirement in study.requirements:
             low, high = requirement.at_least, requirement.at_most
             value = values[requirement.metric]
             margin = value - low if low is not None else (high or 0.0) - value
-            judged.append(Judgement(requirement.name, Verdict.PASS if margin >= 0 else Verdict.FAIL, margin))
+            verdict = Verdict.NOT_EXERCISED if math.isnan(value) else Verdict.PASS if margin >= 0 else Verdict.FAIL
+            judged.append(Judgement(requirement.name, verdict, margin))
         point = {"world.speed": speed, DRAW: draw_of(1, [speed], draw - 1) if draw else 0.0}
         runs.append(Run(RunRequest(number, name, point), Outcome.DONE, values, tuple(judged)))
     with StudyFolder.create(folder, study) as store:

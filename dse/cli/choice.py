@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from dse.domain.definition import StudyDefinition
 
 _MOST_CASES, _MOST_CHANGES = 2, 6
+_VERDICT = (
+    "A verdict is that on a requirement at a condition. It is doubtful if more draws or finer numerics may change it."
+)
 
 
 def show_choice(choice: Choice | None, definition: StudyDefinition, *, briefly: bool = False) -> None:
@@ -44,10 +47,9 @@ def choice_lines(choice: Choice, definition: StudyDefinition) -> tuple[str, list
         found.append(("cheaper", f"{what}: as few missed verdicts of each severity for {cost} instead of {now}."))
     verdicts = f"{first.judged:,} verdict{'s' * (first.judged != 1)}"
     unsure = f"{first.unsure or 'None'} of its {verdicts} {'are' if first.unsure > 1 else 'is'} doubtful"
-    may = ": more draws or finer numerics may change that" if first.unsure else ""
-    sure = [f"{unsure}{may}.", certainty_text(decision)]
+    sure = [f"{unsure}.", certainty_text(decision)]
     sure += [*_reversed(choice, definition), assumed_text(decision, definition)]
-    found += [("how sure", " ".join(sure)), ("order", order_sentence(choice, definition))]
+    found += [("how sure", " ".join(sure)), ("order", f"{order_sentence(choice, definition)} {_VERDICT}")]
     return f"{design_name(definition, first)} ({first.configuration}, run {choice.run})", found
 
 
@@ -110,6 +112,8 @@ def _result(choice: Choice, definition: StudyDefinition) -> Iterator[str]:
             state = "" if not unsure else "doubtful" if unsure == len(cases) else f"{unsure} doubtful"
             told = _cases(definition, [case for case, _ in cases])
             yield f"{requirement.title or requirement.name}{f' ({state})' if state else ''}{told}."
+        elif not side.margins[requirement.name]:
+            yield f"{requirement.title or requirement.name}: no run exercises it."
 
 
 def _cases(definition: StudyDefinition, cases: Sequence[tuple[float, ...]]) -> str:

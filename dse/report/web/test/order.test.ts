@@ -9,8 +9,8 @@ import { createModel } from "../src/views/designs/model";
 import { choiceOf } from "../src/views/overview/choice";
 import { metric, near, requirement, storeOf, studyOf, variable } from "./study";
 
-type Point = [string, number, number, number, number, [number, number, number, number][]];
-type Run = [string, number, number, number, number];
+type Point = [string, number, number, number, number | null, [number, number, number, number][]];
+type Run = [string, number, number, number, number | null];
 type Case = (typeof cases.cases)[number];
 const LEVELS: Record<string, number> = { Critical: 0, major: 1, "": 2 };
 
@@ -52,7 +52,7 @@ function studied({ designs, objectives }: Pick<Case, "designs" | "objectives">):
       ),
       metric(
         "peak",
-        points.map((row) => row[4]),
+        points.map((row) => row[4] ?? NaN),
       ),
     ].map((column) => ({ ...column, text: String })),
     requirements: cases.requirements.map(([name, title, of, bounds, severity], index): Requirement => {
@@ -60,7 +60,11 @@ function studied({ designs, objectives }: Pick<Case, "designs" | "objectives">):
       const rates = points.map((row) => row[5][index]!);
       const column = (k: number): Float32Array => Float32Array.from(rates, (rate) => rate[k]!);
       return {
-        ...requirement(size, { metric: of === "gap" ? 0 : 1, ...(atLeast ? { atLeast } : { atMost: atMost! }) }),
+        ...requirement(size, {
+          metric: of === "gap" ? 0 : 1,
+          exercised: points.map((row) => of === "gap" || row[4] !== null),
+          ...(atLeast ? { atLeast } : { atMost: atMost! }),
+        }),
         name: String(name),
         title: String(title),
         metIn: cases.met_in,
@@ -86,10 +90,12 @@ function studied({ designs, objectives }: Pick<Case, "designs" | "objectives">):
     drawn: {
       row: Int32Array.from(runs, place),
       draw: Int32Array.from(runs, ([, , draw]) => draw),
-      judged: cases.requirements.map(() => new Uint8Array(runs.length).fill(1)),
+      judged: cases.requirements.map(([, , of]) =>
+        Uint8Array.from(runs, (row) => Number(of === "gap" || row[4] !== null)),
+      ),
       values: new Map([
         [0, Float64Array.from(runs, (row) => row[3])],
-        [1, Float64Array.from(runs, (row) => row[4])],
+        [1, Float64Array.from(runs, (row) => row[4] ?? NaN)],
       ]),
     },
   });

@@ -18,6 +18,8 @@ import { openRun } from "../shared/runs";
 
 const MOST_CASES = 2;
 const MOST_CHANGES = 6;
+const VERDICT =
+  "A verdict is that on a requirement at a condition. It is doubtful if more draws or finer numerics may change it.";
 
 /** The box, for a study that has a choice. */
 export function createChoice(store: Store): HTMLElement[] {
@@ -85,7 +87,7 @@ export function choiceOf(model: Model): Choice | null {
     ...reversed(study, decision, assumed),
     assumedText(study, assumed),
   ];
-  const [what, ...missed] = result(store, order, decision, first);
+  const [what, ...missed] = result(model, order, decision, first);
   const why = orderText(aims, order, decision, pair, ["This design", "The next one"]);
   return {
     first,
@@ -98,13 +100,15 @@ export function choiceOf(model: Model): Choice | null {
       ["next", `${changes(model, first, next) || id}. ${why}${where(store, order, decision, pair)}`],
       ...cheaper(model, order, first).map((text): [string, string] => ["cheaper", text]),
       ["how sure", sure.join(" ")],
-      ["order", orderSentence(aims, order)],
+      ["order", `${orderSentence(aims, order)} ${VERDICT}`],
     ],
   };
 }
 
-function result(store: Store, { classes, keys, place }: DesignOrder, decision: Decision, first: number): string[] {
+function result(model: Model, { classes, keys, place }: DesignOrder, decision: Decision, first: number): string[] {
+  const { store } = model;
   const { study, state } = store;
+  const standing = model.standing();
   const used = study.requirements.map((_, index) => index).filter((index) => !state.thresholds[index]!.off);
   const many = used.length === 2 ? "both requirements" : `all ${used.length} requirements`;
   const all = used.length === 1 ? "the requirement" : many;
@@ -123,7 +127,8 @@ function result(store: Store, { classes, keys, place }: DesignOrder, decision: D
   );
   const missed = used.flatMap((index): string[] => {
     const runs = missesOf(store, index, first);
-    if (!runs.length) return [];
+    if (!runs.length)
+      return standing.worst[index]![first]! < 0 ? [`${study.requirements[index]!.title}: no run exercises it.`] : [];
     const doubtful = runs.filter((run) => isDoubtful(study, index, run, state.thresholds[index]!)).length;
     const how = doubtful === runs.length ? " (doubtful)" : doubtful ? ` (${doubtful} doubtful)` : "";
     return [`${study.requirements[index]!.title}${how}${casesText(study, runs)}.`];
@@ -244,8 +249,7 @@ function sureness(store: Store, { judged }: Decision, first: number): string {
       const isJudged = mark === PASS || mark === FAIL || mark === FAILED;
       if (!threshold.off && isJudged && isDoubtful(study, index, run, threshold)) unsure++;
     }
-  const are = `of its ${count(judged[0], "verdict")} ${unsure > 1 ? "are" : "is"} doubtful`;
-  return `${unsure ? group(unsure) : "None"} ${are}${unsure ? ": more draws or finer numerics may change that" : ""}.`;
+  return `${unsure ? group(unsure) : "None"} of its ${count(judged[0], "verdict")} ${unsure > 1 ? "are" : "is"} doubtful.`;
 }
 
 /** The assumed numbers that alter which of both is better. */
