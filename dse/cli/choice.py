@@ -86,7 +86,7 @@ def _changes(definition: StudyDefinition, first: Side, other: str, point: Mappin
     mine, theirs = (definition.configuration(each).choices for each in (first.configuration, other))
     paths = definition.design.places
     found = [
-        f"{path} {theirs.get(path, '–')} instead of {mine.get(path, '–')}"
+        f"{path} {theirs.get(path, 'none')} instead of {mine.get(path, 'none')}"
         for path in paths
         if mine.get(path) != theirs.get(path)
     ]

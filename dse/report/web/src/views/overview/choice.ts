@@ -184,8 +184,7 @@ function changes(model: Model, first: number, next: number): string {
   const found = differingPlaces(store)
     .filter((place) => choiceAt(store, a, place) !== choiceAt(store, b, place))
     .map(
-      (place) =>
-        `${place} ${choiceAt(store, b, place) || "\u2013"} instead of ${choiceAt(store, a, place) || "\u2013"}`,
+      (place) => `${place} ${choiceAt(store, b, place) || "none"} instead of ${choiceAt(store, a, place) || "none"}`,
     );
   for (const { role, lack, title, unit, text, values } of study.variables)
     if (role === "design" && !lack.includes(b) && (lack.includes(a) || values[mine] !== values[theirs]))
