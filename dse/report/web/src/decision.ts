@@ -86,7 +86,7 @@ export function decide(
       return own.length ? leading(own.map(({ counts }) => counts)) : null;
     }),
     bounds: used.flatMap((index) => {
-      const column = 1 + 2 * columnOfClass(study, used, index);
+      const column = 1 + 2 * order.classes.findIndex(({ level }) => level === study.requirements[index]!.level);
       return boundChanges(margins(index, one), margins(index, other), keys, column).map(([shift, then]) => ({
         requirement: index,
         shift,
@@ -110,12 +110,6 @@ export function decide(
       });
     }),
   };
-}
-
-/** The place of a requirement's severity among those of the ones that are on. */
-function columnOfClass(study: Study, used: number[], index: number): number {
-  const levels = used.map((each) => study.requirements[each]!.level);
-  return new Set(levels.filter((level) => level < study.requirements[index]!.level)).size;
 }
 
 export function isRandom({ difference }: Counts): boolean {

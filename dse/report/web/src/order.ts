@@ -12,6 +12,8 @@ import { scaleOf } from "./views/shared/margins";
 /** Verdicts on requirements of one severity ("" for none): how many of each design, missed ones for certain, and doubtful ones. */
 export interface SeverityClass {
   severity: string;
+  /** As requirements have it. */
+  level: number;
   judged: Int32Array;
   certain: Int32Array;
   doubtful: Int32Array;
@@ -65,6 +67,7 @@ export function designOrder(study: Study, thresholds: Threshold[], standing: Sta
     const { judged, certain, doubtful } = standing;
     return {
       severity: severityOf(study, own[0]!),
+      level,
       judged: sum(judged),
       certain: sum(certain),
       doubtful: sum(doubtful),

@@ -11,7 +11,7 @@ import type { Study } from "../../study";
 import { FAIL, FAILED, isDoubtful, PASS } from "../../verdicts";
 import { choiceAt, configurationOf, createModel, differingPlaces, type Model, nameOf } from "../designs/model";
 import { SETTING } from "../pair/pair";
-import { assumedNumbers, assumedText, reverses } from "../pair/tables";
+import { assumedNumbers, assumedText, placeText, reverses } from "../pair/tables";
 import { certaintyOf, classText, orderSentence, orderText } from "../pair/words";
 import { shareText } from "../shared/margins";
 import { openRun } from "../shared/runs";
@@ -149,27 +149,20 @@ function missesOf(store: Store, index: number, design: number): number[] {
 function casesText(study: Study, runs: number[]): string {
   const cases = runs
     .slice(0, MOST_CASES)
-    .map((run) => caseText(study, run))
+    .map((run) => placeText(study, run))
     .filter(Boolean);
   const rest = runs.length - MOST_CASES;
   return cases.length ? `, at ${cases.join("; ")}${rest > 0 ? ` and ${count(rest, "more condition")}` : ""}` : "";
 }
 
-function caseText(study: Study, run: number): string {
-  const given = study.variables.filter(({ role }) => role !== "design");
-  return given.map(({ title, unit, text, values }) => `${title} ${withUnit(text(values[run]!), unit)}`).join(", ");
-}
-
 /** The cases in which only the next design misses a requirement of the class that decides. */
 function where(store: Store, { classes }: DesignOrder, { by }: Decision, [first, next]: [number, number]): string {
   const { study, state } = store;
-  const levels = study.requirements.map(({ level }, index) => (state.thresholds[index]!.off ? -1 : level));
-  const level = [...new Set(levels.filter((each) => each >= 0))].sort((a, b) => a - b)[by < 1 ? -1 : (by - 1) >> 1];
-  if (by > 2 * classes.length || level === undefined) return "";
-  for (const [index, { title }] of study.requirements.entries()) {
-    if (levels[index] !== level) continue;
-    const mine = new Set(missesOf(store, index, first).map((run) => caseText(study, run)));
-    const runs = missesOf(store, index, next).filter((run) => !mine.has(caseText(study, run)));
+  const level = classes[(by - 1) >> 1]?.level;
+  for (const [index, { title, level: own }] of study.requirements.entries()) {
+    if (own !== level || state.thresholds[index]!.off) continue;
+    const mine = new Set(missesOf(store, index, first).map((run) => placeText(study, run)));
+    const runs = missesOf(store, index, next).filter((run) => !mine.has(placeText(study, run)));
     if (runs.length) return ` It alone misses ${title}${casesText(study, runs)}.`;
   }
   return "";

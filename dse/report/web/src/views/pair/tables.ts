@@ -180,7 +180,7 @@ export function casesTable(store: Store, { cases }: Decision, all: boolean): HTM
     return {
       cells: [
         title,
-        placeText(study, runs[0]),
+        placeText(study, runs[0]) || "\u2013",
         rate(0),
         rate(1),
         el("span", { class: "interval" }, points(difference), bar(difference)),
@@ -216,12 +216,10 @@ export function casesTable(store: Store, { cases }: Decision, all: boolean): HTM
   );
 }
 
-function placeText(study: Study, run: number): string {
+/** The conditions of a run; "" if the study imposes none. */
+export function placeText(study: Study, run: number): string {
   const given = study.variables.filter(({ role }) => role !== "design");
-  return (
-    given.map(({ title, unit, text, values }) => `${title} ${withUnit(text(values[run]!), unit)}`).join(", ") ||
-    "\u2013"
-  );
+  return given.map(({ title, unit, text, values }) => `${title} ${withUnit(text(values[run]!), unit)}`).join(", ");
 }
 
 /** Between which bounds only one of them meets a requirement. */
