@@ -160,14 +160,15 @@ function initial(store: Store): Choices {
   };
 }
 
-// What the study asks for; else the first property, and the metrics that have requirements.
+// What the study asks for, else the first property; and the metrics that have requirements.
 function startingColumns(store: Store): string[] {
   const { study } = store;
   const stated = study.objectives.map(({ column }) => column);
-  if (stated.length) return stated;
+  if (stated.length > 1) return stated;
   const judged = study.requirements.map(({ metric }) => `metric.${metric}`).filter((key) => senseOf(store, key));
   const differing = study.properties.findIndex(({ values }) => values.some((value) => value !== values[0]));
-  return [...new Set([...(differing >= 0 ? [`property.${differing}`] : []), ...judged])].slice(0, 3);
+  const property = differing >= 0 && !stated.length ? [`property.${differing}`] : [];
+  return [...new Set([...stated, ...property, ...judged])].slice(0, 3);
 }
 
 const MANY = 20_000;
