@@ -12,6 +12,7 @@ from definitions import metrics, stored_definition
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.definition import (
     DefinedConfiguration,
+    DefinedObjective,
     DefinedReplicates,
     DefinedRequirement,
     DefinedTotal,
@@ -51,6 +52,7 @@ def pair_study() -> StudyDefinition:
         requirements=(
             DefinedRequirement("R", "R", "gap", "", at_least=PAIR_CASES["at_least"], met_in=PAIR_CASES["met_in"]),
         ),
+        objectives=(DefinedObjective("cost", is_total=True),),
         replicates=DefinedReplicates(5, 5, 0.95),
     )
 

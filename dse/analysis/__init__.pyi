@@ -1,4 +1,5 @@
 from .boxes import Box as Box, best_boxes as best_boxes
+from .choice import Choice as Choice, choice_of as choice_of, prices_of as prices_of
 from .conditions import (
     Condition as Condition,
     WorstCase as WorstCase,
@@ -11,6 +12,7 @@ from .data import ALL as ALL, Factor as Factor, StudyData as StudyData
 from .decision import (
     BoundChange as BoundChange,
     Decision as Decision,
+    Side as Side,
     decide_between as decide_between,
     is_price as is_price,
 )
@@ -51,7 +53,8 @@ from .narrowing import (
     of_box as of_box,
 )
 from .optimality import Stage as Stage, stages as stages, static_bound as static_bound, strength as strength
-from .paired import PairedDraws as PairedDraws, noisy as noisy
+from .order import severities_of as severities_of, severity_levels as severity_levels
+from .paired import PairedDraws as PairedDraws, case_label as case_label, noisy as noisy, value_label as value_label
 from .probability import (
     Basis as Basis,
     Interval as Interval,
@@ -75,6 +78,6 @@ from .sensitivity_indices import (
     morris_effects as morris_effects,
     sobol_indices as sobol_indices,
 )
-from .slack import is_at_zero as is_at_zero, slack_of_runs as slack_of_runs
+from .slack import slack_of_runs as slack_of_runs
 from .study_findings import essentials as essentials, findings as findings
 from .study_reader import planes as planes, study_data as study_data

@@ -1,11 +1,11 @@
 """Which of two designs is ahead, by which rule, and what would have to change for the other one to be.
 
-The design that misses fewer verdicts is ahead: those on a requirement in a case. Of as many, the one that is better in
-an objective of the study and worse in none; without objectives, the one with the lower price.
+The order is that of `dse.analysis.order`.
 
 What if a bound were another one? A margin moves as the bound does: with margins of 3 and -1 m in two cases a design
 misses one verdict; with a bound that is 1 m looser it misses none, and with one that is more than 3 m tighter, both. So
-the order can change only at margins that designs have, which are tried one after the other, from the bound on.
+the order can change only at margins that designs have, which are tried one after the other, from the bound on. What is
+missed with the other bound only counts as certain, and a tie is decided as with the present bound.
 
 The report's page has the same (`decision.ts`); both are tested with `tests/pair_cases.json`.
 """
@@ -21,10 +21,20 @@ from numpy.typing import NDArray
 
 from dse.analysis.data import MET, Floats
 from dse.analysis.design_ranking import objectives_of, unit_of_objective
+from dse.analysis.order import (
+    FIRST,
+    MISSED,
+    SECOND,
+    Key,
+    ahead_by,
+    design_order,
+    severities_of,
+    severity_levels,
+    unsure_of,
+)
 from dse.analysis.paired import NORMAL, PairedDraws, design_points, paired_draws, rows_of_design
 from dse.analysis.probability import Interval
 from dse.analysis.slack import FAILING
-from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.definition import DefinedVariable, StudyDefinition
 from dse.domain.rates import rate_interval
 from dse.domain.sampler import Objective, Role
@@ -33,30 +43,51 @@ from dse.storage import RunTable, over_draws
 from dse.testbench import with_composites
 from dse.units import UnitError, parse_unit
 
-_BROKEN = VERDICTS.index(Verdict.FAILED_TO_RUN)
 _MOST_LEVELS = 12
 """With more values than that a straight line is fitted through the differences."""
 _ROUNDING = 1e-9
 
-FIRST, NEITHER, SECOND = 1, 0, -1
-"""Which design is ahead."""
+
+@dataclass(frozen=True, slots=True)
+class ClassCount:
+    """Of *judged* verdicts on requirements of a *severity* ("" for none), so many are missed for *certain*, and so many
+    missed ones are *doubtful*."""
+
+    severity: str
+    judged: int
+    certain: int
+    doubtful: int
+
+    @property
+    def missed(self) -> int:
+        """Certain and doubtful ones."""
+        return self.certain + self.doubtful
 
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """One of the two designs: a *configuration*, the numbers of its *runs*, *missed* verdicts of *judged* ones.
+    """One of the two designs: a *configuration*, values (SI) of the design variables that it has, the numbers of its
+    *runs*; *missed* verdicts of *judged* ones, also as *counts* of each class of severity.
 
     *objectives* (SI) are as `Decision.objectives` has them. *margins* (SI) are those of the draw that decides, by
     requirement and case, NaN where a metric is undefined; *rates* with their intervals where points have several draws.
+    *misses* has the cases in which a requirement is missed, and whether that is doubtful; *unsure* is how many of all
+    verdicts are. *slack* is the least margin as a share; *key* is the place in the order.
     """
 
     configuration: str
+    point: Mapping[str, float]
     runs: tuple[int, ...]
     missed: int
     judged: int
+    counts: tuple[ClassCount, ...]
     objectives: tuple[float, ...]
     margins: Mapping[str, Mapping[tuple[float, ...], float]]
     rates: Mapping[str, Mapping[tuple[float, ...], Interval]]
+    misses: Mapping[str, Mapping[tuple[float, ...], bool]]
+    unsure: int
+    slack: float
+    key: Key
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,15 +140,16 @@ class Effect:
 class Decision:
     """The *first* design against the *second*, of which *ahead* is `FIRST`, `SECOND` or `NEITHER`.
 
-    It follows from verdicts, and where both miss as many from the *objectives*, with their *units*: those of the study,
-    else the prices of its configurations. *leading* is, by requirement, the share of the random draws in which only one
-    design meets it that the first one meets. *assumed* are the parameters of either design's parts that are marked so,
-    None if that is not known. The runs *are_random* if a verdict depends on the draw.
+    It follows from column *by* of their keys, -1 if these are equal. *objectives* are those of the study, with their
+    *units*. *leading* is, by requirement, the share of the random draws in which only one design meets it that the
+    first one meets. *assumed* are the parameters of either design's parts that are marked so, None if that is not
+    known. The runs *are_random* if a verdict depends on the draw.
     """
 
     first: Side
     second: Side
     ahead: int
+    by: int
     objectives: tuple[Objective, ...]
     units: tuple[str, ...]
     pairs: tuple[PairedDraws, ...]
@@ -129,48 +161,46 @@ class Decision:
     are_random: bool
 
 
-def decide_between(table: RunTable, one: str, other: str, assumed: Iterable[str] | None = None) -> Decision:
+def decide_between(
+    table: RunTable,
+    one: str,
+    other: str,
+    assumed: Iterable[str] | None = None,
+    objectives: Sequence[Objective] | None = None,
+) -> Decision:
     """Designs named as for `rows_of_design`; *table* has every draw.
 
     *assumed* are the numbers that components mark as such, ``component.parameter``; None if that is not known.
-    DseError for what is no design of the study.
+    *objectives* are those of the study unless they are given. DseError for what is no design of the study.
     """
     definition = table.header.definition
     rows = rows_of_design(table, one), rows_of_design(table, other)
-    merged, objectives = over_draws(table), objectives_of(definition, (), ()) or [*_prices(definition)]
-    first, second = (_side(table, merged, each, objectives) for each in rows)
-    signed = [
-        (-a, -b) if each.maximize else (a, b)
-        for each, a, b in zip(objectives, first.objectives, second.objectives, strict=True)
-    ]
-    tie = better_in_all(signed)
-    ahead = by_verdicts(first.missed, second.missed, tie)
+    merged, wanted = over_draws(table), objectives_of(definition, (), ()) if objectives is None else objectives
+    first, second = sides = _sides(table, merged, rows, wanted)
+    ahead, by = ahead_by(first.key, second.key)
     pairs = tuple(paired_draws(table, *rows))
     bounds = (
         BoundChange(each.name, *change)
-        for each in definition.requirements
-        for change in bound_changes(
-            [*first.margins[each.name].values()],
-            [*second.margins[each.name].values()],
-            (first.missed, second.missed),
-            tie,
-        )
+        for each, level in zip(definition.requirements, severity_levels(definition), strict=True)
+        for change in bound_changes(_own(first, each.name), _own(second, each.name), (first.key, second.key), level)
     )
-    marks = None if assumed is None else _marked(definition, (first, second), assumed)
-    changes = objective_changes(signed) if first.missed == second.missed else ()
+    marks = None if assumed is None else _marked(definition, sides, assumed)
+    last = 1 + 2 * len(first.counts)
+    signed = [*zip(first.key[last:-1], second.key[last:-1], strict=True)] if not ahead or by >= last else []
     random = {each.requirement for each in pairs if each.low < each.high}
     return Decision(
         first,
         second,
         ahead,
-        tuple(objectives),
-        tuple(unit_of_objective(definition, each) for each in objectives),
+        by,
+        tuple(wanted),
+        tuple(unit_of_objective(definition, each) for each in wanted),
         pairs,
         {name: leading([each for each in pairs if each.requirement == name]) for name in random},
         tuple(bounds),
         tuple(
-            ObjectiveChange(objectives[n].name, -change if objectives[n].maximize else change, then)
-            for n, change, then in changes
+            ObjectiveChange(wanted[n].name, -change if wanted[n].maximize else change, then)
+            for n, change, then in objective_changes(signed)
         ),
         tuple(_effects(table, rows, pairs, marks or ())),
         marks,
@@ -178,52 +208,51 @@ def decide_between(table: RunTable, one: str, other: str, assumed: Iterable[str]
     )
 
 
-def by_verdicts(first: int, second: int, tie: int) -> int:
-    """Who is ahead with so many missed verdicts; *tie* if these are as many."""
-    return tie if first == second else FIRST if first < second else SECOND
-
-
-def better_in_all(values: Sequence[tuple[float, float]]) -> int:
-    """Who is better in one of the *values* of both, to be small, and worse in none."""
-    signs = {int(np.sign(b - a)) for a, b in values if not math.isnan(b - a)} - {0}
-    return signs.pop() if len(signs) == 1 else NEITHER
+def _own(side: Side, requirement: str) -> list[tuple[float, bool]]:
+    misses = side.misses[requirement]
+    return [(margin, misses.get(case, False)) for case, margin in side.margins[requirement].items()]
 
 
 def bound_changes(
-    first: Sequence[float], second: Sequence[float], missed: tuple[int, int], tie: int
+    first: Sequence[tuple[float, bool]], second: Sequence[tuple[float, bool]], keys: tuple[Key, Key], level: int
 ) -> Iterator[tuple[float, int]]:
     """By how much a bound must be moved for another design to be ahead, and which; the looser one first.
 
-    A bound that neither meets anywhere is no answer. The designs have margins *first* and *second* in the cases in
-    which they are judged, and miss so many verdicts in all, on other requirements, too.
+    A bound that neither meets anywhere is no answer. The designs have these margins in the cases in which they are
+    judged, and whether they are missed but doubtful. *level* is the requirement's class of severity.
     """
-    margins = [np.nan_to_num(np.array(each, dtype=np.float64), nan=-np.inf) for each in (first, second)]
-    others = [all_ - int((own < 0).sum()) for all_, own in zip(missed, margins, strict=True)]
-    now = by_verdicts(*missed, tie)
+    margins = [np.nan_to_num(np.array([m for m, _ in own], dtype=np.float64), nan=-np.inf) for own in (first, second)]
+    unsure = [np.array([is_doubtful for _, is_doubtful in own], dtype=np.bool_) for own in (first, second)]
+    column = 1 + 2 * level
+
+    def moved(key: Key, own: Floats, is_doubtful: NDArray[np.bool_], fails: NDArray[np.bool_]) -> Key:
+        kinds = ~is_doubtful, is_doubtful
+        counts = (
+            key[column + n] + int((fails & kind).sum()) - int(((own < 0) & kind).sum()) for n, kind in enumerate(kinds)
+        )
+        return *key[:column], *counts, *key[column + 2 :]
+
+    now, _ = ahead_by(*keys)
     at = np.unique(np.concatenate(margins))
-    for shifts, fails in ((at[at < 0][::-1], np.less), (at[at >= 0], np.less_equal)):
+    for shifts, compare in ((at[at < 0][::-1], np.less), (at[at >= 0], np.less_equal)):
         for shift in shifts[np.isfinite(shifts)].tolist():
-            a, b = (n + int(fails(own, shift).sum()) for n, own in zip(others, margins, strict=True))
-            then = by_verdicts(a, b, tie)
-            if all(fails(own, shift).all() for own in margins):
+            fails = [compare(own, shift) for own in margins]
+            if all(each.all() for each in fails):
                 break
+            then, _ = ahead_by(*map(moved, keys, margins, unsure, fails))
             if then != now:
                 yield shift, then
                 break
 
 
 def objective_changes(values: Sequence[tuple[float, float]]) -> Iterator[tuple[int, float, int]]:
-    """Which of the *values* of both, to be small, alone alters who is ahead: its number, by how much the first one has
-    to change, or the second one the other way, and who is ahead then."""
-    now = better_in_all(values)
+    """Which of the *values* of both, to be small, alters who is ahead: its number, by how much the first one has to
+    change, or the second one the other way, and who is ahead then. Only the first in which they differ does."""
     for n, (a, b) in enumerate(values):
-        others = [*values[:n], *values[n + 1 :]]
-        if math.isnan(b - a) or a == b:
-            continue
-        if all(one == other for one, other in others):
-            yield n, b - a, -now
-        elif rest := better_in_all(others):
-            yield n, b - a, NEITHER if now else rest
+        if a != b:
+            if math.isfinite(b - a):
+                yield n, b - a, SECOND if a < b else FIRST
+            return
 
 
 def leading(pairs: Sequence[PairedDraws]) -> Interval:
@@ -237,44 +266,76 @@ def leading(pairs: Sequence[PairedDraws]) -> Interval:
     return Interval(b / (b + c) if b + c else math.nan, float(low[0]), float(high[0]))
 
 
-def _side(table: RunTable, merged: RunTable, rows: NDArray[np.intp], objectives: Sequence[Objective]) -> Side:
-    definition, name = merged.header.definition, table.configurations[rows[0]]
-    here = (np.array(merged.configurations, dtype=np.str_) == name) & (
-        design_points(merged) == design_points(table)[:, rows[:1]]
-    ).all(axis=0)
-    own = np.flatnonzero(here)
-    numbers = merged.numbers[own].tolist()
+def point_of(table: RunTable, row: int) -> dict[str, float]:
+    """Values (SI) of the design variables that the design of *row* has."""
+    has = table.header.has(table.configurations[row]).tolist()
+    variables = zip(table.header.definition.variables, has, strict=True)
+    return {v.name: float(table.points[v.name][row]) for v, own in variables if own and v.role == Role.DESIGN}
+
+
+def _sides(
+    table: RunTable, merged: RunTable, rows: tuple[NDArray[np.intp], NDArray[np.intp]], objectives: Sequence[Objective]
+) -> tuple[Side, Side]:
+    definition, points = merged.header.definition, design_points(merged)
+    ids = np.array(merged.configurations, dtype=np.str_)
+    own = [
+        np.flatnonzero(
+            (ids == table.configurations[each[0]]) & (points == design_points(table)[:, each[:1]]).all(axis=0)
+        )
+        for each in rows
+    ]
     totals = [total for each in objectives for total in each.totals]
-    outcomes = with_composites(merged.outcomes(numbers, totals), objectives, definition)
-    values = designs_of(outcomes, tuple(map(design_variable, definition.variables)), objectives).objectives[0]
-    given = [v.name for v in definition.variables if v.role in (Role.CONDITION, Role.UNCERTAIN)]
-    columns = [np.asarray(merged.points[v], dtype=np.float64)[own] for v in given]
-    cases = [tuple(float(column[k]) for column in columns) for k in range(len(own))]
-    missed, margins, rates = 0, {}, {}
-    judged = 0
-    for number, requirement in enumerate(merged.header.requirements):
-        codes, values_here = merged.verdicts(requirement)[own], merged.margins(requirement)[own]
-        counts = [int(np.isin(codes, each).sum()) for each in ([MET], [FAILING, _BROKEN])]
-        # What no run exercises is not met.
-        missed += counts[1] or int(not counts[0])
-        judged += sum(counts) or 1
-        counted = np.flatnonzero(np.isin(codes, [MET, FAILING])).tolist()
-        margins[requirement] = {cases[k]: float(values_here[k]) for k in counted}
-        if merged.rates is not None:
-            met, of = merged.rates.met[own, number], np.maximum(merged.rates.judged[own, number], 1)
-            low, high = (ends[own] for ends in merged.rates.interval(number))
-            rates[requirement] = {
-                cases[k]: Interval(float(met[k] / of[k]), float(low[k]), float(high[k])) for k in counted
-            }
-    return Side(name, tuple(table.numbers[rows].tolist()), missed, judged, tuple(values.tolist()), margins, rates)
+    values = []
+    for each in own:
+        outcomes = merged.outcomes(merged.numbers[each].tolist(), totals)
+        outcomes = with_composites(outcomes, objectives, definition)
+        variables = tuple(map(design_variable, definition.variables))
+        values.append(designs_of(outcomes, variables, objectives).objectives[0])
+    signs = np.array([-1.0 if each.maximize else 1.0 for each in objectives])
+    order = design_order(merged, own, signs * np.array(values))
+    classes = severities_of(definition)
 
+    def side(place: int) -> Side:
+        here, margins, rates, misses = own[place], {}, {}, {}
+        given = [v.name for v in definition.variables if v.role in (Role.CONDITION, Role.UNCERTAIN)]
+        columns = [np.asarray(merged.points[v], dtype=np.float64)[here] for v in given]
+        cases = [tuple(float(column[k]) for column in columns) for k in range(len(here))]
+        unsure = 0
+        for number, requirement in enumerate(definition.requirements):
+            name = requirement.name
+            codes, by = merged.verdicts(name)[here], merged.margins(name)[here]
+            doubtful = unsure_of(merged, name)[here]
+            unsure += int(doubtful.sum())
+            counted = np.flatnonzero(np.isin(codes, [MET, FAILING])).tolist()
+            margins[name] = {cases[k]: float(by[k]) for k in counted}
+            misses[name] = {cases[k]: bool(doubtful[k]) for k in np.flatnonzero(np.isin(codes, MISSED)).tolist()}
+            if merged.rates is not None:
+                met, of = merged.rates.met[here, number], np.maximum(merged.rates.judged[here, number], 1)
+                low, high = (ends[here] for ends in merged.rates.interval(number))
+                rates[name] = {
+                    cases[k]: Interval(float(met[k] / of[k]), float(low[k]), float(high[k])) for k in counted
+                }
+        counts = tuple(
+            ClassCount(word, *(int(each[place, level]) for each in (order.judged, order.certain, order.doubtful)))
+            for level, word in enumerate(classes)
+        )
+        return Side(
+            table.configurations[rows[place][0]],
+            point_of(merged, int(here[0])),
+            tuple(table.numbers[rows[place]].tolist()),
+            sum(each.missed for each in counts),
+            sum(each.judged for each in counts),
+            counts,
+            tuple(values[place].tolist()),
+            margins,
+            rates,
+            misses,
+            unsure,
+            float(order.slack[place]),
+            tuple(order.keys[place].tolist()),
+        )
 
-def _prices(definition: StudyDefinition) -> Iterator[Objective]:
-    """Sums of properties in a currency."""
-    totals = {name: total for each in definition.configurations for name, total in each.totals.items()}
-    for name, total in totals.items():
-        if is_price(total.unit):
-            yield Objective(name, is_total=True)
+    return side(0), side(1)
 
 
 def is_price(unit: str) -> bool:

@@ -9,17 +9,14 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.analysis.data import Rows
-from dse.analysis.slack import scale_of, slack_of_runs
+from dse.analysis.data import Floats, Rows
+from dse.analysis.order import DesignOrder, design_order, significant
 from dse.domain.definition import DefinedRequirement, StudyDefinition
-from dse.domain.sampler import Objective, Role
+from dse.domain.sampler import Objective, Outcomes, Role
 from dse.errors import closest, fail
 from dse.exploration import Designs, design_variable, designs_of, equal_rows, front_of, knee
 from dse.storage import CERTAINTIES, Certainty, RunTable
 from dse.testbench import compile_objective, with_composites
-
-_DIGITS = 10
-"""Significant ones that are compared."""
 
 _ROUNDED = 1e-3
 """The largest relative change of a bound when it is rounded outwards for a sentence."""
@@ -42,9 +39,8 @@ class Standing:
     worst run that exercised it; *runs* are the numbers of its runs, of which *failed* failed to run. It *is_whole* if
     it was run at all conditions. Verdicts on the requirements *doubtful* may be others with finer
     numerics, in some run. *slack* is the least of the margins as a share of its scale (`dse.analysis.slack`): infinite
-    where no requirement was exercised; *tightest* is the requirement that has it, "" where there is none. *at* are, for
-    each objective, the conditions (SI) where it is worst; none of a sum of properties, and where all
-    are alike.
+    where no requirement was exercised. *at* are, for each objective, the conditions (SI) where it is worst; none of a
+    sum of properties, and where all are alike.
     """
 
     configuration: str
@@ -57,7 +53,6 @@ class Standing:
     is_whole: bool = True
     doubtful: tuple[str, ...] = ()
     slack: float = np.inf
-    tightest: str = ""
     at: tuple[Mapping[str, float], ...] = ()
 
 
@@ -65,10 +60,10 @@ class Standing:
 class Ranking:
     """Designs under *objectives*, of *designs* in all that were run.
 
-    *best* are feasible ones, best first; of several objectives those that no other one beats in all, by the first
-    objective, with the place of the *knee*; without objectives by their least margin. *better* are such as would be
-    among the best if requirements were others, nearest first. *feasible* is how many are; *open* were not run at all
-    conditions, and failed nothing so far.
+    *best* are feasible ones, in the order of `dse.analysis.order`; of several objectives those that no other one beats
+    in all, by the first objective, with the place of the *knee*. *better* are such as would be among the best if
+    requirements were others, in the same order. *feasible* is how many are; *open* were not run at all conditions, and
+    failed nothing so far.
     """
 
     objectives: tuple[Objective, ...]
@@ -105,36 +100,29 @@ def objectives_of(definition: StudyDefinition, minimize: Sequence[str], maximize
 
 
 def ranked(table: RunTable, objectives: Sequence[Objective], number: int) -> Ranking:
-    """The *number* best designs of *table* under one objective, or the front of several.
-
-    Without objectives, of the designs that meet all requirements none is better: their order is that of their least
-    margins, as is that of designs that miss as many requirements.
-    """
-    definition = table.header.definition
-    variables = tuple(map(design_variable, definition.variables))
-    totals = [name for each in objectives for name in each.totals]
-    outcomes = with_composites(table.outcomes(table.numbers.tolist(), totals), objectives, definition)
-    designs = designs_of(outcomes, variables, objectives)
-    unfinished = _unfinished(designs, table)
-    is_open = unfinished & (designs.failed == 0) & ~designs.failing.any(axis=1)
+    """The *number* best designs of *table* under one objective or none, or the front of several."""
+    outcomes, designs, values, order = ordered(table, objectives)
     signs = np.array([-1.0 if each.maximize else 1.0 for each in objectives])
-    values = _significant(signs * designs.objectives)
+    is_open = ~order.is_whole & (designs.failed == 0) & ~designs.failing.any(axis=1)
     feasible = designs.feasible & ~is_open & ~np.isnan(values).any(axis=1)
-    run_slack = slack_of_runs(table)
-    least = np.array([run_slack[rows].min() for rows in designs.rows])
-    by_one = values[:, 0] if objectives else -least
-    chosen = _front(values, feasible) if len(objectives) > 1 else _first(by_one, feasible, number)
-    standing = _Reader(table, designs, [v.name for v in variables if v.role is Role.DESIGN])
+    in_order = order.first_to_last
+    first = list(islice((row for row in in_order if feasible[row]), number))
+    chosen = _front(values, feasible) if len(objectives) > 1 else first
+    variables = table.header.definition.variables
+    standing = _Reader(table, designs, [v.name for v in variables if v.role == Role.DESIGN])
     standing.measured = [
         None if each.is_total else sign * np.asarray(outcomes.metrics[each.name])
         for sign, each in zip(signs.tolist(), objectives, strict=True)
     ]
-    best = tuple(replace(standing.of(row), slack=float(least[row])) for row in chosen)
+    best = tuple(replace(standing.of(row), slack=float(order.slack[row])) for row in chosen)
     ahead = chosen if objectives else []
     rivals = ~is_open & (designs.failed == 0) & ~np.isnan(values).any(axis=1)
-    behind = [(n, standing.of(n)) for n in _better(values, designs, ahead, rivals)]
-    better = [(n, replace(one, is_whole=not unfinished[n], slack=float(least[n]))) for n, one in behind]
-    better.sort(key=lambda each: _nearness(each[1], bool(objectives)))
+    behind = {*_better(values, designs, ahead, rivals)}
+    better = (
+        (n, replace(standing.of(n), is_whole=bool(order.is_whole[n]), slack=float(order.slack[n])))
+        for n in in_order
+        if n in behind
+    )
     winning = (one for n, one in better if standing.is_one_sided(n) and _wins(values, designs, n, one, rivals))
     return Ranking(
         tuple(objectives),
@@ -147,8 +135,15 @@ def ranked(table: RunTable, objectives: Sequence[Objective], number: int) -> Ran
     )
 
 
-def _nearness(one: Standing, has_objectives: bool) -> tuple[bool, int, float, tuple[int, ...]]:
-    return not one.is_whole, len(one.missed), 0.0 if has_objectives else -one.slack, one.runs
+def ordered(table: RunTable, objectives: Sequence[Objective]) -> tuple[Outcomes, Designs, Floats, DesignOrder]:
+    """What came of the runs of *table*; its designs, their objectives, (n, m), to be small, and their order."""
+    definition = table.header.definition
+    totals = [name for each in objectives for name in each.totals]
+    outcomes = with_composites(table.outcomes(table.numbers.tolist(), totals), objectives, definition)
+    designs = designs_of(outcomes, tuple(map(design_variable, definition.variables)), objectives)
+    signs = np.array([-1.0 if each.maximize else 1.0 for each in objectives])
+    values = significant(signs * designs.objectives)
+    return outcomes, designs, values, design_order(table, designs.rows, values)
 
 
 class _Reader:
@@ -157,7 +152,6 @@ class _Reader:
     def __init__(self, table: RunTable, designs: Designs, decided: Sequence[str]) -> None:
         self._table, self._designs, self._decided = table, designs, decided
         self._requirements = {entry.name: entry for entry in table.header.definition.requirements}
-        self._scales = [scale_of(each, table.metric(each.metric)) for each in self._requirements.values()]
         variables = table.header.definition.variables
         self._conditions = [n for n, variable in enumerate(variables) if variable.role == Role.CONDITION]
         self.measured: list[NDArray[np.float64] | None] = []
@@ -182,13 +176,8 @@ class _Reader:
             tuple(self._missed(row)),
             int(designs.failed[row]),
             doubtful=tuple(name for name, unsure in self._doubtful.items() if unsure[designs.rows[row]].any()),
-            tightest=self._tightest(row),
             at=tuple({} if each is None else self._worst_conditions(each, designs.rows[row]) for each in self.measured),
         )
-
-    def _tightest(self, row: int) -> str:
-        shares = self._designs.margins[row] / self._scales
-        return "" if np.isnan(shares).all() else list(self._requirements)[int(np.nanargmin(shares))]
 
     def _worst_conditions(self, values: NDArray[np.float64], rows: NDArray[np.intp]) -> dict[str, float]:
         """Where the mean of *values*, over what is uncertain, is largest."""
@@ -235,22 +224,6 @@ def unit_of_objective(definition: StudyDefinition, objective: Objective) -> str:
     return next(found, "")
 
 
-def _unfinished(designs: Designs, table: RunTable) -> NDArray[np.bool_]:
-    """Which designs were not run at all conditions."""
-    definition = table.header.definition
-    at = [n for n, variable in enumerate(definition.variables) if variable.role == Role.CONDITION]
-    conditions = table.coordinates()[:, at]
-    if not at:
-        return np.zeros(len(designs), dtype=np.bool_)
-    tried = np.array([len(equal_rows(conditions[rows])) for rows in designs.rows], dtype=np.int64)
-    return np.asarray(tried < len(equal_rows(conditions)))
-
-
-def _first(values: NDArray[np.float64], feasible: NDArray[np.bool_], number: int) -> list[int]:
-    rows = np.flatnonzero(feasible)
-    return [int(row) for row in rows[np.argsort(values[rows], kind="stable")][:number]]
-
-
 def _front(values: NDArray[np.float64], feasible: NDArray[np.bool_]) -> list[int]:
     rows = np.flatnonzero(feasible)
     on_it: dict[tuple[float, ...], int] = {}
@@ -276,8 +249,3 @@ def _wins(values: NDArray[np.float64], designs: Designs, row: int, design: Stand
     through = np.where(designs.failing, designs.failing[row] & (designs.margins >= needs), designs.shown)
     ahead = values[rivals & through.all(axis=1)]
     return not ((ahead <= values[row]).all(axis=1) & (ahead < values[row]).any(axis=1)).any()
-
-
-def _significant(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    rounded = [float(f"{value:.{_DIGITS}g}") for value in values.ravel().tolist()]
-    return np.array(rounded, dtype=np.float64).reshape(values.shape)

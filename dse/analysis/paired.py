@@ -12,7 +12,7 @@ The report's page has the same (`paired.ts`); both are tested with `tests/pair_c
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from dse.analysis.data import MET, Floats
 from dse.analysis.slack import FAILING
-from dse.domain.definition import StudyDefinition
+from dse.domain.definition import DefinedVariable, StudyDefinition
 from dse.domain.noise import DRAW
 from dse.domain.sampler import Role
 from dse.errors import closest, fail
@@ -115,20 +115,28 @@ def paired_draws(table: RunTable, one: NDArray[np.intp], other: NDArray[np.intp]
             if not judged.any():
                 continue
             first, second = first[judged], second[judged]
-            label = ", ".join(
-                f"{v.title or v.name} {v.label(value) or f'{_shown(value, v.unit)} {v.unit}'.rstrip()}"
-                for v, value in zip(given, case, strict=True)
-            )
             random = bool(is_random[first].any() or is_random[second].any())
             counted = _counts(codes[first] == MET, codes[second] == MET, random=random)
             yield PairedDraws(
                 requirement.name,
                 case,
-                label,
+                case_label(definition, case),
                 *counted[:4],
                 *_mean(margins[first] - margins[second], random),
                 *counted[4:],
             )
+
+
+def case_label(definition: StudyDefinition, case: Iterable[float]) -> str:
+    """A case in words: ``speed 60 km/h, visibility 30 m``; "" if the study imposes nothing."""
+    given = (v for v in definition.variables if v.role in (Role.CONDITION, Role.UNCERTAIN))
+    return ", ".join(value_label(variable, value) for variable, value in zip(given, case, strict=True))
+
+
+def value_label(variable: DefinedVariable, value: float) -> str:
+    """A variable and its value (SI) in words: ``speed 60 km/h``."""
+    shown = variable.label(value) or f"{_shown(value, variable.unit)} {variable.unit}".rstrip()
+    return f"{variable.title or variable.name} {shown}"
 
 
 def noisy(definition: StudyDefinition) -> Iterator[str]:

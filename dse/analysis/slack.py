@@ -56,11 +56,6 @@ def scale_of(requirement: DefinedRequirement, values: Floats) -> float:
     return float(sizes[len(sizes) // 2]) * factor if len(sizes) else factor
 
 
-def is_at_zero(requirement: DefinedRequirement) -> bool:
-    """Whether the bound is 0, so that no margin is a share of it: what `scale_of` gives then only serves to compare."""
-    return not _size_of_bound(requirement) > 0
-
-
 def _size_of_bound(requirement: DefinedRequirement) -> float:
     low, high = requirement.at_least, requirement.at_most
     if low is not None and high is not None:

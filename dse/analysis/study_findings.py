@@ -114,6 +114,8 @@ def _met(data: StudyData, name: str) -> Iterable[Finding]:
 
 def _how_often(met: Met, data: StudyData) -> str:
     rows, incomplete = "runs", 0
+    is_elsewhere = any(each.on for each in data.definition.requirements if each.name == met.requirement)
+    at = at_all(met.conditions) + " of its benches" * (is_elsewhere and met.conditions > 1)
     if met.conditions and met.basis is not Basis.MODEL:
         designs = worst_designs(data.evenly(met.requirement, 1))
         rows, incomplete = designs.rows, designs.incomplete
@@ -133,11 +135,11 @@ def _how_often(met: Met, data: StudyData) -> str:
             Basis.MODEL: f"by a model of the verdicts through {met.judged} runs",
         }[met.basis]
         by += f", an effective sample of {met.counts_as:.0f}" if crowded and met.basis is not Basis.MODEL else ""
-        return f"met{at_all(met.conditions)} in {likely(met.share)} of the space{exercised} ({by}){rest}"
+        return f"met{at} in {likely(met.share)} of the space{exercised} ({by}){rest}"
     bound = f"at least {percent(met.share.low)}" if met.met else f"at most {percent(met.share.high)}"
     space = f" ({bound} of the space{exercised})" if is_sample else ""
     which = f"{rows}{' that exercise it' if met.not_exercised else ''}"
-    return f"met{at_all(met.conditions)} in {met.met} of {met.judged} {which}{space}{rest}"
+    return f"met{at} in {met.met} of {met.judged} {which}{space}{rest}"
 
 
 def _worst(data: StudyData, over: str, name: str) -> Iterable[Finding]:

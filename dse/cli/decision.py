@@ -24,7 +24,7 @@ def decision_as_data(decision: Decision) -> dict[str, Any]:
     """*decision* as plain data in SI, what is undefined as null; cases are listed in ``pairs``."""
     data = asdict(decision)
     for name in ("first", "second"):
-        for field in ("margins", "rates"):
+        for field in ("margins", "rates", "misses", "key"):
             del data[name][field]
     return {**_finite(data), "ahead": _NAMES[decision.ahead]}
 
@@ -47,8 +47,8 @@ def show_decision(decision: Decision, definition: StudyDefinition) -> None:
         own = (f"{place} {what}" for place, what in design.choices.items() if other.choices.get(place) != what)
         totals = (f"{what} {quantity(total.value, '')} {total.unit}" for what, total in design.totals.items())
         print_line(f"{name}  {design.id}: {', '.join((*totals, *own))}", style="bold")
-    print_line(_order(decision))
-    print_line(_certainty(decision))
+    print_line(order_text(decision, definition))
+    print_line(certainty_text(decision))
     named = requirement_labels(definition)
     for name, title in named.items():
         about = [each for each in decision.pairs if each.requirement == name]
@@ -59,37 +59,71 @@ def show_decision(decision: Decision, definition: StudyDefinition) -> None:
     for text in _changes(decision, definition):
         print_line(f"  {text}")
     _show_effects(decision, definition, named)
-    print_line(_assumed(decision, {variable.name for variable in definition.variables}))
+    print_line(assumed_text(decision, definition))
 
 
-def _order(decision: Decision) -> str:
-    a, b = decision.first.missed, decision.second.missed
-    of, ahead = f"{max(decision.first.judged, decision.second.judged):,} verdicts", _NAMES[decision.ahead]
-    if a != b:
-        (less, more), other = sorted((a, b)), "B" if a < b else "A"
-        return f"{ahead} is ahead: it misses {less or 'none'} of {of}, {other} {more}."
-    both = f"Both miss {a or 'none'} of {of}"
-    if not decision.objectives:
-        return f"{both}, and the study has neither an objective nor a price."
-    first, second = (_better(decision, side) for side in (1, -1))
-    if decision.ahead:
-        rest = ", and worse in no objective" if len(decision.objectives) > 1 else ""
-        return f"{both}. {ahead} is ahead: it is better in {first or second}{rest}."
-    if not first and not second:
-        return f"{both}, and they are equal in {', '.join(each.name for each in decision.objectives)}."
-    return f"{both}. Neither is ahead: A is better in {first}, B in {second}."
+def order_text(decision: Decision, definition: StudyDefinition, names: tuple[str, str] = ("A", "B")) -> str:
+    """Which design is ahead, and why; *names* of both begin a sentence."""
+    from dse.api import quantity
+
+    if not decision.ahead:
+        what = " and in ".join(
+            ["their least margins", *(title_of(each.name, definition) for each in decision.objectives)]
+        )
+        return f"{_missed_by_both(decision)}. Neither is ahead: they are equal in {what}."
+    sides, named = (decision.first, decision.second)[:: decision.ahead], names[:: decision.ahead]
+    one, other = sides
+    start, rival = f"{named[0]} is ahead", named[1][0].lower() + named[1][1:] if len(named[1]) > 1 else named[1]
+    if not decision.by:
+        return f"{start}: {rival} was not run at all conditions."
+    level, is_doubtful = divmod(decision.by - 1, 2)
+    if level < len(one.counts):
+        a, b = one.counts[level], other.counts[level]
+        of = f"{max(a.judged, b.judged):,} {class_of(a.severity, len(one.counts))}"
+        if is_doubtful:
+            both = f"both miss {a.certain or 'none'} of {of} for certain"
+            return (
+                f"{start}: {both}; of those that are doubtful it misses {a.doubtful or 'none'}, {rival} {b.doubtful}."
+            )
+        surely = " for certain" if a.doubtful or b.doubtful else ""
+        return f"{start}: it misses {a.certain or 'none'} of {of}{surely}, {rival} {b.certain}."
+    number = decision.by - 1 - 2 * len(one.counts)
+    if number < len(decision.objectives):
+        what, unit = title_of(decision.objectives[number].name, definition), decision.units[number]
+        values = (quantity(side.objectives[number], unit) for side in sides)
+    else:
+        what, values = "least margin", (share_text(side.slack) for side in sides)
+    mine, theirs = values
+    return f"{_missed_by_both(decision)}. {start}: its {what} is {mine}, that of {rival} {theirs}."
 
 
-def _better(decision: Decision, side: int) -> str:
-    """The objectives in which A (1) or B (-1) is better."""
-    values = zip(decision.objectives, decision.first.objectives, decision.second.objectives, strict=True)
-    return ", ".join(each.name for each, a, b in values if (a - b if each.maximize else b - a) * side > 0)
+def _missed_by_both(decision: Decision) -> str:
+    side = decision.first
+    return f"Both miss {side.missed or 'none'} of {side.judged:,} verdicts"
 
 
-def _certainty(decision: Decision) -> str:
+def class_of(severity: str, classes: int) -> str:
+    """Verdicts of a class of severity: ``critical verdicts``; of the only one that has no name ``verdicts``."""
+    return f"{severity} verdicts" if severity else "verdicts" if classes == 1 else "verdicts without a severity"
+
+
+def share_text(slack: float) -> str:
+    """A least margin, as a share of its bound."""
+    from dse.units import shown
+
+    return f"{shown(100 * slack, 3)} %" if math.isfinite(slack) else "undefined"
+
+
+def title_of(name: str, definition: StudyDefinition) -> str:
+    """What a metric is called; a sum of properties by its name."""
+    return next((metric.title for metric in definition.metrics if metric.name == name and metric.title), name)
+
+
+def certainty_text(decision: Decision) -> str:
+    """How sure the differences are."""
     random = [each for each in decision.pairs if each.low < each.high]
     if not decision.pairs:
-        return "They have no case in common."
+        return "They have no condition in common."
     if not random:
         return "These runs have no noise: the differences are exact."
     if all(each.draws == 1 for each in random):
@@ -103,7 +137,7 @@ def _counted(pairs: list[PairedDraws], leading: Interval | None) -> str:
     both, a, b, neither = (
         sum(getattr(each, what) for each in pairs) for what in ("both", "first", "second", "neither")
     )
-    text = f"both meet it in {both} draws, only A in {a}, only B in {b}, neither in {neither} ({len(pairs)} cases)"
+    text = f"both meet it in {both} draws, only A in {a}, only B in {b}, neither in {neither} ({len(pairs)} verdicts)"
     if leading is None or math.isnan(leading.value):
         return text
     share = " … ".join(f"{100 * end:.0f}" for end in (leading.low, leading.high))
@@ -116,7 +150,7 @@ def _show_cases(decision: Decision, definition: StudyDefinition, named: Mapping[
         return
     requirements = {each.name: each for each in definition.requirements}
     heads = ("rate of A less B", "from", "to", "only A", "only B", "of draws", "margin of A less B")
-    table = plain_table("requirement", "case", *heads, "a bound that only one meets", right=heads)
+    table = plain_table("requirement", "condition", *heads, "a bound that only one meets", right=heads)
     for each in sorted(certain, key=lambda one: -abs(one.difference)):
         shares = (f"{100 * share:+.0f} %" for share in (each.difference, each.low, each.high))
         unit = requirements[each.requirement].unit
@@ -153,16 +187,17 @@ def _changes(decision: Decision, definition: StudyDefinition) -> Iterator[str]:
         yield f"{named[change.requirement]}: with {bound}, {_NAMES[change.ahead]} is ahead"
     if not decision.bounds:
         yield "no other bound of a single requirement changes the order"
-    if decision.first.missed != decision.second.missed:
+    if decision.ahead and decision.by <= 2 * len(decision.first.counts):
         if decision.objectives:
-            names = ", ".join(each.name for each in decision.objectives)
+            names = ", ".join(title_of(each.name, definition) for each in decision.objectives)
             yield f"the order follows from the verdicts: no other value of {names} changes it"
         return
     units = dict(zip((each.name for each in decision.objectives), decision.units, strict=True))
     for each in decision.changes:
         ways = ("higher", "lower") if each.change > 0 else ("lower", "higher")
         by = _difference(abs(each.change), units[each.objective]).lstrip("+")
-        yield f"{each.objective}: {_CHANGED.format(ways[0], by, ways[1], f'{_NAMES[each.ahead]} is ahead')}"
+        then = f"{_NAMES[each.ahead]} is ahead"
+        yield f"{title_of(each.objective, definition)}: {_CHANGED.format(ways[0], by, ways[1], then)}"
 
 
 def _bound(requirement: DefinedRequirement, change: BoundChange) -> str:
@@ -205,7 +240,9 @@ def _show_effects(decision: Decision, definition: StudyDefinition, named: Mappin
     print_table(table)
 
 
-def _assumed(decision: Decision, varied: set[str]) -> str:
+def assumed_text(decision: Decision, definition: StudyDefinition) -> str:
+    """Which of the assumed numbers of both designs the study varies."""
+    varied = {variable.name for variable in definition.variables}
     if decision.assumed is None:
         return "Which numbers are assumed was not kept with this study."
     if not decision.assumed:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from dse.cli.arguments import Output
+from dse.cli.choice import show_choice
 from dse.cli.endings import DONE, RUNS_FAILED
 from dse.cli.ranking import show_ranking
 from dse.cli.terminal import (
@@ -144,6 +145,8 @@ def _show_outcome(study: Study, results: Results, summary: Summary, explored: Ex
             show_ranking(results, results.best(_MOST_SHOWN), study)
         else:
             print_findings(results.essentials())
+    if not following.startswith("dse merge") and summary.finished <= _MOST_LOOKED_AT:
+        show_choice(results.choice(), results.definition, briefly=True)
     if summary.failures:
         screen.print("to try failed runs again: the same command with --retry-failed", soft_wrap=True)
     screen.print(f"next: {following}", soft_wrap=True)

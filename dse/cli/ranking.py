@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from dse.cli.decision import share_text
 from dse.cli.terminal import plain_table, print_line, print_table
 from dse.domain.sampler import Role
 
 if TYPE_CHECKING:
-    from dse.analysis import Ranking, Standing
+    from dse.analysis import Ranking
     from dse.api import Results
     from dse.domain.definition import StudyDefinition
     from dse.domain.study import Study
@@ -52,7 +53,7 @@ def _print_table(results: Results, found: Ranking) -> None:
         f"sum({each.name})" if each.is_total else each.name if each.is_expected else f"{over}{each.name}"
         for each in found.objectives
     ]
-    ordered = headings or ["least margin"]
+    ordered = headings or ["least margin, of the bound"]
     table = plain_table(
         "", "configuration", *ordered, *varied, *shown, *(f"{of_margin}{m} margin" for m in margins), "runs"
     )
@@ -64,7 +65,7 @@ def _print_table(results: Results, found: Ranking) -> None:
             mark,
             each.configuration,
             *(quantity(value, unit_of_objective(definition, objective)) for value, objective in values),
-            *([] if headings else [_least(each, definition)]),
+            *([] if headings else [share_text(each.slack)]),
             *(quantity(each.point[name], units[name]) if name in each.point else "–" for name in varied),
             *(choices[place].get(path, "–") for path in shown),
             *(
@@ -78,17 +79,6 @@ def _print_table(results: Results, found: Ranking) -> None:
         print_line(f"  {line}")
     if len(differing) > len(shown):
         print_line(f"they differ in {len(differing) - len(shown)} more places; --format json lists all")
-
-
-def _least(each: Standing, definition: StudyDefinition) -> str:
-    """The least margin of a design: as a share of the bound, but of a bound at 0 in its unit."""
-    from dse.analysis import is_at_zero
-    from dse.api import difference, quantity
-
-    tightest = next((entry for entry in definition.requirements if entry.name == each.tightest), None)
-    if tightest is not None and is_at_zero(tightest):
-        return difference(each.margins[tightest.name], tightest.unit)
-    return "–" if each.slack == float("inf") else quantity(each.slack, "%")
 
 
 def _worst_conditions(found: Ranking, definition: StudyDefinition) -> Iterator[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,14 +14,13 @@ from pair_cases import PAIR_CASES, pair_table
 
 from dse.analysis import decide_between
 from dse.analysis.decision import (
-    better_in_all,
     bound_changes,
-    by_verdicts,
     effect_of,
     is_price,
     objective_changes,
     student,
 )
+from dse.analysis.order import ahead_by
 from dse.storage import RunTable, over_draws
 
 NAN = math.nan
@@ -82,23 +82,44 @@ def test_two_designs_are_decided_between_as_on_the_page(table: RunTable, wanted:
         assert near(interval(effect.change), expected["change"])
 
 
+def keys_of(missed: Any, open_: Any, tie: int) -> Any:
+    """Keys of both designs: missed verdicts for certain, open ones, and what decides a tie."""
+    ties = {1: (0.0, 1.0), 0: (0.0, 0.0), -1: (1.0, 0.0)}[tie]
+    return tuple((0.0, float(m - o), float(o), last) for m, o, last in zip(missed, open_, ties, strict=True))
+
+
+def sides_of(case: dict[str, Any]) -> Iterator[list[tuple[float, bool]]]:
+    for name, left in zip(("first", "second"), case["doubtful"], strict=True):
+        missed = [n for n, each in enumerate(case[name]) if each is not None and each < 0][:left]
+        yield [(NAN if each is None else each, n in missed) for n, each in enumerate(case[name])]
+
+
 @pytest.mark.parametrize("case", PAIR_CASES["bounds"])
 def test_bounds_that_change_the_order_are_found(case: dict[str, Any]) -> None:
-    sides = [[NAN if each is None else each for each in case[name]] for name in ("first", "second")]
-    assert [list(each) for each in bound_changes(*sides, tuple(case["missed"]), case["tie"])] == case["changes"]
+    keys = keys_of(case["missed"], case["doubtful"], case["tie"])
+    assert [list(each) for each in bound_changes(*sides_of(case), keys, 0)] == case["changes"]
 
 
 @given(
-    st.lists(st.integers(-4, 4), min_size=1, max_size=5),
-    st.lists(st.integers(-4, 4), min_size=1, max_size=5),
+    st.lists(st.tuples(st.integers(-4, 4), st.booleans()), min_size=1, max_size=5),
+    st.lists(st.tuples(st.integers(-4, 4), st.booleans()), min_size=1, max_size=5),
     st.integers(-1, 1),
 )
-def test_no_smaller_move_of_the_bound_changes_the_order(first: list[int], second: list[int], tie: int) -> None:
+def test_no_smaller_move_of_the_bound_changes_the_order(
+    first: list[tuple[int, bool]], second: list[tuple[int, bool]], tie: int
+) -> None:
     def ahead(shift: float) -> int:
-        return by_verdicts(sum(each < shift for each in first), sum(each < shift for each in second), tie)
+        missed = [sum(margin < shift for margin, _ in own) for own in (first, second)]
+        unsure = [sum(margin < min(shift, 0) and is_open for margin, is_open in own) for own in (first, second)]
+        return ahead_by(*keys_of(missed, unsure, tie))[0]
 
-    missed = sum(each < 0 for each in first), sum(each < 0 for each in second)
-    for shift, then in bound_changes(first, second, missed, tie):
+    keys = keys_of(
+        [sum(margin < 0 for margin, _ in own) for own in (first, second)],
+        [sum(margin < 0 and is_open for margin, is_open in own) for own in (first, second)],
+        tie,
+    )
+    sides: Any = [[(margin, is_open and margin < 0) for margin, is_open in own] for own in (first, second)]
+    for shift, then in bound_changes(*sides, keys, 0):
         beyond = shift if shift < 0 else shift + 0.5
         assert ahead(beyond) == then != ahead(0)
         for step in np.arange(0, beyond, math.copysign(0.5, beyond)):
@@ -106,14 +127,15 @@ def test_no_smaller_move_of_the_bound_changes_the_order(first: list[int], second
 
 
 @pytest.mark.parametrize("case", PAIR_CASES["objectives"])
-def test_objectives_that_change_the_order_are_found(case: dict[str, Any]) -> None:
-    values = [tuple(pair) for pair in case["values"]]
-    assert better_in_all(values) == case["ahead"]
+def test_the_objective_that_changes_the_order_is_found(case: dict[str, Any]) -> None:
+    values = [tuple(math.inf if each is None else each for each in pair) for pair in case["values"]]
+    first, second = zip(*values, strict=True)
+    assert ahead_by(first, second)[0] == case["ahead"]
     assert [list(each) for each in objective_changes(values)] == case["changes"]
     for n, change, then in objective_changes(values):
         beyond = change * (1 + 1e-9)
-        moved = [(a + beyond * (k == n), b) for k, (a, b) in enumerate(values)]
-        assert better_in_all(moved) == then
+        moved = [a + beyond * (k == n) for k, a in enumerate(first)]
+        assert ahead_by(tuple(moved), second)[0] == then
 
 
 def test_a_straight_line_through_many_values_is_that_of_least_squares() -> None:

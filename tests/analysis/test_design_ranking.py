@@ -12,7 +12,6 @@ from dse.analysis import (
     around_designs,
     best_boxes,
     claim,
-    is_at_zero,
     objectives_of,
     of_box,
     ranked,
@@ -220,12 +219,3 @@ def test_each_objective_is_told_with_the_conditions_where_it_is_worst():
     assert [each.at for each in priced.best] == [({}, {"slope": 1.0})]
     level = _table(("small", 0.2, 0, 5.0, 0.1), ("small", 0.2, 1, 5.0, 0.2), ("small", 0.3, 0, 6.0, 0.2))
     assert ranked(level, [USE], 5).best[0].at == ({},)
-
-
-def test_the_requirement_with_the_least_margin_is_named_and_a_bound_at_0_has_no_share():
-    (first, *_) = ranked(_table(*RUNS), [], 5).best
-    assert first.tightest == "R1"
-    requirement = _table(*RUNS).header.definition.requirements[0]
-    assert not is_at_zero(requirement)
-    assert is_at_zero(replace(requirement, at_most=0.0))
-    assert not is_at_zero(replace(requirement, at_most=0.0, at_least=-1.0))

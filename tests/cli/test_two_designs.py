@@ -23,7 +23,7 @@ def test_two_designs_are_decided_between(study: Path, tmp_path: Path) -> None:
     lines = done.stdout.splitlines()
     assert lines[0] == "A  a: cost 300 EUR, part a"
     assert lines[2:4] == [
-        "Both miss 2 of 3 verdicts. B is ahead: it is better in cost.",
+        "Both miss 2 of 3 verdicts. B is ahead: its cost is 200 EUR, that of A 300 EUR.",
         (
             "In the same draws, the rates differ with 95 % confidence in none of 3 verdicts: with other draws the"
             " order may differ."

@@ -27,7 +27,10 @@ def test_the_tutorial_leads_from_an_empty_folder_to_a_report(
     assert "(estimated from 21 of 108 designs)" in learnt
     assert "all requirements: met at both conditions if keeper.gain > 140 kg/s and keeper.rate > 15 kg/s2: " in learnt
     assert "robot.mass is" not in learnt
-    ranked = said["dse best gains --minimize roughness"].splitlines()
+    choice, _, ranking = said["dse best gains --minimize roughness"].partition("\nof 108 designs")
+    assert choice.startswith("which design:\n  P gain 148.2 kg/s, I gain 30 kg/s2 (")
+    assert "It meets all 3 requirements in both conditions: 6 verdicts. 21 of 108 designs do." in choice
+    ranked = f"of 108 designs{ranking}".splitlines()
     assert ranked[0].startswith("of 108 designs 21 meet all requirements")
     assert re.search(r"148\.2 kg/s +30 kg/s2", ranked[2])
     assert (here / "out" / "gains" / "report.html").stat().st_size > 100_000

@@ -205,6 +205,8 @@ def test_turning_a_direction_around_moves_the_front(priced: ReportContent, open_
     after = [place for place, row in board(page).items() if row["Front"]]
     dearest = DESIGNS.index(("lidar", "disc", 0.75))
     assert after == [dearest] != before
+    page.click("[data-leader=score]")
+    settle(page)
     assert next(iter(board(page))) == dearest
     page.fill("[id='weight-property.0']", "0")
     page.select_option("[id='way-metric.0']", "min")

@@ -11,7 +11,7 @@ from playwright.sync_api import Page
 from report_pages import settle
 
 from dse.analysis import decide_between
-from dse.report import ReportContent, read_content
+from dse.report import ReportContent, read_content, read_report
 from dse.storage import RunTable
 
 pytestmark = [pytest.mark.browser, pytest.mark.thorough]
@@ -38,7 +38,9 @@ def test_two_designs_are_chosen_by_keyboard_and_decided_between(
         settle(page)
     assert "pair.designs=" in page.evaluate("new Promise(done => setTimeout(() => done(location.hash), 400))")
     found = decide_between(table, "0", str(table.configurations.index("b")))
-    assert page.inner_text("#pair-order") == "Both miss 2 of 3 verdicts. B is ahead: it is better in cost."
+    assert page.inner_text("#pair-order") == (
+        "Both miss 2 of 3 verdicts. B is ahead: its cost is 200\u202fEUR, that of A 300\u202fEUR."
+    )
     totals = page.locator("#pair-totals tbody td").all_inner_texts()
     draws = [sum(getattr(pair, what) for pair in found.pairs) for what in ("both", "first", "second", "neither")]
     assert totals[:7] == ["3", "1", "1", *map(str, draws)]
@@ -61,3 +63,23 @@ def test_a_threshold_that_is_moved_is_judged_in_every_draw(studied: tuple[RunTab
     settle(page)
     assert "Both miss none of 3 verdicts" in page.inner_text("#pair-order")
     assert page.locator("#pair-totals tbody td").all_inner_texts()[3:7] == ["15", "0", "0", "0"]
+
+
+def test_the_overview_names_the_design_to_take_at_the_thresholds_that_are_set(
+    studied: tuple[RunTable, Path], open_report: Open
+) -> None:
+    _, folder = studied
+    page = open_report(read_report(folder))
+    page.click("#tab-overview")
+    settle(page)
+    assert page.inner_text("#choice-name") == "q (q, run 63)"
+    page.click("#choice-worst")
+    settle(page)
+    assert page.get_attribute("#tab-plot", "aria-selected") == "true"
+    page.evaluate("location.hash = 'view=overview&bounds=0:-100:'")
+    settle(page)
+    assert page.inner_text("#choice-name").startswith("b (b, run ")
+    assert "6 of 6 designs do." in page.inner_text("#choice")
+    page.click("#choice-against")
+    settle(page)
+    assert "A is ahead" in page.inner_text("#pair-order")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from numpy.typing import NDArray
 
-    from dse.analysis import Decision, Finding, Ranking
+    from dse.analysis import Choice, Decision, Finding, Ranking
     from dse.api.studies.replay import Replay
     from dse.api.studies.single_run import Tell
     from dse.domain import study as nouns
@@ -300,6 +300,17 @@ class Results:
         def answer(folder: StudyFolder) -> Decision:
             notes = folder.notes()
             return decide_between(folder.table(), one, other, notes.assumed if notes else None)
+
+        return self._read(answer)
+
+    def choice(self, ranking: Ranking | None = None) -> Choice | None:
+        """The design to take, the next one, and what decides between them; under the objectives of *ranking*, else the
+        study's. None for a study without requirements or with one design, and if none was run at all conditions."""
+        from dse.analysis import choice_of
+
+        def answer(folder: StudyFolder) -> Choice | None:
+            notes = folder.notes()
+            return choice_of(folder.table(), notes.assumed if notes else None, ranking.objectives if ranking else None)
 
         return self._read(answer)
 

@@ -8,6 +8,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import SI, Folder, Format, Maximize, Minimize, Output, units_word
+from dse.cli.choice import show_choice
 from dse.cli.ranking import show_ranking
 from dse.cli.terminal import print_json
 
@@ -28,7 +29,8 @@ def best(
     """Rank the designs of a study, and show what would have to change for another one to win.
 
     A design is a configuration with values for its variables. It must meet all requirements under all conditions.
-    Without an objective, designs are ordered by their smallest margin.
+    First names the design to take, also if none meets all requirements. Without an objective, designs are ordered by
+    their smallest margin.
     """
     from dse.api import Results
 
@@ -70,4 +72,5 @@ def _show(results: Results, found: Ranking, form: Output, units: str) -> None:
 
         print_json(ranking_as_data(found, results.definition, units))
     else:
+        show_choice(results.choice(found), results.definition)
         show_ranking(results, found, results.study())

@@ -79,7 +79,8 @@ class RequirementRow:
 
     *unsettled*: finer numerics may change the verdict, whatever the margin. Where it is absent, that was not looked at.
     *draws*, (4, n): how many met it, of how many, and between which rates that leaves it, of which *met_in* is asked
-    for; absent where no run was made with several. It *applies* to these runs; to all where that is absent.
+    for; absent where no run was made with several. It *applies* to these runs; to all where that is absent. *level* is
+    the place of its severity among those of the study, 0 for the highest.
     """
 
     name: str
@@ -92,6 +93,7 @@ class RequirementRow:
     draws: Floats | None = None
     met_in: float = 1.0
     applies: Flags | None = None
+    level: int = 0
     origin: tuple[tuple[str, str], ...] = ()
 
 

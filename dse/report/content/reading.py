@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.analysis import noisy
+from dse.analysis import noisy, severity_levels
 from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.definition import (
     DefinedConfiguration,
@@ -130,7 +130,10 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
         ),
         tuple(map(_variable, definition.variables, table.coordinates().T, lacking(table.header))),
         tuple(_metric(m, table) for m in definition.metrics if not m.error_of),
-        tuple(_requirement(entry, table, units[entry.metric]) for entry in definition.requirements),
+        tuple(
+            _requirement(entry, level, table, units[entry.metric])
+            for entry, level in zip(definition.requirements, severity_levels(definition), strict=True)
+        ),
         figures,
         table.header.slices or (),
         _facts(folder, table, told),
@@ -231,7 +234,7 @@ def _are_apart(entry: DefinedVariable) -> bool:
     return bool(entry.labels) or (bool(values) and (len(values) < _FEW or wide))
 
 
-def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> RequirementRow:
+def _requirement(entry: DefinedRequirement, level: int, table: RunTable, unit: Unit) -> RequirementRow:
     nothing = [VERDICTS.index(verdict) for verdict in (Verdict.NOT_EXERCISED, Verdict.NOT_APPLICABLE)]
     exercised = table.done & ~np.isin(table.verdicts(entry.name), nothing)
     low, high = _bound(entry.at_least, unit), _bound(entry.at_most, unit)
@@ -252,7 +255,7 @@ def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> Requ
         "counts when": entry.exercised_when or "",
     }
     said = tuple((name, text) for name, text in origin.items() if text)
-    return RequirementRow(*given, exercised, unsettled, draws, entry.met_in, applies, said)
+    return RequirementRow(*given, exercised, unsettled, draws, entry.met_in, applies, level, said)
 
 
 def _draws(table: RunTable, column: int) -> Floats | None:

@@ -93,6 +93,7 @@ def _document(content: ReportContent) -> Json:
                 "atMost": r.at_most,
                 "atLeast": r.at_least,
                 "metIn": r.met_in,
+                "level": r.level,
                 "origin": r.origin,
             }
             for r in content.requirements

@@ -1,11 +1,10 @@
 // Which of two designs is ahead, and what would have to change, as dse/analysis/decision.py has it: both are tested with
 // tests/pair_cases.json.
 import { groupingOf } from "./grouping";
+import { type Ahead, type Aim, aheadBy, type DesignOrder } from "./order";
 import { type Counts, counted, type Interval, leading, mean, NORMAL } from "./pairs";
 import type { Study, Variable } from "./study";
-import { FAIL, FAILED, type Judgement, margin, PASS, type Threshold } from "./verdicts";
-
-export type Ahead = 1 | 0 | -1;
+import { FAIL, isDoubtful, type Judgement, margin, PASS, type Threshold } from "./verdicts";
 
 /** A requirement in a case: the runs of both designs, with the margins of the draws that decide. */
 export interface Case {
@@ -28,6 +27,8 @@ export interface Decision {
   missed: [number, number];
   judged: [number, number];
   ahead: Ahead;
+  /** The column of the order that decides, -1 if none does. */
+  by: number;
   /** In the order of `aimsOf`. */
   objectives: [number, number][];
   cases: Case[];
@@ -37,15 +38,6 @@ export interface Decision {
   bounds: { requirement: number; shift: number; ahead: Ahead }[];
   changes: { objective: number; change: number; ahead: Ahead }[];
   effects: Effect[];
-}
-
-export interface Aim {
-  title: string;
-  unit: string;
-  text: (value: number) => string;
-  /** Of a design. */
-  value: (design: number) => number;
-  maximize: boolean;
 }
 
 /** Whether single draws are in the page, wherever points have several. */
@@ -59,42 +51,55 @@ export function decide(
   thresholds: Threshold[],
   { each }: Judgement,
   aims: Aim[],
+  order: DesignOrder,
   first: number,
   second: number,
 ): Decision {
   const used = study.requirements.map((_, index) => index).filter((index) => !thresholds[index]!.off);
-  const [one, other] = [first, second].map((design) => sideOf(study, thresholds, each, used, design)) as [Side, Side];
-  const missed: [number, number] = [one.missed, other.missed];
-  const objectives = aims.map((aim): [number, number] => [aim.value(first), aim.value(second)]);
-  const signed = objectives.map(([a, b], index): [number, number] => (aims[index]!.maximize ? [-a, -b] : [a, b]));
-  const tie = betterInAll(signed);
+  const { rows, start } = groupingOf(study);
+  const [one, other] = [first, second].map((design) => rows.subarray(start[design]!, start[design + 1]!)) as [
+    Int32Array,
+    Int32Array,
+  ];
+  const keys = [first, second].map((design) => order.keys.map((column) => column[design]!)) as [number[], number[]];
+  const [ahead, by] = aheadBy(order.keys, first, second);
+  const objectives = aims.map(({ values }): [number, number] => [values[first]!, values[second]!]);
   const paired = (runs: Int32Array, others: Int32Array): Case[] => pairsOf(study, thresholds, each, used, runs, others);
-  const cases = paired(one.runs, other.runs);
+  const cases = paired(one, other);
   const found = (variable: number): [number, Case][] =>
     study.variables[variable]!.role === "design"
       ? siblings(study, variable, first, second, paired)
       : cases.map((entry) => [study.variables[variable]!.values[entry.runs[0]]!, entry]);
+  const total = (what: "judged" | "certain" | "doubtful", design: number): number =>
+    order.classes.reduce((sum, counts) => sum + counts[what][design]!, 0);
+  const last = 1 + 2 * order.classes.length;
+  const margins = (index: number, runs: Int32Array): Missable[] => marginsOf(study, thresholds, each, index, runs);
   return {
-    missed,
-    judged: [one.judged, other.judged],
-    ahead: byVerdicts(missed, tie),
+    missed: [first, second].map((design) => total("certain", design) + total("doubtful", design)) as [number, number],
+    judged: [total("judged", first), total("judged", second)],
+    ahead,
+    by,
     objectives,
     cases,
     leading: study.requirements.map((_, index) => {
       const own = cases.filter(({ requirement, counts }) => requirement === index && isRandom(counts));
       return own.length ? leading(own.map(({ counts }) => counts)) : null;
     }),
-    bounds: used.flatMap((index) =>
-      boundChanges(one.margins[index]!, other.margins[index]!, missed, tie).map(([shift, ahead]) => ({
+    bounds: used.flatMap((index) => {
+      const column = 1 + 2 * order.classes.findIndex(({ level }) => level === study.requirements[index]!.level);
+      return boundChanges(margins(index, one), margins(index, other), keys, column).map(([shift, then]) => ({
         requirement: index,
         shift,
-        ahead,
-      })),
-    ),
-    changes: (one.missed === other.missed ? objectiveChanges(signed) : []).map(([objective, change, ahead]) => ({
+        ahead: then,
+      }));
+    }),
+    changes: (ahead && by < last
+      ? []
+      : objectiveChanges(aims.map((_, index) => [keys[0][last + index]!, keys[1][last + index]!]))
+    ).map(([objective, change, then]) => ({
       objective,
       change: aims[objective]!.maximize ? -change : change,
-      ahead,
+      ahead: then,
     })),
     effects: study.variables.flatMap((_, variable) => {
       const pairs = found(variable);
@@ -115,56 +120,64 @@ export function isCertain({ low, high }: Interval): boolean {
   return low > 0 || high < 0;
 }
 
-export function byVerdicts([first, second]: [number, number], tie: Ahead): Ahead {
-  return first === second ? tie : first < second ? 1 : -1;
-}
-
-/** Who is better in one of the values of both, to be small, and worse in none. */
-export function betterInAll(values: [number, number][]): Ahead {
-  const signs = new Set(values.map(([a, b]) => Math.sign(b - a)).filter((sign) => sign));
-  return signs.size === 1 ? ([...signs][0] as Ahead) : 0;
-}
+/** A margin, and whether it is missed but doubtful. */
+export type Missable = [number, boolean];
 
 /** By how much a bound must be moved for another design to be ahead, and which; the looser one first. A bound that
- * neither meets anywhere is no answer. */
+ * neither meets anywhere is no answer. In the keys, *column* counts misses for certain, and the next one doubtful ones. */
 export function boundChanges(
-  first: number[],
-  second: number[],
-  missed: [number, number],
-  tie: Ahead,
+  first: Missable[],
+  second: Missable[],
+  keys: [number[], number[]],
+  column: number,
 ): [number, Ahead][] {
-  const margins = [first, second].map((own) => own.map((each) => (Number.isNaN(each) ? -Infinity : each)));
-  const others = margins.map((own, side) => missed[side]! - own.filter((each) => each < 0).length);
-  const now = byVerdicts(missed, tie);
-  const at = [...new Set(margins.flat())].filter(Number.isFinite).sort((a, b) => a - b);
-  const change = (shifts: number[], fails: (each: number, shift: number) => boolean): [number, Ahead][] => {
+  const sides = [first, second].map((own) =>
+    own.map(([margin, doubtful]): Missable => [Number.isNaN(margin) ? -Infinity : margin, doubtful]),
+  );
+  const all = sides.flat().map(([margin]) => margin);
+  const aheadWith = (fails: (margin: number) => boolean): Ahead => {
+    const moved = keys.map((key, side) => {
+      const change = (doubtful: boolean): number =>
+        sides[side]!.reduce(
+          (sum, [by, state]) => (state === doubtful ? sum + Number(fails(by)) - Number(by < 0) : sum),
+          0,
+        );
+      const now = [...key];
+      now[column]! += change(false);
+      now[column + 1]! += change(true);
+      return now;
+    });
+    return aheadBy(
+      moved[0]!.map((value, place) => [value, moved[1]![place]!]),
+      0,
+      1,
+    )[0];
+  };
+  const now = aheadWith((by) => by < 0);
+  const at = [...new Set(all)].filter(Number.isFinite).sort((a, b) => a - b);
+  const change = (shifts: number[], fails: (by: number, shift: number) => boolean): [number, Ahead][] => {
     for (const shift of shifts) {
-      const then = margins.map((own, side) => others[side]! + own.filter((each) => fails(each, shift)).length);
-      if (margins.flat().every((each) => fails(each, shift))) break;
-      const ahead = byVerdicts(then as [number, number], tie);
+      if (all.every((by) => fails(by, shift))) break;
+      const ahead = aheadWith((by) => fails(by, shift));
       if (ahead !== now) return [[shift, ahead]];
     }
     return [];
   };
   return [
-    ...change(at.filter((each) => each < 0).reverse(), (each, shift) => each < shift),
+    ...change(at.filter((by) => by < 0).reverse(), (by, shift) => by < shift),
     ...change(
-      at.filter((each) => each >= 0),
-      (each, shift) => each <= shift,
+      at.filter((by) => by >= 0),
+      (by, shift) => by <= shift,
     ),
   ];
 }
 
-/** Which of the values of both alone alters who is ahead: its number, by how much, and who is ahead then. */
+/** Which of the values of both, to be small, alters who is ahead: its number, by how much, and who is ahead then. Only
+ * the first in which they differ does. */
 export function objectiveChanges(values: [number, number][]): [number, number, Ahead][] {
-  const now = betterInAll(values);
-  return values.flatMap(([a, b], index): [number, number, Ahead][] => {
-    if (Number.isNaN(b - a) || a === b) return [];
-    const others = values.filter((_, place) => place !== index);
-    if (others.every(([one, other]) => one === other)) return [[index, b - a, -now as Ahead]];
-    const rest = betterInAll(others);
-    return rest ? [[index, b - a, now ? 0 : rest]] : [];
-  });
+  const index = values.findIndex(([a, b]) => a !== b);
+  const [a, b] = values[index] ?? [NaN, NaN];
+  return Number.isFinite(b - a) ? [[index, b - a, a < b ? -1 : 1]] : [];
 }
 
 const MOST_LEVELS = 12;
@@ -227,31 +240,21 @@ function interval(value: number, error: number, factor: number): Interval {
   return { value, low: value - factor * error, high: value + factor * error };
 }
 
-interface Side {
-  runs: Int32Array;
-  missed: number;
-  judged: number;
-  margins: number[][];
-}
-
-function sideOf(study: Study, thresholds: Threshold[], each: Uint8Array[], used: number[], design: number): Side {
-  const { rows, start } = groupingOf(study);
-  const runs = rows.subarray(start[design]!, start[design + 1]!);
-  const side: Side = { runs, missed: 0, judged: 0, margins: study.requirements.map(() => []) };
-  for (const index of used) {
-    const { values } = study.metrics[study.requirements[index]!.metric]!;
-    let [met, missed] = [0, 0];
-    for (const run of runs) {
-      const mark = each[index]![run];
-      if (mark === PASS) met++;
-      else if (mark === FAIL || mark === FAILED) missed++;
-      if (mark === PASS || mark === FAIL) side.margins[index]!.push(margin(values[run]!, thresholds[index]!));
-    }
-    // What no run exercises is not met.
-    side.missed += missed || (met ? 0 : 1);
-    side.judged += met + missed || 1;
-  }
-  return side;
+/** Of the runs of a design that are judged. */
+function marginsOf(
+  study: Study,
+  thresholds: Threshold[],
+  each: Uint8Array[],
+  index: number,
+  runs: Int32Array,
+): Missable[] {
+  const { values } = study.metrics[study.requirements[index]!.metric]!;
+  const threshold = thresholds[index]!;
+  return Array.from(runs).flatMap((run): Missable[] => {
+    const mark = each[index]![run];
+    if (mark !== PASS && mark !== FAIL) return [];
+    return [[margin(values[run]!, threshold), mark === FAIL && isDoubtful(study, index, run, threshold)]];
+  });
 }
 
 /** Runs by what is imposed on them. */

@@ -3,8 +3,18 @@
 
 import { type Grouping, groupingOf } from "./grouping";
 import type { Study } from "./study";
-import { FAIL, FAILED, type Judgement, judge, margin, NOT_EXERCISED, PASS, type Threshold } from "./verdicts";
-import { marginText, scaleOf } from "./views/shared/margins";
+import {
+  FAIL,
+  FAILED,
+  isDoubtful,
+  type Judgement,
+  judge,
+  margin,
+  NOT_EXERCISED,
+  PASS,
+  type Threshold,
+} from "./verdicts";
+import { scaleOf } from "./views/shared/margins";
 
 export interface Standing {
   /** Overall mark of each design; `PASS` is feasible. */
@@ -18,8 +28,11 @@ export interface Standing {
   slack: Float64Array;
   /** The requirement whose margin that is; -1 if there is none. */
   decidedBy: Int32Array;
-  /** How many requirements are not met; infinite where a run failed to run. */
-  missed: Float64Array;
+  /** By requirement: how many verdicts each design has, how many are missed for certain, and how many missed ones are
+   * doubtful. What no run exercises is one doubtful verdict. */
+  judged: Int32Array[];
+  certain: Int32Array[];
+  doubtful: Int32Array[];
   /** The run that decides: one that failed to run, else that of the least slack, else the first. */
   deciding: Int32Array;
 }
@@ -55,12 +68,14 @@ export function standingOf(
     worst: each.map(() => new Int32Array(size).fill(-1)),
     slack: new Float64Array(size).fill(NaN),
     decidedBy: new Int32Array(size).fill(-1),
-    missed: new Float64Array(size),
+    judged: each.map(() => new Int32Array(size)),
+    certain: each.map(() => new Int32Array(size)),
+    doubtful: each.map(() => new Int32Array(size)),
     deciding: new Int32Array(size),
   };
   each.forEach((marks, index) => judgeOne(study, grouping, thresholds[index]!, index, marks, standing));
   const counted = each.map((_, index) => index).filter((index) => !thresholds[index]!.off);
-  const { mark, slack, missed, deciding } = standing;
+  const { mark, slack, deciding } = standing;
   // Whether each requirement has a verdict on a design all of whose runs came to their end.
   const isKnown = new Uint8Array(size);
   for (let design = 0; design < size; design++) {
@@ -75,7 +90,6 @@ export function standingOf(
     mark[design] = failed ? FAILED : whole[design] ? PASS : NOT_EXERCISED;
     slack[design] = Infinity;
     isKnown[design] = failed ? 0 : 1;
-    missed[design] = failed ? Infinity : 0;
   }
   // Requirement by requirement: of a hundred thousand designs that is twice as fast as design by design.
   for (const index of counted) {
@@ -95,7 +109,6 @@ export function standingOf(
         standing.decidedBy[design] = index;
         deciding[design] = worst[design]!;
       }
-      if (one !== PASS) missed[design]!++;
     }
   }
   for (let design = 0; design < size; design++) if (!isKnown[design] || slack[design] === Infinity) slack[design] = NaN;
@@ -113,6 +126,7 @@ function judgeOne(
 ): void {
   const { values } = study.metrics[study.requirements[index]!.metric]!;
   const [each, margins, worst] = [standing.each[index]!, standing.margins[index]!, standing.worst[index]!];
+  const [judged, certain, doubtful] = [standing.judged[index]!, standing.certain[index]!, standing.doubtful[index]!];
   for (let design = 0; design < size; design++) {
     let found: number = NOT_EXERCISED;
     let least = Infinity;
@@ -120,6 +134,11 @@ function judgeOne(
     for (let i = start[design]!; i < start[design + 1]!; i++) {
       const run = rows[i]!;
       const mark = marks[run]!;
+      if (mark === FAIL || mark === FAILED) {
+        if (isDoubtful(study, index, run, threshold)) doubtful[design]!++;
+        else certain[design]!++;
+        judged[design]!++;
+      } else if (mark === PASS) judged[design]!++;
       if (mark === FAIL) found = FAIL;
       else if (mark === PASS && found !== FAIL) found = PASS;
       else if (mark === FAILED && found === NOT_EXERCISED) found = FAILED;
@@ -131,15 +150,10 @@ function judgeOne(
         at = run;
       }
     }
+    // What no run exercises is not met.
+    if (!judged[design]) judged[design] = doubtful[design] = 1;
     each[design] = found;
     margins[design] = Number.isFinite(least) ? least : NaN;
     worst[design] = at;
   }
-}
-
-/** The least margin of a design, as `marginText` has it. */
-export function slackText(study: Study, thresholds: Threshold[], standing: Standing, design: number): string {
-  const index = standing.decidedBy[design]!;
-  if (index < 0 || Number.isNaN(standing.slack[design]!)) return "\u2013";
-  return marginText(study, index, thresholds[index]!, standing.margins[index]![design]!);
 }

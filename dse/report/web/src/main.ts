@@ -6,11 +6,11 @@ import { createAnnouncement } from "./announcement";
 import { shownRuns } from "./counts";
 import { el } from "./dom";
 import { count } from "./format";
-import { groupingOf } from "./grouping";
+import { groupingOf, variablesOf } from "./grouping";
 import { startLive } from "./live";
 import { startingPoint } from "./plane/plane";
 import { createStore, type State, type Store, studyThresholds } from "./store";
-import { readStudy, type Study, type Variable } from "./study";
+import { readStudy, rowNoun, type Study, type Variable } from "./study";
 import { createTabs } from "./tabs";
 import { followTheme, startTheme } from "./theme";
 import { PASS } from "./verdicts";
@@ -80,15 +80,15 @@ function initial(study: Study, theme: State["theme"]): State {
 function header(store: Store, stack: () => void): HTMLElement {
   const { study } = store;
   const theme = followTheme(store);
-  const parts = [count(study.size, study.requirements.some(({ draws }) => draws) ? "point" : "run")];
+  const parts = [count(study.size, rowNoun(study))];
   if (study.configurations.length > 1) parts.push(count(study.configurations.length, "configuration"));
   const ofRole = (role: Variable["role"], noun: string): void => {
-    const those = study.variables.filter((variable) => variable.role === role).length;
+    const those = variablesOf(study, role).length;
     if (those) parts.push(count(those, noun));
   };
   if (store.designs().noun === "design") parts.push(count(groupingOf(study).size, "design"));
   ofRole("design", "design variable");
-  ofRole("condition", "condition");
+  if (variablesOf(study, "condition").length) parts.push(count(groupingOf(study).conditions, "condition"));
   ofRole("uncertain", "uncertain variable");
   parts.push(count(study.requirements.length, "requirement"));
   const button = el("button", { id: "theme", type: "button", click: theme.toggle }, "");
@@ -106,7 +106,7 @@ function header(store: Store, stack: () => void): HTMLElement {
     "header",
     {},
     el("h1", { title: study.title }, study.title),
-    el("span", { class: "muted" }, parts.join(" \u00b7 ")),
+    el("span", { class: "muted", title: parts.join(" \u00b7 ") }, parts.join(" \u00b7 ")),
     el("span", { class: "spring" }),
     el("span", { class: "tools" }, print, button),
   );

@@ -71,6 +71,8 @@ export interface Requirement {
   applies: Uint8Array | null;
   /** The share of the draws that is to meet it. */
   metIn: number;
+  /** The place of its severity among those of the study, 0 for the highest. */
+  level: number;
   /** What its author says of it, by name. */
   origin: [string, string][];
 }
@@ -181,7 +183,7 @@ interface Document {
     log: boolean;
   }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
-  requirements: Pick<Requirement, "name" | "title" | "metric" | "atMost" | "atLeast" | "metIn" | "origin">[];
+  requirements: Pick<Requirement, "name" | "title" | "metric" | "atMost" | "atLeast" | "metIn" | "level" | "origin">[];
   configurations: { id: string; choices: [string, string][]; noisy: boolean }[];
   properties: { name: string; title: string; unit: string; isPrice: boolean }[];
   composites: { name: string; title: string; unit: string }[];
@@ -296,6 +298,11 @@ export async function readStudy(): Promise<Study> {
     },
     waveforms: () => (waveforms ??= unpack(source.waveforms, block("waveforms"))),
   };
+}
+
+/** What a row of the study is: a run, or a point that was simulated with several draws. */
+export function rowNoun({ requirements }: Pick<Study, "requirements">): "run" | "point" {
+  return requirements.some(({ draws }) => draws) ? "point" : "run";
 }
 
 function labelled(labels: string[]): (Pick<Column, "text"> & { names: string[] }) | null {

@@ -1,12 +1,12 @@
 import { deepEqual, equal, ok } from "node:assert/strict";
 import test from "node:test";
 import cases from "../../../../tests/pair_cases.json";
-import { type Ahead, betterInAll, boundChanges, decide, effectOf, objectiveChanges } from "../src/decision";
+import { boundChanges, decide, effectOf, type Missable, objectiveChanges } from "../src/decision";
 import { groupingOf } from "../src/grouping";
-import type { Interval } from "../src/pairs";
+import { aheadBy, aimsOf, orderAt } from "../src/order";
+import { type Interval, leading } from "../src/pairs";
 import type { Study } from "../src/study";
-import { aimsOf } from "../src/views/pair/pair";
-import { certaintyOf, changesOf, orderOf } from "../src/views/pair/words";
+import { certaintyOf, changesOf, orderText } from "../src/views/pair/words";
 import { resultOf } from "../src/views/sheet/results";
 import { metric, near, requirement, storeOf, studyOf, variable } from "./study";
 
@@ -48,7 +48,8 @@ function paired(): Study {
         points.map((row) => row[3]),
       ),
     ],
-    requirements: [{ ...requirement(size, { atLeast: cases.at_least }), metIn: cases.met_in }],
+    requirements: [{ ...requirement(size, { atLeast: cases.at_least }), metIn: cases.met_in, draws: ratesOf(place) }],
+    objectives: [{ column: "property.0", maximize: false }],
     properties: [
       {
         name: "cost",
@@ -68,6 +69,25 @@ function paired(): Study {
   });
 }
 
+function ratesOf(place: (row: Row) => number) {
+  const rates = points.map((_, point) => {
+    const own = runs.filter((row) => place(row) === point);
+    const met = own.filter((row) => row[4] >= cases.at_least).length;
+    // The interval of draws that differ is Clopper and Pearson's, too.
+    const interval = leading([
+      { first: met, second: own.length - met, difference: { value: 0, low: Number(!own[0]![3]) - 1, high: 0 } },
+    ]);
+    return { met, judged: own.length, low: own[0]![3] ? interval.low : 1, high: own[0]![3] ? interval.high : 1 };
+  });
+  const column = (of: (rate: (typeof rates)[number]) => number): Float32Array => Float32Array.from(rates, of);
+  return {
+    met: column(({ met }) => met),
+    judged: column(({ judged }) => judged),
+    low: column(({ low }) => low),
+    high: column(({ high }) => high),
+  };
+}
+
 function same(found: Interval, wanted: (number | null)[]): void {
   const [value, low, high] = wanted.map((each) => each ?? NaN);
   ok(
@@ -83,12 +103,12 @@ for (const wanted of cases.decisions) {
     const grouping = groupingOf(study);
     const design = ([id, gain]: (string | number)[]): number =>
       grouping.of[points.findIndex((row) => row[0] === id && row[1] === gain)]!;
-    const aims = aimsOf(store);
     const found = decide(
       study,
       store.state.thresholds,
       store.judgement(),
-      aims,
+      aimsOf(study),
+      orderAt(store),
       design(wanted.first),
       design(wanted.second),
     );
@@ -132,13 +152,20 @@ for (const wanted of cases.decisions) {
 }
 
 test("bounds and objectives that change the order are those of Python", () => {
-  for (const { first, second, missed, tie, changes } of cases.bounds) {
-    const margins = [first, second].map((own) => own.map((each) => each ?? NaN)) as [number[], number[]];
-    deepEqual(boundChanges(...margins, missed as [number, number], tie as Ahead), changes);
+  for (const { first, second, doubtful, missed, tie, changes } of cases.bounds) {
+    const sides = [first, second].map((own, side) => {
+      const margins = own.map((each) => each ?? NaN);
+      const misses = margins.flatMap((each, place) => (each < 0 ? [place] : [])).slice(0, doubtful[side]);
+      return margins.map((each, place): Missable => [each, misses.includes(place)]);
+    }) as [Missable[], Missable[]];
+    const ties = [Number(tie < 0), Number(tie > 0)];
+    const keys = missed.map((all, side) => [0, all - doubtful[side]!, doubtful[side]!, ties[side]!]);
+    deepEqual(boundChanges(...sides, keys as [number[], number[]], 1), changes);
   }
   for (const { values, ahead, changes } of cases.objectives) {
-    equal(betterInAll(values as [number, number][]), ahead);
-    deepEqual(objectiveChanges(values as [number, number][]), changes);
+    const pairs = values.map(([a, b]) => [a ?? Infinity, b ?? Infinity]) as [number, number][];
+    equal(aheadBy(pairs, 0, 1)[0], ahead);
+    deepEqual(objectiveChanges(pairs), changes);
   }
 });
 
@@ -177,15 +204,18 @@ test("a decision is told in plain sentences", () => {
   const study = paired();
   const store = storeOf(study);
   const { thresholds } = store.state;
-  const aims = aimsOf(store);
+  const [aims, order] = [aimsOf(study), orderAt(store)];
   // Designs are in the order of their first runs: a with gains 0 and 1, then b.
-  const decision = decide(study, thresholds, store.judgement(), aims, 0, 2);
-  equal(orderOf(aims, decision), "Both miss 2 of 3 verdicts. B is ahead: it is better in cost.");
+  const decision = decide(study, thresholds, store.judgement(), aims, order, 0, 2);
+  equal(
+    orderText(aims, order, decision, [0, 2]),
+    "Both miss 2 of 3 verdicts. B is ahead: its cost is 200\u202fEUR, that of A 300\u202fEUR.",
+  );
   equal(
     certaintyOf(study, decision),
     "In the same draws, the rates differ with 95\u202f% confidence in none of 3 verdicts: with other draws the order may differ.",
   );
-  deepEqual(changesOf(study, thresholds, aims, decision), [
+  deepEqual(changesOf(study, thresholds, aims, order, decision), [
     "R: with at least 1.897 instead of 2, A is ahead.",
     "R: with more than 2.102 instead of 2, A is ahead.",
     "cost: if A\u2019s is lower by more than 100\u202fEUR, or B\u2019s higher by more than that, A is ahead.",

@@ -32,6 +32,7 @@ export function requirement(
     draws: null,
     applies: null,
     metIn: 0.95,
+    level: 0,
     origin: [],
   };
 }

@@ -7,7 +7,7 @@ import { standingOf, tightened } from "../src/judgement";
 import { conditionsInWords, pointsOf } from "../src/points";
 import { drawsAt, errorOf, isDoubtful, judge, margin, tally } from "../src/verdicts";
 import { aggregated } from "../src/views/designs/values";
-import { isAtZero, leastMargin, marginText, scaleOf } from "../src/views/shared/margins";
+import { leastMargin, marginWithShare, scaleOf, shareText } from "../src/views/shared/margins";
 import { metric, near, requirement, storeOf, studyOf, variable } from "./study";
 
 const WORDS = ["pass", "fail", "not exercised", "failed to run"];
@@ -154,10 +154,10 @@ test("the least margin of a run is a share over requirements that count and were
       requirement(2, { atMost: 1, exercised: [0, 1] }),
     ],
   });
-  ok(near(leastMargin(storeOf(study), 0).share, 1 / 9));
+  ok(near(leastMargin(storeOf(study), 0), 1 / 9));
   const off = study.requirements.map(({ atMost, atLeast }, index) => ({ atMost, atLeast, off: index === 1 }));
-  ok(near(leastMargin(storeOf(study, { thresholds: off }), 0).share, 0.2));
-  equal(leastMargin(storeOf(study), 1).share, NaN);
+  ok(near(leastMargin(storeOf(study, { thresholds: off }), 0), 0.2));
+  equal(leastMargin(storeOf(study), 1), NaN);
 });
 
 // y = 0.2 + load / 2 - gain is to be at most 0 at twelve gains k / 11, nine rates and two loads.
@@ -226,7 +226,7 @@ test("a design that lacks a condition is undecided, and one that misses a bound 
   const at = [{ atMost: 2, atLeast: null }];
   deepEqual([...standingOf(study, at, 0, judge(study, at)).mark], [0, 2, 1]);
   const failed = { ...study, done: Uint8Array.from([1, 0, 0, 1]) };
-  const { mark, each, missed, deciding } = standingOf(failed, at, 0, judge(failed, at));
+  const { mark, each, judged, certain, deciding } = standingOf(failed, at, 0, judge(failed, at));
   // Of the first design one run of two failed, of the second its only one.
   deepEqual(
     [[...mark], [...each[0]!]],
@@ -236,9 +236,10 @@ test("a design that lacks a condition is undecided, and one that misses a bound 
     ],
   );
   deepEqual(
-    [[...missed], [...deciding]],
+    [[...judged[0]!], [...certain[0]!], [...deciding]],
     [
-      [Infinity, Infinity, 1],
+      [2, 1, 1],
+      [1, 1, 1],
       [1, 2, 3],
     ],
   );
@@ -270,16 +271,16 @@ test("a requirement that does not apply to a run is not counted", () => {
   deepEqual(tally(study, each[0]!, -1), [0, 1, 0, 0, 1]);
 });
 
-test("a margin to a bound at 0 is told in the metric's unit, others as shares", () => {
+test("a margin has its share in brackets, but none of a bound at 0", () => {
   const study = studyOf(2, {
     metrics: [metric("speed", [-3, 0])],
     requirements: [requirement(2, { atMost: 0 })],
   });
   const at = (atMost: number | null, atLeast: number | null) => ({ atMost, atLeast, off: false });
-  equal(marginText(study, 0, at(0, null), 3), "3");
-  equal(marginText(study, 0, at(null, 0), 3), "3");
-  equal(marginText(study, 0, at(12, null), 3), "25\u202f%");
-  equal(marginText(study, 0, at(6, 0), 3), "100\u202f%");
-  ok(isAtZero(at(0, null)) && !isAtZero(at(2, -2)));
-  equal(leastMargin(storeOf(study), 0).text, "3");
+  equal(marginWithShare(study, 0, at(0, null), 3), "3");
+  equal(marginWithShare(study, 0, at(null, 0), 3), "3");
+  equal(marginWithShare(study, 0, at(12, null), 3), "3 (25\u202f%)");
+  equal(marginWithShare(study, 0, at(6, 0), 3), "3 (100\u202f%)");
+  // Compared with others, it is a share of the median size.
+  equal(shareText(leastMargin(storeOf(study), 0)), "100\u202f%");
 });

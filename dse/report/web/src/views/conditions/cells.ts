@@ -38,7 +38,7 @@ export function cellsOf(
     const here = !judged
       ? NaN
       : requirement < 0
-        ? leastMargin(store, run).share
+        ? leastMargin(store, run)
         : margin(study.metrics[study.requirements[requirement]!.metric]!.values[run]!, state.thresholds[requirement]!);
     if (cell.worst < 0 || here < cell.margin || (Number.isNaN(cell.margin) && !Number.isNaN(here))) {
       cell.worst = run;

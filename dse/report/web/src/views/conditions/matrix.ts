@@ -2,9 +2,9 @@
 import { el } from "../../dom";
 import { count, group, number, percent, withUnit } from "../../format";
 import type { Store } from "../../store";
-import type { Study } from "../../study";
+import { rowNoun, type Study } from "../../study";
 import { CLASSES, FAIL, FAILED, NOT_APPLICABLE, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../../verdicts";
-import { leastMargin, SHARE_OF } from "../shared/margins";
+import { SHARE_OF, shareText } from "../shared/margins";
 import { openRun } from "../shared/runs";
 import { type Cell, cellsOf, markOf } from "./cells";
 import { designsOf } from "./designs";
@@ -93,13 +93,13 @@ function cellOf(store: Store, cell: Cell, chosen: Chosen, designs: string[]): HT
   const worst = Number.isNaN(cell.margin)
     ? ""
     : chosen.requirement < 0
-      ? leastMargin(store, cell.worst).text
+      ? shareText(cell.margin)
       : withUnit(`${cell.margin > 0 ? "+" : ""}${number(cell.margin, 3)}`, unit);
   const passing = passingDesigns(store, cell, chosen, designs);
   const head = chosen.whole
     ? `${passing[0] ? percent(passing[0], passing[1]) : "0\u202f%"} of designs pass`
     : cell.runs.length > 1
-      ? `${SIGNS[mark]} ${group(cell.counts[PASS]!)} of ${group(cell.runs.length)} runs pass`
+      ? `${SIGNS[mark]} ${group(cell.counts[PASS]!)} of ${count(cell.runs.length, rowNoun(study))} pass`
       : `${SIGNS[mark]} ${WORDS[mark]}`;
   const detail = chosen.whole ? `${group(passing[0])} of ${group(passing[1])}` : "";
   const box = el(

@@ -165,7 +165,7 @@ function answersOf(model: Model): HTMLElement[] {
   if (!feasible.length)
     return [
       head,
-      el("li", { class: "muted" }, "The leader board first lists the designs that miss the requirements by the least."),
+      el("li", { class: "muted" }, "The leader board lists all designs in their order: the first one misses least."),
     ];
   const best = choices.criteria.flatMap(({ column, maximize }) => {
     const { title, unit, values, text } = model.column(column);

@@ -1,11 +1,12 @@
-// All designs as a table: those that are feasible first, ranked by verdict, score or any column; only the rows in view exist.
+// All designs as a table, in the order of designs or by any column; only the rows in view exist.
 import { selectRun } from "../../actions";
 import { el } from "../../dom";
-import { slackText } from "../../judgement";
+import { aimsOf, missedText } from "../../order";
 import { createHeading } from "../../panels/heading";
 import { axisLabel } from "../../study";
-import { CLASSES, PASS, SIGNS, wordFor } from "../../verdicts";
-import { SHARE_OF } from "../shared/margins";
+import { CLASSES, SIGNS, wordFor } from "../../verdicts";
+import { orderSentence } from "../pair/words";
+import { SHARE_OF, shareText } from "../shared/margins";
 import {
   choiceAt,
   configurationOf,
@@ -101,10 +102,12 @@ export function createLeaderboard(model: Model): HTMLElement {
 function columnsOf(model: Model): Column[] {
   const { store, choices } = model;
   const { study } = store;
-  const { mark, slack, each, missed } = model.standing();
+  const { mark, each } = model.standing();
+  const order = model.order();
   const scores = model.scores();
   const front = model.front();
   const aims = choices.criteria.map(({ column }) => column);
+  const isScored = scores.some((score) => !Number.isNaN(score));
   const others = designColumns(study)
     .map(({ key }) => key)
     .filter((key) => !aims.includes(key));
@@ -113,17 +116,17 @@ function columnsOf(model: Model): Column[] {
   const numeric = (key: string): Column => {
     const { title, unit, values, text, sense } = model.column(key);
     const judged = key.startsWith("metric.") ? study.requirements.findIndex(({ metric }) => metric === place(key)) : -1;
-    const way =
-      sense === "min"
-        ? "the largest over the conditions"
-        : sense === "max"
-          ? "the smallest over the conditions"
-          : "the mean of its runs";
+    const isMeasured = !/^(property|variable)\./.test(key) && model.grouping.size < study.size;
+    const way = sense === "min" ? "largest" : sense === "max" ? "smallest" : "mean";
     const arrow = aims.includes(key) ? (sense === "max" ? " \u2191" : " \u2193") : "";
     return {
       key,
-      title: axisLabel({ title, unit }) + arrow,
-      hint: key.startsWith("metric.") && model.grouping.size < study.size ? way : "",
+      title: `${isMeasured ? `${way}: ` : ""}${axisLabel({ title, unit })}${arrow}`,
+      hint: !isMeasured
+        ? ""
+        : sense
+          ? `The ${way} of all conditions; a mean over what is uncertain`
+          : "Over all its runs",
       numeric: true,
       value: (design) => (hasVariable(model, key, design) ? values[design]! : NaN),
       text: (design) =>
@@ -133,6 +136,14 @@ function columnsOf(model: Model): Column[] {
   };
   return [
     {
+      key: "place",
+      title: "Place",
+      hint: orderSentence(aimsOf(study), order),
+      numeric: true,
+      value: (design) => order.place[design]!,
+      text: (design) => `${order.place[design]! + 1}.`,
+    },
+    {
       key: "design",
       title: "Design",
       hint: "",
@@ -140,7 +151,7 @@ function columnsOf(model: Model): Column[] {
       value: (design) => design,
       text: (design) => nameOf(model, design),
     },
-    ...(aims.length
+    ...(isScored
       ? [
           {
             key: "score",
@@ -155,25 +166,33 @@ function columnsOf(model: Model): Column[] {
     {
       key: "verdict",
       title: "Verdict",
-      hint: "By the number of requirements that are met",
+      hint: "Of all its requirements at all conditions",
       numeric: false,
-      value: (design) => missed[design]!,
+      value: (design) => mark[design]!,
       text: (design) => `${SIGNS[mark[design]!]} ${wordFor(mark[design]!, "design")}`,
       mark: (design) => mark[design]!,
     },
     ...(study.requirements.length
       ? [
           {
+            key: "missed",
+            title: "Missed verdicts",
+            hint: "Verdicts on requirements at all conditions, by severity",
+            numeric: false,
+            value: (design: number) => order.place[design]!,
+            text: (design: number) => missedText(order, design),
+          },
+          {
             key: "slack",
-            title: "Least margin",
-            hint: `Of any requirement that is on, as a share: ${SHARE_OF}`,
+            title: "Least margin [% of bound]",
+            hint: `Of any requirement that is on, in the worst run; ${SHARE_OF}`,
             numeric: true,
-            value: (design: number) => slack[design]!,
-            text: (design: number) => slackText(study, store.state.thresholds, model.standing(), design),
+            value: (design: number) => order.slack[design]!,
+            text: (design: number) => shareText(order.slack[design]!),
           },
         ]
       : []),
-    ...(aims.length > 1
+    ...(isScored && aims.length > 1
       ? [
           {
             key: "front",
@@ -194,31 +213,23 @@ function columnsOf(model: Model): Column[] {
   ];
 }
 
-/** Feasible designs first; equal ones by the number of requirements that they meet, then by their least margin. */
+/** By the column that is chosen; equal ones, and those without a value at the end, in the order of designs. */
 function arranged(model: Model, columns: Column[]): Int32Array<ArrayBuffer> {
-  const { mark, missed, slack } = model.standing();
+  const { ranked } = model.order();
   const within = model.within();
   const { sort } = model.choices;
-  const known = columns.find(({ key }) => key === sort.column);
-  const column = known ?? columns.find(({ key }) => key === "verdict")!;
-  const found: number[] = [];
-  for (let design = 0; design < mark.length; design++) if (within?.[design] ?? 1) found.push(design);
-  const direction = known && sort.descending ? -1 : 1;
-  const least = (design: number): number => (Number.isNaN(slack[design]!) ? -Infinity : slack[design]!);
-  const order = (a: number, b: number): number => {
-    if (missed[a] !== missed[b]) return missed[a]! - missed[b]!;
-    return least(a) === least(b) ? a - b : least(b) - least(a);
-  };
-  const keys = Array.from(mark, (_, design) => column.value(design));
+  const found = ranked.filter((design) => within?.[design] ?? 1);
+  const column = columns.find(({ key }) => key === sort.column);
+  if (!column) return found;
+  const direction = sort.descending ? -1 : 1;
+  const keys = Array.from(ranked, (_, design) => column.value(design));
   const unknown = (key: number | string): boolean => typeof key === "number" && Number.isNaN(key);
-  found.sort((a, b) => {
-    if ((mark[a] === PASS) !== (mark[b] === PASS)) return mark[a] === PASS ? -1 : 1;
+  // What is undefined goes last, whichever way the column is sorted.
+  return found.sort((a, b) => {
     const [x, y] = [keys[a]!, keys[b]!];
-    // What is undefined goes last, whichever way the column is sorted.
-    if (unknown(x) || unknown(y)) return Number(unknown(x)) - Number(unknown(y)) || order(a, b);
-    return x < y ? -direction : x > y ? direction : order(a, b);
+    if (unknown(x) || unknown(y)) return Number(unknown(x)) - Number(unknown(y));
+    return x < y ? -direction : x > y ? direction : 0;
   });
-  return Int32Array.from(found);
 }
 
 interface Headings {
@@ -285,7 +296,12 @@ function rowOf(model: Model, columns: Column[], design: number, index: number): 
   });
   const cells = columns.map(({ key, numeric, text, mark }) => {
     const kind = mark ? CLASSES[mark(design)]! : "";
-    return el("td", { class: `${numeric ? "numeric" : key === "verdict" ? "verdict" : ""} ${kind}` }, text(design));
+    const whole = key === "design" ? text(design) : undefined;
+    return el(
+      "td",
+      { title: whole, class: `${numeric ? "numeric" : key === "verdict" ? "verdict" : ""} ${kind}` },
+      text(design),
+    );
   });
   return el(
     "tr",
@@ -305,9 +321,11 @@ function noteOf(model: Model, shown: number): string {
   const { grouping, store, choices } = model;
   const several = grouping.size < store.study.size;
   const parts = [
-    choices.criteria.length
-      ? "Feasible designs first. Score: TOPSIS over the feasible designs shown (Hwang and Yoon 1981), criteria in vector normalisation, weights by their share."
-      : "Designs by the number of requirements that they meet, equal ones by their least margin; those that failed to run last. Choose a criterion for a score.",
+    `Order of designs: ${orderSentence(aimsOf(store.study), model.order())}`,
+    choices.demand ? `Verdicts are with ${Math.round(100 * choices.demand)}\u202f% margin.` : "",
+    model.scores().some((score) => !Number.isNaN(score))
+      ? "Score: TOPSIS over the feasible designs shown (Hwang and Yoon 1981), criteria in vector normalisation, weights by their share."
+      : "",
     several
       ? "Values are means over what is uncertain at the worst condition; a design has to meet every requirement in all its runs, and be shown to in one at least."
       : "",

@@ -3,6 +3,7 @@ import { columnOf } from "../../columns";
 import { shortened, withUnit } from "../../format";
 import { type Grouping, groupingOf, variablesOf } from "../../grouping";
 import { type Standing, standingOf } from "../../judgement";
+import { type DesignOrder, designOrder } from "../../order";
 import type { Changed, State, Store } from "../../store";
 import type { Study } from "../../study";
 import { PASS } from "../../verdicts";
@@ -24,6 +25,7 @@ export interface Model {
   /** Hears of what is chosen here and of what is chosen in the whole page. */
   subscribe(listener: (changed: ChangedKeys) => void): void;
   standing(): Standing;
+  order(): DesignOrder;
   column(key: string): DesignColumn;
   /** Which designs lie within all brushes; null if there is no brush. */
   within(): Uint8Array | null;
@@ -106,6 +108,7 @@ export function createModel(store: Store): Model {
       listeners.push(listener);
     },
     standing,
+    order: () => once("order", [standing()], () => designOrder(study, store.state.thresholds, standing())),
     column,
     within,
     front: () => once("front", [feasible(), current().criteria], () => frontOf(aims(), feasible())),
@@ -150,21 +153,22 @@ function initial(store: Store): Choices {
     colour: "verdict",
     points: variablesOf(study, "design").length || study.configurations.length > 1 ? "designs" : "runs",
     picked: [],
-    sort: criteria.length ? { column: "score", descending: true } : { column: "verdict", descending: false },
+    sort: { column: "place", descending: false },
     boxes: x,
     among: "all",
     case: -1,
   };
 }
 
-// What the study asks for; else the first property, and the metrics that have requirements.
+// What the study asks for, else the first property; and the metrics that have requirements.
 function startingColumns(store: Store): string[] {
   const { study } = store;
   const stated = study.objectives.map(({ column }) => column);
-  if (stated.length) return stated;
+  if (stated.length > 1) return stated;
   const judged = study.requirements.map(({ metric }) => `metric.${metric}`).filter((key) => senseOf(store, key));
   const differing = study.properties.findIndex(({ values }) => values.some((value) => value !== values[0]));
-  return [...new Set([...(differing >= 0 ? [`property.${differing}`] : []), ...judged])].slice(0, 3);
+  const property = differing >= 0 && !stated.length ? [`property.${differing}`] : [];
+  return [...new Set([...stated, ...property, ...judged])].slice(0, 3);
 }
 
 const MANY = 20_000;
@@ -209,13 +213,6 @@ export function nameOf(model: Model, design: number): string {
       .map((part) => shortened(part, MOST_PART))
       .join(", ") || store.study.configurations[configuration]!.id
   );
-}
-
-/** Designs by how few requirements they miss, then by their least margin. */
-export function byRank(model: Model): number[] {
-  const { missed, slack } = model.standing();
-  const key = (design: number): number => (Number.isNaN(slack[design]!) ? -Infinity : slack[design]!);
-  return Array.from(missed.keys()).sort((a, b) => missed[a]! - missed[b]! || key(b) - key(a) || a - b);
 }
 
 /** The choice that *configuration* makes at the place *name*, "" where it has none. */

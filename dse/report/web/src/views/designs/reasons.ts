@@ -3,10 +3,9 @@ import { selectRun } from "../../actions";
 import { el } from "../../dom";
 import { number, percent, withUnit } from "../../format";
 import { variablesOf } from "../../grouping";
-import { slackText } from "../../judgement";
 import { badge } from "../../panels/selected";
 import { CLASSES, FAIL, PASS, SIGNS, WORDS } from "../../verdicts";
-import { marginWithShare } from "../shared/margins";
+import { marginWithShare, shareText } from "../shared/margins";
 import { short } from "./ellipsis";
 import { configurationOf, MOST_COMPARED, type Model, nameOf, subscribeCalmly } from "./model";
 import { type Change, changesBetween, nearestDesign } from "./neighbours";
@@ -31,7 +30,7 @@ function reasonsOf(model: Model): HTMLElement[] {
   const margin = choices.demand ? ` with ${Math.round(100 * choices.demand)}\u202f% margin` : "";
   const said =
     verdict === PASS
-      ? `It meets every requirement${margin}${Number.isNaN(slack[design]!) ? "." : `; the least margin is ${slackText(study, state.thresholds, model.standing(), design)}.`}`
+      ? `It meets every requirement${margin}${Number.isNaN(slack[design]!) ? "." : `; the least margin is ${shareText(slack[design]!)}.`}`
       : `It is out: ${sentences(model, design).join("; ")}.`;
   const problem = study.problems.get(deciding[design]!);
   const parts = [

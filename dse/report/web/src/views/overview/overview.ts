@@ -2,6 +2,7 @@
 import { card, el } from "../../dom";
 import { createFacts } from "../../panels/facts";
 import type { View } from "../view";
+import { createChoice } from "./choice";
 import { createConstants } from "./constants";
 import { createFound } from "./findings";
 import { createFormulas } from "./formulas";
@@ -24,6 +25,7 @@ export const overviewView: View = {
     return el(
       "div",
       { class: "overview-page" },
+      ...createChoice(store),
       card("warnings", "Before you rely on it", createWarnings(store)),
       el(
         "div",

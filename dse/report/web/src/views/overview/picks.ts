@@ -1,11 +1,12 @@
 // Runs that are worth a look: the best, the most robust, the nearest to the boundary.
 import { el } from "../../dom";
 import { number, percent, withUnit } from "../../format";
+import { conditionsInWords, everyCondition } from "../../points";
 import { type Store, studyThresholds } from "../../store";
 import type { Study } from "../../study";
 import { CLASSES, PASS, SIGNS, WORDS } from "../../verdicts";
 import { aimOf } from "../shared/aims";
-import { leastMargin } from "../shared/margins";
+import { leastMargin, shareText } from "../shared/margins";
 import { planeName } from "../shared/planes";
 import { openRun, placeOf, positionOf } from "../shared/runs";
 import { isAsStudied } from "../shared/thresholds";
@@ -26,6 +27,8 @@ export function createPicks(store: Store): HTMLElement {
   const box = el("div", { class: "picks-grid", id: "picks" });
   const draw = (): void => {
     const found = choices(store);
+    const { noun } = store.designs();
+    const at = conditionsInWords(store.study, everyCondition(store.study));
     const moved = !isAsStudied(store.state.thresholds, studyThresholds(store.study));
     box.replaceChildren(
       ...(found.length
@@ -34,7 +37,7 @@ export function createPicks(store: Store): HTMLElement {
             el(
               "p",
               { class: "hint" },
-              "No run passes: there is nothing to pick. Relax or switch off a requirement to see which runs come close.",
+              `No ${noun} meets all requirements${at}${noun === "run" ? "" : ", though single runs may pass"}. Relax or switch off a requirement to see runs that come close.`,
             ),
           ]),
     );
@@ -117,12 +120,12 @@ function byMargin(store: Store): Choice[] {
     if (overall[first] !== PASS) continue;
     passing++;
     const run = deciding(first);
-    const here = leastMargin(store, run).share;
+    const here = leastMargin(store, run);
     if (here > most) [most, best] = [here, run];
     if (here < least) [least, near] = [here, run];
   }
   if (best < 0) return [];
-  const told = (run: number): string => `its least margin is ${leastMargin(store, run).text}`;
+  const told = (run: number): string => `its least margin is ${shareText(leastMargin(store, run))}`;
   // Where none has more to spare than another there is one pick, and no difference to show.
   if (most === least)
     return [

@@ -2,6 +2,7 @@
 import { el } from "../../dom";
 import { group, number, withUnit } from "../../format";
 import type { Store } from "../../store";
+import { rowNoun } from "../../study";
 import { FAIL, FAILED, margin, NOT_EXERCISED, PASS, type Threshold, tally } from "../../verdicts";
 import { runButton } from "../shared/runs";
 
@@ -49,7 +50,7 @@ export function createRequirements(store: Store): HTMLElement {
       { class: "hint" },
       store.designs().noun === "run"
         ? "Of all runs of the study, at the thresholds that are set; runs that do not exercise a requirement count neither way."
-        : "Of all designs of the study at the worst of their conditions, at the thresholds that are set; margins are those of single runs.",
+        : `Of all designs of the study at the worst of their conditions, at the thresholds that are set; margins are those of single ${rowNoun(store.study)}s.`,
     ),
   );
 }

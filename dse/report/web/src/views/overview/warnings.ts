@@ -3,7 +3,7 @@ import { el } from "../../dom";
 import { count, group, percent } from "../../format";
 import { conditionsInWords, everyCondition } from "../../points";
 import { type Store, studyThresholds } from "../../store";
-import type { Study } from "../../study";
+import { rowNoun, type Study } from "../../study";
 import { FAILED, NOT_APPLICABLE, NOT_EXERCISED, PASS, tally } from "../../verdicts";
 import { planeName } from "../shared/planes";
 import { positionOf, runButton } from "../shared/runs";
@@ -84,9 +84,9 @@ function nothingPasses(store: Store): Warning[] {
   if (!study.requirements.length || overall.includes(PASS)) return [];
   const never = study.requirements
     .filter((_, index) => !state.thresholds[index]!.off && !each[index]!.includes(PASS))
-    .map(({ title }) => title);
+    .map(({ title }) => `\u201c${title}\u201d`);
   const why = never.length
-    ? `No ${noun} meets ${never.join(", nor ")}.`
+    ? `No ${noun} meets ${never.join(" nor ")}.`
     : `Each requirement is met by some ${noun}, but no ${noun} meets all of them.`;
   return [
     {
@@ -114,7 +114,7 @@ function failures(study: Study): Warning[] {
   return [
     {
       level: "bad",
-      text: `${group(failed.length)} of ${count(study.size, "run")} failed to run: ${told.join("; ")}${rest}.`,
+      text: `${group(failed.length)} of ${count(study.size, rowNoun(study))} failed to run: ${told.join("; ")}${rest}.`,
       run: failed[0]!,
     },
   ];
@@ -154,7 +154,7 @@ function notExercised(store: Store): Warning[] {
     if (!open || state.thresholds[index]!.off) return [];
     const when = study.insight!.asked.exercised[index];
     const whole = study.size - counts[FAILED]! - counts[NOT_APPLICABLE]!;
-    const text = `\u201c${requirement.title}\u201d was not exercised in ${group(open)} of ${count(whole, "run")}${when ? ` (it counts when ${when})` : ""}: they do not pass it.`;
+    const text = `\u201c${requirement.title}\u201d was not exercised in ${group(open)} of ${count(whole, rowNoun(study))}${when ? ` (it counts when ${when})` : ""}: they do not pass it.`;
     return [{ level: open === whole ? "bad" : "warn", text, run: each[index]!.indexOf(NOT_EXERCISED) } as Warning];
   });
 }
@@ -165,10 +165,11 @@ function doubtful(store: Store): Warning[] {
   const runs = [...marks.keys()].filter((run) => marks[run]);
   if (!runs.length) return [];
   const passing = runs.filter((run) => overall[run] === PASS).length;
+  const noun = rowNoun(study);
   return [
     {
       level: "warn",
-      text: `The verdict on ${count(runs.length, "run")} is doubtful: ${study.requirements.some(({ draws }) => draws) ? "more draws" : "finer numerics"} may change it. ${group(passing)} of them pass.`,
+      text: `The verdict on ${count(runs.length, noun)} of ${group(study.size)} is doubtful: ${noun === "point" ? "more draws" : "finer numerics"} may change it. ${group(passing)} of them pass.`,
       run: runs[0]!,
     },
   ];

@@ -1,19 +1,18 @@
 // One design against another on one page: which is ahead, in which cases they differ, what would change the order.
 import { setSetting } from "../../actions";
-import { columnOf } from "../../columns";
-import { type Aim, type Decision, decide, hasDraws } from "../../decision";
+import { type Decision, decide, hasDraws } from "../../decision";
 import { card, choose, el, field } from "../../dom";
 import { count, shortened } from "../../format";
 import { groupingOf } from "../../grouping";
-import type { Store } from "../../store";
-import { byRank, createModel, type Model, nameOf } from "../designs/model";
-import { aggregated } from "../designs/values";
+import { type Aim, aimsOf, type DesignOrder, orderAt } from "../../order";
+import { createModel, type Model, nameOf } from "../designs/model";
 import { positionOf } from "../shared/runs";
 import type { View } from "../view";
-import { assumedText, casesTable, effectsTable, sidesTable, totalsTable } from "./tables";
-import { certaintyOf, changesOf, orderOf } from "./words";
+import { assumedList, assumedNumbers, casesTable, effectsTable, sidesTable, totalsTable } from "./tables";
+import { certaintyOf, changesOf, orderSentence, orderText } from "./words";
 
-const SETTING = "pair.designs";
+/** The numbers of the first runs of A and B. */
+export const SETTING = "pair.designs";
 const MOST_LISTED = 300;
 const MOST_NAME = 110;
 
@@ -45,7 +44,7 @@ export const pairView: View = {
       { class: "controls" },
       el("div", { class: "row" }, field("A", one), field("B", other), swap),
     );
-    const alike = el("label", { class: "check" }, every, " Cases in which they are alike, too");
+    const alike = el("label", { class: "check" }, every, " Verdicts in which they are alike, too");
     let listed = "";
     const draw = (): void => {
       const [first, second] = chosenOf(model);
@@ -58,16 +57,20 @@ export const pairView: View = {
       const rest = model.grouping.size - designs.length;
       left.textContent = rest ? `${count(rest, "more design")} can be picked in the leader board.` : "";
       const { study, state } = store;
-      const aims = aimsOf(store);
-      const decision = decide(study, state.thresholds, store.judgement(), aims, first, second);
-      choice.replaceChildren(...outcomeOf(model, aims, decision, first, second));
+      const [aims, order] = [aimsOf(study), orderAt(store)];
+      const decision = decide(study, state.thresholds, store.judgement(), aims, order, first, second);
+      choice.replaceChildren(...outcomeOf(model, aims, order, decision, first, second));
+      rule.textContent = `One bound or one objective changes at a time. Order of designs: ${orderSentence(aims, order)}`;
       cases.replaceChildren(casesTable(store, decision, every.checked));
-      below.replaceChildren(...effectsTable(study, decision), assumedText(model, first, second));
+      below.replaceChildren(...effectsTable(study, decision), assumedList(study, assumedNumbers(model, first, second)));
       totals.replaceChildren(totalsTable(store, decision));
-      changes.replaceChildren(...changesOf(study, state.thresholds, aims, decision).map((text) => el("li", {}, text)));
+      changes.replaceChildren(
+        ...changesOf(study, state.thresholds, aims, order, decision).map((text) => el("li", {}, text)),
+      );
     };
     const totals = el("div", {});
     const changes = el("ul", { id: "pair-changes" });
+    const rule = el("p", { class: "hint", id: "pair-rule" });
     let chosen = "";
     store.subscribe((state, changed) => {
       const now = `${state.settings[SETTING]} ${state.settings["designs.picked"]}`;
@@ -75,17 +78,15 @@ export const pairView: View = {
       chosen = now;
     });
     draw();
-    const rule =
-      "One bound or one objective changes at a time. The order is by missed verdicts, then by the objectives of the study, else by price.";
     return el(
       "div",
       { class: "pair" },
       card("pair-outcome", "The choice", controls, left, choice),
       card("pair-totals", "Requirements", totals),
-      card("pair-changes", "What would change the order", changes, el("p", { class: "hint" }, rule)),
+      card("pair-changes", "What would change the order", changes, rule),
       ...(hasDraws(store.study)
         ? [
-            card("pair-cases", "Case by case", el("div", { class: "controls" }, alike), cases),
+            card("pair-cases", "Verdict by verdict", el("div", { class: "controls" }, alike), cases),
             card("pair-effects", "What the difference depends on", below),
           ]
         : []),
@@ -93,26 +94,14 @@ export const pairView: View = {
   },
 };
 
-/** What the study asks for, else its prices. */
-export function aimsOf({ study }: Store): Aim[] {
-  const prices = study.properties.flatMap(({ isPrice }, place) =>
-    isPrice ? [{ column: `property.${place}`, maximize: false }] : [],
-  );
-  return (study.objectives.length ? study.objectives : prices).map(({ column, maximize }) => {
-    const { title, unit, text, values } = columnOf(study, column)!;
-    const own = aggregated(study, values, maximize ? "max" : "min");
-    return { title, unit, text, maximize, value: (design) => own[design]! };
-  });
-}
-
-/** As in the address, else the first two that are picked, else the two that miss the fewest requirements. */
+/** As in the address, else the first two that are picked, else the first two in the order. */
 function chosenOf(model: Model): [number, number] {
   const { store, grouping, choices } = model;
   const given = (store.state.settings[SETTING] ?? "").split(",").map((text) => positionOf(store.study, Number(text)));
   const [first, second] = [
     given,
     choices.picked.map((design) => grouping.first[design]!),
-    byRank(model).map((d) => grouping.first[d]!),
+    Array.from(orderAt(store).ranked.subarray(0, 2), (design) => grouping.first[design]!),
   ]
     .map((runs) => runs.filter((run) => run >= 0).map((run) => grouping.of[run]!))
     .find((designs) => designs.length > 1)!;
@@ -120,7 +109,7 @@ function chosenOf(model: Model): [number, number] {
 }
 
 function listedOf(model: Model, first: number, second: number): number[] {
-  const listed = [first, second, ...model.choices.picked, ...byRank(model).slice(0, MOST_LISTED)];
+  const listed = [first, second, ...model.choices.picked, ...orderAt(model.store).ranked.subarray(0, MOST_LISTED)];
   return [...new Set(listed)].sort((a, b) => a - b);
 }
 
@@ -128,10 +117,18 @@ function optionsOf(model: Model, designs: number[]): HTMLElement[] {
   return designs.map((design) => el("option", { value: design }, shortened(nameOf(model, design), MOST_NAME)));
 }
 
-function outcomeOf(model: Model, aims: Aim[], decision: Decision, first: number, second: number): HTMLElement[] {
+function outcomeOf(
+  model: Model,
+  aims: Aim[],
+  order: DesignOrder,
+  decision: Decision,
+  first: number,
+  second: number,
+): HTMLElement[] {
+  const text = orderText(aims, order, decision, [first, second]);
   return [
-    el("p", { class: "verdict-line", id: "pair-order", role: "status" }, orderOf(aims, decision)),
+    el("p", { class: "verdict-line", id: "pair-order", role: "status" }, text),
     el("p", { id: "pair-certainty" }, certaintyOf(model.store.study, decision)),
-    sidesTable(model, aims, decision, first, second),
+    sidesTable(model, aims, order, decision, first, second),
   ];
 }

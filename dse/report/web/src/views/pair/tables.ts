@@ -1,13 +1,16 @@
 // The tables of a decision.
-import { type Aim, type Case, type Decision, type Effect, isCertain } from "../../decision";
+import { type Case, type Decision, type Effect, isCertain } from "../../decision";
 import { el } from "../../dom";
 import { count, group, number, withUnit } from "../../format";
+import type { Aim, DesignOrder } from "../../order";
 import type { Interval } from "../../pairs";
 import type { Store } from "../../store";
 import type { Study } from "../../study";
 import { drawsAt, SIGNS, type Threshold } from "../../verdicts";
 import { choiceAt, configurationOf, differingPlaces, type Model } from "../designs/model";
+import { shareText } from "../shared/margins";
 import { runButton } from "../shared/runs";
+import { classText } from "./words";
 
 type Cells = (HTMLElement | string)[];
 
@@ -49,7 +52,14 @@ function table(
 }
 
 /** What they choose differently, their values and properties. */
-export function sidesTable(model: Model, aims: Aim[], decision: Decision, first: number, second: number): HTMLElement {
+export function sidesTable(
+  model: Model,
+  aims: Aim[],
+  { classes, slack }: DesignOrder,
+  decision: Decision,
+  first: number,
+  second: number,
+): HTMLElement {
   const { store, grouping } = model;
   const { study } = store;
   const [a, b] = [first, second].map((design) => configurationOf(model, design)) as [number, number];
@@ -74,21 +84,25 @@ export function sidesTable(model: Model, aims: Aim[], decision: Decision, first:
     .map(({ title, unit, text, values }) => numbers(title, unit, text, values[a]!, values[b]!))
     .filter(({ differ }) => differ);
   const asked = aims.map(({ title, unit, text }, place) => numbers(title, unit, text, ...decision.objectives[place]!));
-  const rates = [
-    "verdicts missed",
-    ...decision.missed.map((missed, side) => `${group(missed)} of ${group(decision.judged[side]!)}`),
-  ];
+  const missed = classes.map(({ severity, judged, certain, doubtful }) => {
+    const of = (design: number): string => {
+      const unsure = doubtful[design] ? `, ${group(doubtful[design]!)} of them doubtful` : "";
+      return `${group(certain[design]! + doubtful[design]!)} of ${group(judged[design]!)}${unsure}`;
+    };
+    return { cells: [`missed ${classText(severity, classes.length)}`, of(first), of(second), ""] };
+  });
   return table(
     "pair-sides",
     "What A and B are",
     ["What", "A", "B", "A less B"],
     [
       { cells: ["configuration", code(study, a), code(study, b), ""] },
+      ...missed,
+      ...asked,
+      { cells: ["least margin", shareText(slack[first]!), shareText(slack[second]!), ""] },
       ...chosen,
       ...values,
-      ...asked,
       ...properties,
-      { cells: [...rates, ""] },
     ],
   );
 }
@@ -124,7 +138,7 @@ export function totalsTable({ study, state }: Store, { cases, leading }: Decisio
   });
   const heads = [
     "Requirement",
-    "Cases",
+    "Verdicts",
     "A meets",
     "B meets",
     "Draws: both",
@@ -166,7 +180,7 @@ export function casesTable(store: Store, { cases }: Decision, all: boolean): HTM
     return {
       cells: [
         title,
-        placeText(study, runs[0]),
+        placeText(study, runs[0]) || "\u2013",
         rate(0),
         rate(1),
         el("span", { class: "interval" }, points(difference), bar(difference)),
@@ -181,7 +195,7 @@ export function casesTable(store: Store, { cases }: Decision, all: boolean): HTM
   });
   const heads = [
     "Requirement",
-    "Case",
+    "Condition",
     "A",
     "B",
     "Rate of A less B",
@@ -192,22 +206,20 @@ export function casesTable(store: Store, { cases }: Decision, all: boolean): HTM
     "div",
     {},
     rows.length
-      ? table("pair-cases", "A and B case by case", heads, rows, 2)
-      : el("p", { class: "muted" }, "In no case do their verdicts or draws differ."),
+      ? table("pair-cases", "A and B verdict by verdict", heads, rows, 2)
+      : el("p", { class: "muted" }, "None of their verdicts or draws differ."),
     el(
       "p",
       { class: "hint" },
-      `${count(shown.length, "row")} of ${group(cases.length)}. Rates and their differences are with 95\u202f% confidence, each by itself: of many, one in twenty may differ by chance. Bold: certain.`,
+      `${group(shown.length)} of ${count(cases.length, "verdict")}. Rates and their differences are with 95\u202f% confidence, each by itself: of many, one in twenty may differ by chance. Bold: certain.`,
     ),
   );
 }
 
-function placeText(study: Study, run: number): string {
+/** The conditions of a run; "" if the study imposes none. */
+export function placeText(study: Study, run: number): string {
   const given = study.variables.filter(({ role }) => role !== "design");
-  return (
-    given.map(({ title, unit, text, values }) => `${title} ${withUnit(text(values[run]!), unit)}`).join(", ") ||
-    "\u2013"
-  );
+  return given.map(({ title, unit, text, values }) => `${title} ${withUnit(text(values[run]!), unit)}`).join(", ");
 }
 
 /** Between which bounds only one of them meets a requirement. */
@@ -280,7 +292,7 @@ export function effectsTable(study: Study, { effects }: Decision): HTMLElement[]
       "p",
       { class: "hint" },
       [
-        "Mean difference of the margins over all other cases, with 95\u202f% confidence; with more than twelve values, on a straight line through them.",
+        "Mean difference of the margins over all other conditions, with 95\u202f% confidence; with more than twelve values, on a straight line through them.",
         without.length && rows.length
           ? `No certain change with ${without.map((variable) => study.variables[variable]!.title).join(", ")}.`
           : "",
@@ -294,16 +306,16 @@ function ends({ levels, isLine }: Effect): [number, number] {
   return isLine ? [0, 1] : [values.indexOf(Math.min(...values)), values.indexOf(Math.max(...values))];
 }
 
-function reverses(levels: Interval[]): boolean {
+/** Whether each design is better at some level, for certain. */
+export function reverses(levels: Interval[]): boolean {
   return levels.some(({ low }) => low > 0) && levels.some(({ high }) => high < 0);
 }
 
-/** Which of the numbers that their parts mark as assumed the study varies. */
-export function assumedText(model: Model, first: number, second: number): HTMLElement {
+/** The numbers of the parts of either design that are marked as assumed; null if that was not kept. */
+export function assumedNumbers(model: Model, first: number, second: number): string[] | null {
   const { study } = model.store;
   const marked = study.notes?.assumed;
-  const say = (text: string): HTMLElement => el("p", { id: "pair-assumed" }, text);
-  if (!marked) return say("Which numbers are assumed was not kept with this study.");
+  if (!marked) return null;
   const parts = [first, second].flatMap((design) => {
     const { picture, parts } = study.configurations[configurationOf(model, design)]!;
     return study.pictures[picture]?.parts.map(([path], place): [string, string] => [path, parts[place]!]) ?? [];
@@ -311,13 +323,24 @@ export function assumedText(model: Model, first: number, second: number): HTMLEl
   const names = parts.flatMap(([path, component]) =>
     marked.filter((each) => each.startsWith(`${component}.`)).map((each) => path + each.slice(component.length)),
   );
-  const assumed = [...new Set(names)].sort();
-  if (!assumed.length) return say("No number of these designs is marked as assumed.");
+  return [...new Set(names)].sort();
+}
+
+/** Which of them the study varies. */
+export function assumedText(study: Study, assumed: string[] | null): string {
+  if (!assumed) return "Which numbers are assumed was not kept with this study.";
+  if (!assumed.length) return "No number of these designs is marked as assumed.";
   const varied = assumed.filter((name) => study.variables.some((variable) => variable.name === name));
-  const text = varied.length
+  return varied.length
     ? `Of ${count(assumed.length, "number")} of these designs that are marked as assumed, the study varies ${varied.join(", ")}.`
     : `The study varies none of the ${count(assumed.length, "number")} of these designs that are marked as assumed: how the difference depends on them is not known.`;
-  return el("details", { id: "pair-assumed" }, el("summary", {}, text), el("p", { class: "hint" }, assumed.join(", ")));
+}
+
+export function assumedList(study: Study, assumed: string[] | null): HTMLElement {
+  const text = assumedText(study, assumed);
+  return assumed?.length
+    ? el("details", { id: "pair-assumed" }, el("summary", {}, text), el("p", { class: "hint" }, assumed.join(", ")))
+    : el("p", { id: "pair-assumed" }, text);
 }
 
 function signed(value: number, digits: number): string {

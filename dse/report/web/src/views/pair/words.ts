@@ -1,8 +1,10 @@
 // A decision in sentences; `dse compare DIR --designs A B` has the same.
-import { type Ahead, type Aim, type Decision, hasDraws, isCertain, isRandom } from "../../decision";
+import { type Decision, hasDraws, isCertain, isRandom } from "../../decision";
 import { count, group, number, withUnit } from "../../format";
+import type { Ahead, Aim, DesignOrder } from "../../order";
 import type { Study } from "../../study";
 import type { Threshold } from "../../verdicts";
+import { shareText } from "../shared/margins";
 
 const NAMES = { 1: "A", 0: "neither", "-1": "B" };
 
@@ -10,37 +12,67 @@ export function aheadIs(ahead: Ahead): string {
   return `${NAMES[ahead]} is ahead`;
 }
 
-export function orderOf(aims: Aim[], { missed, judged, ahead, objectives }: Decision): string {
-  const [a, b] = missed;
-  const of = count(Math.max(...judged), "verdict");
-  if (a !== b) {
-    const [less, more, other] = a < b ? [a, b, "B"] : [b, a, "A"];
-    const has = less
-      ? `misses ${group(less)} of ${of}, ${other} ${group(more)}`
-      : `misses none of ${of}, ${other} ${group(more)}`;
-    return `${aheadIs(ahead)}: it ${has}.`;
+/** Which of two *designs* is ahead, and why; *names* of both begin a sentence. */
+export function orderText(
+  aims: Aim[],
+  order: DesignOrder,
+  decision: Decision,
+  designs: [number, number],
+  names: [string, string] = ["A", "B"],
+): string {
+  const { ahead, by, missed, judged } = decision;
+  const both = `Both miss ${few(missed[0])} of ${group(judged[0])} verdicts`;
+  if (!ahead) {
+    const what = ["their least margins", ...aims.map(({ title }) => title)].join(" and in ");
+    return `${both}. Neither is ahead: they are equal in ${what}.`;
   }
-  const both = a ? `Both miss ${group(a)} of ${of}` : `Both miss none of ${of}`;
-  const better = (side: 1 | -1): string =>
-    aims
-      .filter(({ maximize }, place) => {
-        const [one, other] = objectives[place]!;
-        return Math.sign((maximize ? one - other : other - one) || 0) === side;
-      })
-      .map(({ title }) => title)
-      .join(", ");
-  if (!aims.length) return `${both}, and the study has neither an objective nor a price.`;
-  if (ahead)
-    return `${both}. ${aheadIs(ahead)}: it is better in ${better(ahead)}${aims.length > 1 ? ", and worse in no objective" : ""}.`;
-  if (!better(1) && !better(-1)) return `${both}, and they are equal in ${aims.map(({ title }) => title).join(", ")}.`;
-  return `${both}. Neither is ahead: A is better in ${better(1)}, B in ${better(-1)}.`;
+  const [one, other] = ahead > 0 ? designs : [designs[1], designs[0]];
+  const [name, rest] = ahead > 0 ? names : [names[1], names[0]];
+  const rival = rest.length > 1 ? rest[0]!.toLowerCase() + rest.slice(1) : rest;
+  const start = `${name} is ahead`;
+  if (!by) return `${start}: ${rival} was not run at all conditions.`;
+  const level = (by - 1) >> 1;
+  const counts = order.classes[level];
+  if (counts) {
+    const { severity, certain, doubtful } = counts;
+    const of = `${group(Math.max(counts.judged[one]!, counts.judged[other]!))} ${classText(severity, order.classes.length)}`;
+    if ((by - 1) % 2)
+      return `${start}: both miss ${few(certain[one]!)} of ${of} for certain; of those that are doubtful it misses ${few(doubtful[one]!)}, ${rival} ${doubtful[other]}.`;
+    const surely = doubtful[one] || doubtful[other] ? " for certain" : "";
+    return `${start}: it misses ${few(certain[one]!)} of ${of}${surely}, ${rival} ${group(certain[other]!)}.`;
+  }
+  const aim = aims[by - 1 - 2 * order.classes.length];
+  const value = (design: number): string =>
+    aim ? withUnit(aim.text(aim.values[design]!), aim.unit) : shareText(order.slack[design]!);
+  return `${both}. ${start}: its ${aim?.title ?? "least margin"} is ${value(one)}, that of ${rival} ${value(other)}.`;
+}
+
+function few(value: number): string {
+  return value ? group(value) : "none";
+}
+
+/** Verdicts of a class of severity: `critical verdicts`; of the only one that has no name `verdicts`. */
+export function classText(severity: string, classes: number): string {
+  return severity ? `${severity} verdicts` : classes === 1 ? "verdicts" : "verdicts without a severity";
+}
+
+/** The order of designs in a sentence. */
+export function orderSentence(aims: Aim[], { classes }: DesignOrder): string {
+  const [first, ...others] = classes.map(({ severity }) => `missed ${classText(severity, classes.length)}`);
+  const parts = [
+    ...(first ? [`fewest ${first} (certain ones before doubtful ones)`] : []),
+    ...others,
+    ...aims.map(({ title, maximize }) => `${maximize ? "larger" : "smaller"} ${title}`),
+    "larger least margin",
+  ];
+  return `${parts.join(", then ")}.`.replace(/^./, (letter) => letter.toUpperCase());
 }
 
 export function certaintyOf(study: Study, { cases }: Decision): string {
   if (!hasDraws(study))
     return "There are too many draws for this page: \u2018dse compare DIR --designs A B\u2019 compares them.";
   const random = cases.filter(({ counts }) => isRandom(counts));
-  if (!cases.length) return "They have no case in common.";
+  if (!cases.length) return "They have no condition in common.";
   if (!random.length) return "These runs have no noise: the differences are exact.";
   if (random.every(({ counts }) => counts.both + counts.first + counts.second + counts.neither === 1))
     return "Each verdict rests on one draw of the noise, so that no difference of rates is certain.";
@@ -50,7 +82,13 @@ export function certaintyOf(study: Study, { cases }: Decision): string {
 }
 
 /** What would change the order, one sentence each. */
-export function changesOf(study: Study, thresholds: Threshold[], aims: Aim[], decision: Decision): string[] {
+export function changesOf(
+  study: Study,
+  thresholds: Threshold[],
+  aims: Aim[],
+  { classes }: DesignOrder,
+  decision: Decision,
+): string[] {
   const bounds = decision.bounds.map(({ requirement, shift, ahead }) => {
     const { title, metric } = study.requirements[requirement]!;
     const { unit } = study.metrics[metric]!;
@@ -64,7 +102,7 @@ export function changesOf(study: Study, thresholds: Threshold[], aims: Aim[], de
   });
   return [
     ...(bounds.length ? bounds : ["No other bound of a single requirement changes the order."]),
-    ...(decision.missed[0] !== decision.missed[1] && aims.length
+    ...(decision.ahead && decision.by <= 2 * classes.length && aims.length
       ? [
           `The order follows from the verdicts: no other value of ${aims.map(({ title }) => title).join(", ")} changes it.`,
         ]

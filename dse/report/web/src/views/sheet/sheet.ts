@@ -6,7 +6,7 @@ import { groupingOf } from "../../grouping";
 import type { Store } from "../../store";
 import type { Requirement, Study } from "../../study";
 import { CLASSES, SIGNS, type Threshold, WORDS } from "../../verdicts";
-import { byRank, createModel, type Model, nameOf } from "../designs/model";
+import { createModel, type Model, nameOf } from "../designs/model";
 import { runButton } from "../shared/runs";
 import type { View } from "../view";
 import { type Result, resultOf } from "./results";
@@ -34,12 +34,12 @@ export const sheetView: View = {
 function cardsOf(model: Model): HTMLElement[] {
   const { store, grouping, choices } = model;
   const { study } = store;
-  const designs = choices.picked.length ? [...choices.picked] : byRank(model).slice(0, MOST_DESIGNS);
+  const designs = choices.picked.length ? [...choices.picked] : [...model.order().ranked.subarray(0, MOST_DESIGNS)];
   const left = grouping.size - designs.length;
   const which = choices.picked.length
     ? "These are the designs that are picked in the leader board."
     : left
-      ? `These are the ${designs.length} designs that miss the fewest requirements.`
+      ? `These are the ${designs.length} first designs in the order of the leader board.`
       : "These are all designs.";
   const told =
     grouping.size > 1
