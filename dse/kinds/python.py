@@ -61,9 +61,9 @@ class PythonKind(ComponentKind[PythonSection, PythonSource]):
         about = {
             "file": source.files[0].name,
             "class": source.name,
-            "parameters": _told((p.name, p.type) for p in component.parameters),
-            "inputs": _told((p.name, p.type) for p in ports if p.causality is Causality.INPUT),
-            "outputs": _told((p.name, p.type) for p in ports if p.causality is Causality.OUTPUT),
+            "parameters": _items((p.name, p.type) for p in component.parameters),
+            "inputs": _items((p.name, p.type) for p in ports if p.causality is Causality.INPUT),
+            "outputs": _items((p.name, p.type) for p in ports if p.causality is Causality.OUTPUT),
         }
         resources = {path.name: path.read_bytes() for path in source.files}
         resources[ABOUT] = json.dumps(about, sort_keys=True).encode()
@@ -79,7 +79,7 @@ class PythonKind(ComponentKind[PythonSection, PythonSource]):
         )
 
 
-def _told(values: Iterable[tuple[str, Type]]) -> list[tuple[str, str, list[str]]]:
+def _items(values: Iterable[tuple[str, Type]]) -> list[tuple[str, str, list[str]]]:
     return [(name, type_.kind.value, list(type_.items)) for name, type_ in values]
 
 

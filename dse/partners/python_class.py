@@ -27,40 +27,29 @@ class _WrongOutputError(Exception):
     """What step returned is not what the component's interface says."""
 
 
-class _Class:
-    """The user's class, and how its values are written as numbers."""
+class _Component:
+    """The user's class, of which a run makes one object, and how its values are written as numbers."""
 
     def __init__(self, folder: Path) -> None:
         about = json.loads((folder / ABOUT).read_text("utf-8"))
+        self._parameters: list[Item] = about["parameters"]
         self._inputs: list[Item] = about["inputs"]
         self._outputs: list[Item] = about["outputs"]
-        self._parameters: list[Item] = about["parameters"]
         sys.path.insert(0, str(folder))
         module = importlib.import_module(Path(about["file"]).stem)
-        self._made: Callable[[Mapping[str, Any]], Any] = getattr(module, about["class"])
-
-    def instance(self) -> _Instance:
-        return _Instance(self._made, self._parameters, self._inputs, self._outputs)
-
-
-class _Instance:
-    def __init__(
-        self, made: Callable[[Mapping[str, Any]], Any], parameters: list[Item], inputs: list[Item], outputs: list[Item]
-    ) -> None:
-        self._made, self._outputs = made, outputs
-        self._parameters, self._inputs = parameters, inputs
-        self._known: dict[str, Any] = {}
-        self._told: tuple[float, ...] | None = None
+        self._class: Callable[[Mapping[str, Any]], Any] = getattr(module, about["class"])
         self._object: Any = None
+        self._numbers: tuple[float, ...] | None = None
+        self._values: dict[str, Any] = {}
 
     def step(self, numbers: tuple[float, ...]) -> list[float]:
         """The outputs after a step; *numbers* are its length, the parameters and the inputs."""
         first = 1 + len(self._parameters)
-        if self._told != numbers[1:first]:
-            self._told = numbers[1:first]
-            self._known.update(_named(self._parameters, self._told))
+        if self._numbers != numbers[1:first]:
+            self._numbers = numbers[1:first]
+            self._values.update(_named(self._parameters, self._numbers))
         if self._object is None:
-            self._object = self._made(self._known)
+            self._object = self._class(self._values)
         found = self._object.step(_named(self._inputs, numbers[first:]), numbers[0])
         if not isinstance(found, Mapping):
             raise _WrongOutputError(f"step returned {type(found).__name__}, not a dict of outputs by name")
@@ -105,26 +94,25 @@ def _number(name: str, kind: str, words: list[str], value: Any) -> float:
     return number
 
 
-def _serve(line: Line, made: _Class, folder: Path) -> None:
+def _serve(line: Line, component: _Component, folder: Path) -> None:
     question = line.question()
     while question:
         if question[0] == START:
             child = os.fork()
             if not child:
-                _run(line, made, question, folder)
+                _run(line, component, question, folder)
             told = how_ended(child, "the process of the class")
             if told:
                 line.refuse(told)
         question = line.question()
 
 
-def _run(line: Line, made: _Class, question: Question | None, folder: Path) -> NoReturn:
-    instance = made.instance()
+def _run(line: Line, component: _Component, question: Question | None, folder: Path) -> NoReturn:
     while question and question[0] != END:
         try:
-            values = instance.step(question[1])
+            values = component.step(question[1])
         except BaseException as error:  # noqa: BLE001  # whatever it is, it is told
-            line.refuse(_told(error, folder))
+            line.refuse(_error_text(error, folder))
             break
         line.answer(values)
         question = line.question()
@@ -132,7 +120,7 @@ def _run(line: Line, made: _Class, question: Question | None, folder: Path) -> N
     os._exit(0)
 
 
-def _told(error: BaseException, folder: Path) -> str:
+def _error_text(error: BaseException, folder: Path) -> str:
     """What went wrong, and the last line of the component's files that led there."""
     if isinstance(error, _WrongOutputError):
         return str(error)
@@ -146,12 +134,12 @@ def main() -> None:
     line, folder = open_line(), Path(sys.argv[1])
     sys.dont_write_bytecode = True  # the folder is an FMU in the cache
     try:
-        made = _Class(folder)
+        component = _Component(folder)
     except BaseException as error:  # noqa: BLE001  # whatever it is, it is told
         line.question()
-        line.refuse(_told(error, folder))
+        line.refuse(_error_text(error, folder))
         return
-    _serve(line, made, folder)
+    _serve(line, component, folder)
 
 
 if __name__ == "__main__":
