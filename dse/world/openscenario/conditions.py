@@ -26,6 +26,7 @@ _STATES = {
     "standbyState": "ON_STANDBY", "runningState": "ON_RUNNING", "completeState": "ON_COMPLETE",
     "startTransition": "ON_START", "endTransition": "ON_END", "stopTransition": "ON_STOP", "skipTransition": "ON_SKIP",
 }  # fmt: skip
+_MEASURING = {"IF_REACHED", "IF_DISTANCE", "IF_RELATIVE_DISTANCE", "IF_HEADWAY", "IF_TIME_TO_COLLISION"}
 _DIRECTIONS = {"longitudinal": "LONGITUDINALLY", "lateral": "LATERALLY"}
 _ELEMENTS = {
     "story": "STORY", "act": "ACT", "maneuverGroup": "GROUP", "maneuver": "MANEUVER", "event": "EVENT",
@@ -65,7 +66,7 @@ class Conditions:
         tables = self.actions.layout.tables
         row: Row = {
             "kind": "IF_ALWAYS", "edge": node.word("conditionEdge", _EDGES, "none"), "rule": "EQUAL",
-            "delay": tables.number(node.number("delay", 0.0)), "memory": tables.memories, "needs_all": False,
+            "delay": tables.number(node.number("delay", 0.0)), "needs_all": False,
             "first": 0, "count": 0, "entity": NONE, "position": NONE, "variable": 0, "element": 0, "state": NONE,
             "distance": "LONGITUDINALLY", "system": "OF_ENTITY", "direction": NONE, "is_freespace": False,
             "takes_opposite": False, "listed": 0, "listed_count": 0,
@@ -77,23 +78,23 @@ class Conditions:
             make_value = _BY_VALUE.get(kind.tag)
             if make_value is None:
                 raise kind.unsupported()
-            row |= make_value(self, kind)
-            tables.memories += 1
-            return row
+            return row | make_value(self, kind)
         if choice.tag != "ByEntityCondition":
             raise choice.unsupported()
         who = choice.need("TriggeringEntities")
         entities = [self.actions.layout.entity(each) for each in who.all("EntityRef")]
         row["needs_all"] = who.word("triggeringEntitiesRule", {"any": False, "all": True}, "any")
-        row["first"], row["count"] = tables.count("triggering"), len(entities)
-        for each in entities:
-            tables.add("triggering", each)
-        tables.memories += max(1, len(entities))
         kind = choice.need("EntityCondition").only()
         make = _BY_ENTITY.get(kind.tag)
         if make is None:
             raise kind.unsupported()
-        return row | make(self, kind)
+        row |= make(self, kind)
+        row["first"], row["count"] = tables.count("triggering"), len(entities)
+        for each in entities:
+            key = each, *(row[name] for name in ("entity", "position", "distance", "system", "is_freespace"))
+            gap = tables.gaps.setdefault(key, len(tables.gaps)) if row["kind"] in _MEASURING else NONE
+            tables.add("triggering", {"entity": each, "gap": gap})
+        return row
 
     def _numbers(self, node: Node, *names: str) -> list[int]:
         return [self.actions.layout.tables.number(node.number(name)) for name in names] + [0] * (4 - len(names))
@@ -153,7 +154,8 @@ class Conditions:
     def reached(self, node: Node) -> Row:
         """<ReachPositionCondition>."""
         position = self.actions.layout.position(node.need("Position"))
-        return {"kind": "IF_REACHED", "position": position, "numbers": self._numbers(node, "tolerance")}
+        numbers = self._numbers(node, "tolerance")
+        return {"kind": "IF_REACHED", "position": position, "distance": "EUCLIDIAN", "numbers": numbers}
 
     def distance(self, node: Node) -> Row:
         """<DistanceCondition>, <RelativeDistanceCondition> and <TimeHeadwayCondition>."""
@@ -215,7 +217,7 @@ class Conditions:
         ]
         first = tables.count("triggering")
         for each in node.all("EntityRef"):
-            tables.add("triggering", self.actions.layout.entity(each))
+            tables.add("triggering", {"entity": self.actions.layout.entity(each), "gap": NONE})
         return {
             "kind": "IF_CLEARANCE", "numbers": numbers, "system": "OF_ROAD", "is_freespace": node.flag("freeSpace"),
             "takes_opposite": node.flag("oppositeLanes"), "listed": first,

@@ -22,7 +22,7 @@ _ROWS: dict[str, str] = {
     "actions": "sb_action",
     "entries": "int32_t",
     "conditions": "sb_condition",
-    "triggering": "int32_t",
+    "triggering": "sb_triggering",
     "groups": "sb_range",
     "triggers": "sb_range",
     "elements": "sb_element",
@@ -39,7 +39,8 @@ class Tables:
     variables: dict[str, Number] = field(default_factory=dict)
     texts: dict[str, float] = field(default_factory=dict)
     points: int = 0
-    memories: int = 0
+    gaps: dict[object, int] = field(default_factory=dict)
+    """Distances that conditions measure, each once: from where to where, and how."""
     init_count: int = 0
     stop: int = NONE
 
@@ -72,7 +73,8 @@ class Tables:
             "SB_VARIABLES": len(self.variables),
             "SB_ENTITIES": self.count("entities"),
             "SB_ACTIONS": self.count("actions"),
-            "SB_MEMORIES": self.memories,
+            "SB_CONDITIONS": self.count("conditions"),
+            "SB_GAPS": len(self.gaps),
             "SB_ELEMENTS": self.count("elements"),
             "SB_POINTS": self.points,
         }

@@ -90,7 +90,7 @@ static double t_of(const sb_actor *actor) {
 static sb_place seen_on_path(storyboard *board, int32_t actor, int32_t other) {
     sb_place place = board->actors[other].at;
     int32_t path = board->actors[actor].at.path, piece = 0;
-    if (path != SB_NONE && place.path != path) place_on_path(board, &place, path, &piece);
+    if (path != SB_NONE && place.path != path) place_on_path(&place, path, &piece);
     return place;
 }
 
@@ -185,15 +185,15 @@ static double lesser(double one, double other) {
 static bool keep_distance(storyboard *board, const sb_action *action) {
     sb_actor *actor = &board->actors[action->actor];
     const sb_actor *other = &board->actors[action->entity];
-    sb_memory memory = {.hint = NAN};
+    sb_gap found = {.hint = NAN};
     double ahead = action->flags & IS_ALONG_ROAD
-                       ? gap_ahead(board, action->actor, action->entity, other->at.x, other->at.y, &memory, NULL)
+                       ? gap_ahead(board, action->actor, action->entity, other->at.x, other->at.y, &found, NULL)
                        : (other->at.x - actor->at.x) * cos(actor->at.heading) + (other->at.y - actor->at.y) * sin(actor->at.heading);
     double excess = ahead - wanted_gap(board, action, ahead);
     if (!(action->flags & HAS_LIMITS)) {
         if (actor->at.path != SB_NONE) {
             actor->at.s += actor->at.sense * excess;
-            place_lay(board, &actor->at, &actor->piece);
+            place_lay(&actor->at, &actor->piece);
         } else {
             actor->at.x += excess * cos(actor->at.heading);
             actor->at.y += excess * sin(actor->at.heading);
@@ -212,35 +212,28 @@ static bool keep_distance(storyboard *board, const sb_action *action) {
     return !(action->flags & IS_CONTINUOUS) && fabs(excess) < 0.1;
 }
 
-/* In the plane: beside the line that the other one drives along. */
-static bool keep_beside(storyboard *board, const sb_action *action) {
-    sb_actor *actor = &board->actors[action->actor];
-    const sb_place *other = &board->actors[action->entity].at;
-    double c = cos(other->heading), s = sin(other->heading);
-    double aside = (actor->at.y - other->y) * c - (actor->at.x - other->x) * s;
-    double side = action->flags & IS_TRAILING ? -1 : action->flags & IS_LEADING || aside >= 0 ? 1 : -1;
-    double gap = number(board, action, 0), most = number(board, action, 3) * board->h;
-    if (action->flags & IS_FREESPACE) gap += 0.5 * (scenario_tables.entities[action->actor].width + scenario_tables.entities[action->entity].width);
-    double missing = side * gap - aside, moved = most > 0 && fabs(missing) > most ? copysign(most, missing) : missing;
-    actor->at.x -= moved * s;
-    actor->at.y += moved * c;
-    return !(action->flags & IS_CONTINUOUS) && moved == missing;
-}
-
+/* Beside the other one: across the path, or in the plane across the line that the other one drives along. */
 static bool keep_aside(storyboard *board, const sb_action *action) {
     sb_actor *actor = &board->actors[action->actor];
-    if (actor->at.path == SB_NONE) return keep_beside(board, action);
+    bool is_on_path = actor->at.path != SB_NONE;
     sb_place other = seen_on_path(board, action->actor, action->entity);
-    double own = t_of(actor), t = place_middle(other.path, other.s, other.lane, 0) + other.offset;
-    double gap = number(board, action, 0), side = own >= t ? 1 : -1;
-    if (action->flags & IS_LEADING) side = actor->at.sense; /* to the left of the other one */
-    if (action->flags & IS_TRAILING) side = -actor->at.sense;
+    double c = cos(other.heading), s = sin(other.heading);
+    double aside = is_on_path ? t_of(actor) - (place_middle(other.path, other.s, other.lane, 0) + other.offset)
+                              : (actor->at.y - other.y) * c - (actor->at.x - other.x) * s;
+    double side = aside >= 0 ? 1 : -1, left = is_on_path ? actor->at.sense : 1;
+    if (action->flags & IS_LEADING) side = left; /* to the left of the other one */
+    if (action->flags & IS_TRAILING) side = -left;
+    double gap = number(board, action, 0), most = number(board, action, 3) * board->h;
     if (action->flags & IS_FREESPACE) {
         gap += 0.5 * (scenario_tables.entities[action->actor].width + scenario_tables.entities[action->entity].width);
     }
-    double missing = t + side * gap - own, most = number(board, action, 3) * board->h;
-    double moved = most > 0 && fabs(missing) > most ? copysign(most, missing) : missing;
-    actor->at.offset += moved;
+    double missing = side * gap - aside, moved = most > 0 && fabs(missing) > most ? copysign(most, missing) : missing;
+    if (is_on_path) {
+        actor->at.offset += moved;
+    } else {
+        actor->at.x -= moved * s;
+        actor->at.y += moved * c;
+    }
     return !(action->flags & IS_CONTINUOUS) && moved == missing;
 }
 
@@ -270,8 +263,8 @@ static double way_to(storyboard *board, int32_t number, int32_t position) {
     if (actor->trajectory != SB_NONE) {
         return trajectory_foot(board, actor->trajectory, there.x, there.y) - actor->along;
     }
-    sb_memory memory = {.hint = NAN};
-    double ahead = gap_ahead(board, number, SB_NONE, there.x, there.y, &memory, NULL);
+    sb_gap found = {.hint = NAN};
+    double ahead = gap_ahead(board, number, SB_NONE, there.x, there.y, &found, NULL);
     return actor->speed < 0 ? -ahead : ahead;
 }
 
@@ -369,6 +362,7 @@ void action_begin(storyboard *board, int32_t self) {
     const sb_action *action = &scenario_tables.actions[self];
     sb_run *run = &board->runs[self];
     sb_actor *actor = action->actor == SB_NONE ? NULL : &board->actors[action->actor];
+    board->epoch += 1;
     *run = (sb_run){.is_running = true, .begun = board->now};
     bool is_host = action->actor == scenario_tables.host && board->has_host && board->now > 0;
     if (is_host && action->controls) { /* somebody else drives it */
@@ -406,7 +400,7 @@ void action_begin(storyboard *board, int32_t self) {
         if (!actor->is_present) place_actor(board, action);
         break;
     case DO_DELETE: actor->is_present = false; break;
-    case DO_ROUTE: place_on_path(board, &actor->at, action->target, &actor->piece); break;
+    case DO_ROUTE: place_on_path(&actor->at, action->target, &actor->piece); break;
     case DO_SET: board->variables[action->target] = number(board, action, 0); break;
     case DO_INCREASE: board->variables[action->target] += number(board, action, 0); break;
     case DO_MULTIPLY: board->variables[action->target] *= number(board, action, 0); break;

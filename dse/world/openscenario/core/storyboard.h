@@ -103,7 +103,7 @@ enum { LONGITUDINALLY, LATERALLY, EUCLIDIAN };                           /* dist
 enum { OF_ENTITY, OF_ROAD };                                             /* coordinate systems */
 
 typedef struct {
-    int32_t kind, edge, rule, delay, memory;
+    int32_t kind, edge, rule, delay;
     bool needs_all;            /* of the triggering entities */
     int32_t first, count;      /* of the triggering entities */
     int32_t entity, position, variable, element, state, distance, system, direction;
@@ -111,6 +111,11 @@ typedef struct {
     int32_t listed, listed_count; /* triggering: those that a clearance asks for, none: all */
     int32_t numbers[4];        /* value (or tolerance, duration), tolerance; of a clearance: ahead, behind, lanes */
 } sb_condition;
+
+/* *gap*: of conditions with the same distance from that entity; SB_NONE: there is none. */
+typedef struct {
+    int32_t entity, gap;
+} sb_triggering;
 
 /* A trigger is true if all conditions of one of its groups are. */
 typedef struct {
@@ -140,7 +145,7 @@ typedef struct {
     const sb_action *actions;
     const int32_t (*entries)[2];
     const sb_condition *conditions;
-    const int32_t *triggering;
+    const sb_triggering *triggering;
     const sb_range *groups;     /* of conditions */
     const sb_range *triggers;   /* of groups */
     const sb_element *elements;
@@ -155,6 +160,7 @@ typedef struct {
     double s;
     int32_t lane, sense;
     double offset, turn; /* of its heading against the direction of travel */
+    double t; /* to the left of the reference line of its path, when it was laid there */
     double x, y, heading;
 } sb_place;
 
@@ -168,7 +174,7 @@ typedef struct {
     int32_t trajectory, slot;
     double along;                               /* of the trajectory */
     double laid_s, stretch;                     /* station that was laid last, m per station there */
-    double cosine, sine;                        /* of its heading when triggers are evaluated */
+    double cosine, sine;                        /* of its heading after a step */
     int32_t lateral, longitudinal;              /* actions that control it; SB_NONE: none */
 } sb_actor;
 
@@ -179,11 +185,17 @@ typedef struct {
 } sb_run;
 
 typedef struct {
-    bool was, is_known, is_pending;
+    bool was, is_known, is_pending, was_seen;
     double since, until, fired;
+} sb_memory;
+
+/* How far ahead something is, since the *epoch* in which it was measured, and where it was found on the path. */
+typedef struct {
+    double value;
+    int64_t epoch;
     double hint;
     int32_t piece;
-} sb_memory;
+} sb_gap;
 
 typedef struct {
     double s, x, y, heading, time, speed; /* NaN: even between points, as their times say */
@@ -197,11 +209,12 @@ typedef struct {
     double values[SB_VALUES], variables[SB_VARIABLES];
     sb_actor actors[SB_ENTITIES];
     sb_run runs[SB_ACTIONS];
-    sb_memory memories[SB_MEMORIES];
+    sb_memory memories[SB_CONDITIONS];
+    sb_gap gaps[SB_GAPS];
     sb_progress progress[SB_ELEMENTS];
     sb_point points[SB_POINTS];
     double base_time, step; /* the time is base_time + steps * step, never a sum of steps */
-    int64_t steps;
+    int64_t steps, epoch; /* a new epoch begins where a road user may have moved */
     double now, h;
     double grip; /* m/s2 that the surface allows; 0: no limit */
     bool has_host, has_ended; /* the host is driven by somebody else; the stop trigger was true */
@@ -210,14 +223,17 @@ typedef struct {
 /* Values and variables are set; the host's place is the scenario's. */
 void storyboard_begin(storyboard *board);
 
+/* Keeps the direction of a road user, after its heading was set. */
+void storyboard_face(sb_actor *actor);
+
 /* One step of *h* s, which ends now. */
 void storyboard_step(storyboard *board, double h);
 
 /* place.c */
 /* Lays a place on its path in the plane; returns m per station there. */
-double place_lay(const storyboard *board, sb_place *place, int32_t *piece);
+double place_lay(sb_place *place, int32_t *piece);
 sb_place place_of(storyboard *board, int32_t position, int32_t actor);
-void place_on_path(storyboard *board, sb_place *place, int32_t path, int32_t *piece);
+void place_on_path(sb_place *place, int32_t path, int32_t *piece);
 int32_t place_lane(int32_t path, double s, int32_t id);
 int32_t place_sense(int32_t path, double s, int32_t number);
 int32_t place_road(int32_t path, double s);
@@ -247,6 +263,6 @@ void action_end(storyboard *board, int32_t action);
 /* conditions.c */
 bool trigger_is_true(storyboard *board, int32_t trigger);
 void trigger_forget(storyboard *board, int32_t trigger);
-double gap_ahead(storyboard *board, int32_t actor, int32_t other, double x, double y, sb_memory *memory, double *aside);
+double gap_ahead(const storyboard *board, int32_t actor, int32_t other, double x, double y, sb_gap *gap, double *aside);
 
 #endif
