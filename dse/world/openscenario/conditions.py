@@ -117,7 +117,7 @@ class Conditions:
         if name not in tables.variables:
             raise fail(f"there is no variable '{name}'", node.where, closest(name, tables.variables))
         rule = node.word("rule", _RULES)
-        number = tables.number(self.actions.compared(node, "value"))
+        number = tables.number(tables.compared(node.value("value")))
         return {"kind": "IF_VARIABLE", "rule": rule, "variable": tables.variable(name), "numbers": [number, 0, 0, 0]}
 
     def state(self, node: Node) -> Row:

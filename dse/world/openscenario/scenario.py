@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from dse.errors import Problem, Problems, closest, fail, raise_if_any
+from dse.errors import DseError, Problem, Problems, closest, fail, raise_if_any
 from dse.expression import KEYWORDS
 from dse.formats import shown
 from dse.loading import Workspace, find_root, is_identifier
@@ -15,13 +15,13 @@ from dse.world.opendrive.reading import read_network
 from dse.world.opendrive.structure import Network
 from dse.world.openscenario.actions import Actions
 from dse.world.openscenario.conditions import Conditions
-from dse.world.openscenario.document import Context, Document, Node, Parameter, open_document
+from dse.world.openscenario.document import MOST_ELEMENTS, Context, Document, Node, Parameter, open_document
 from dse.world.openscenario.paths import Paths, ScenarioPath
 from dse.world.openscenario.positions import Layout
 from dse.world.openscenario.tables import NONE, Tables
 from dse.world.road_reader import open_roads
 
-MOST_ENTITIES, MOST_ELEMENTS = 48, 10_000
+MOST_ENTITIES = 48
 OWN_PARAMETERS = ("drives_host", "host_front")
 """Of a component of a scenario, besides those of the file."""
 _MOST_PASSES = 4
@@ -114,8 +114,10 @@ class _Compiler:
         """All of it."""
         root = self.document.root
         for name, value in root.scope.items():
-            self.tables.variables[name] = self.tables.text(value) if isinstance(value, str) else value
-        self._variables(root)
+            self.tables.variables[name] = self.tables.compared(value)
+        declared = root.child("VariableDeclarations")
+        for each in declared.all("VariableDeclaration") if declared else ():
+            self.tables.variables[each.text("name")] = self.tables.compared(each.value("value"))
         paths = self._roads(root)
         entities: dict[str, int] = {}
         listed = root.need("Entities")
@@ -157,12 +159,6 @@ class _Compiler:
             self.document.parameters, self.document.decided, tuple(entities), found, tuple(self.elements), made,
             self.tables, ignored, paths.network if paths else None, root.context.files,
         )  # fmt: skip
-
-    def _variables(self, root: Node) -> None:
-        declared = root.child("VariableDeclarations")
-        for each in declared.all("VariableDeclaration") if declared else ():
-            value = each.value("value")
-            self.tables.variables[each.text("name")] = self.tables.text(value) if isinstance(value, str) else value
 
     def _roads(self, root: Node) -> Paths | None:
         network = root.child("RoadNetwork")
@@ -249,12 +245,14 @@ class _Compiler:
                 target = routing.child("Position") if routing.tag == "TeleportAction" else None
                 if target is not None:
                     places.append((private, target))
-        for _ in layout.entities:
+        known = -1
+        while known < len(layout.starts) and not self.problems:
+            known = len(layout.starts)
             for private, target in places:
                 with self.problems:
                     layout.start(target, layout.entity(private))
-            if self.problems:
-                return
+        if self.problems:
+            return
         routes = [
             (private, action.only().only())
             for private in self._privates(storyboard)
@@ -313,15 +311,7 @@ class _Compiler:
         actors: list[int],
     ) -> None:
         """The rows of an element and of all that is in it."""
-        name = node.text("name", node.tag)
-        full = f"{prefix}/{name}" if prefix else name
-        row: dict[str, object] = {
-            "kind": kind, "parent": parent, "end": 0, "start": NONE, "stop": NONE, "most": 1, "priority": "PARALLEL",
-            "action": NONE,
-        }  # fmt: skip
-        number = self._add_element(row)
-        self.names.setdefault(_KINDS[kind], []).append((full, number))
-        self.elements.append(Element(_KINDS[kind], full))
+        full, number, row = self._row(kind, prefix, node.text("name", node.tag), parent)
         for key, tag in (("start", "StartTrigger"), ("stop", "StopTrigger")):
             trigger = node.child(tag)
             if trigger is not None:
@@ -345,13 +335,20 @@ class _Compiler:
                     raise child.unsupported()
         row["end"] = self.tables.count("elements")
 
-    def _add_element(self, row: dict[str, object]) -> int:
-        """The number of a new row; that there are too many is one problem."""
+    def _row(
+        self, kind: str, prefix: str, name: str, parent: int, action: int = NONE
+    ) -> tuple[str, int, dict[str, object]]:
+        """Full name, number and new row of an element without others in it; that there are too many is one problem."""
         if self.tables.count("elements") >= MOST_ELEMENTS:
-            raise fail(
-                f"a storyboard has at most {MOST_ELEMENTS} elements", self.document.root.need("Storyboard").where
-            )
-        return self.tables.add("elements", row)
+            raise _too_many(self.document.root.need("Storyboard"))
+        row: dict[str, object] = {
+            "kind": kind, "parent": parent, "end": self.tables.count("elements") + 1, "start": NONE, "stop": NONE,
+            "most": 1, "priority": "PARALLEL", "action": action,
+        }  # fmt: skip
+        number, full = self.tables.add("elements", row), f"{prefix}/{name}" if prefix else name
+        self.names.setdefault(_KINDS[kind], []).append((full, number))
+        self.elements.append(Element(_KINDS[kind], full))
+        return full, number, row
 
     def _actors(self, group: Node, actions: Actions) -> list[int]:
         who = group.need("Actors")
@@ -372,22 +369,19 @@ class _Compiler:
         else:
             raise choice.unsupported()
         nothing: dict[str, object] = {"kind": "DO_NOTHING", "actor": NONE}
-        full = f"{prefix}/{node.text('name', 'Action')}"
         for row in rows or [nothing]:
             action = self.tables.add("actions", row)
-            element = {
-                "kind": "ACTION", "parent": parent, "start": NONE, "stop": NONE, "most": 1, "priority": "PARALLEL",
-                "action": action,
-            }  # fmt: skip
-            number = self._add_element({**element, "end": self.tables.count("elements") + 1})
-            self.names.setdefault("action", []).append((full, number))
-            self.elements.append(Element("action", full))
+            self._row("ACTION", prefix, node.text("name", "Action"), parent, action)
 
     def _lanes(self, paths: tuple[ScenarioPath, ...]) -> None:
         for number, path in enumerate(paths):
             for row in path.rows:
                 fields = {"start": row.start, "id": row.id, "number": row.number, "sense": row.sense, "road": row.road}
                 self.tables.add("lanes", {"path": number, **fields})
+
+
+def _too_many(storyboard: Node) -> DseError:
+    return fail(f"a storyboard has at most {MOST_ELEMENTS} elements", storyboard.where)
 
 
 _CHILDREN = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from dse.world.openscenario.expressions import Number, constant
+from dse.world.openscenario.expressions import Number, Value, constant
 
 NONE = -1
 CHORDS = 64
@@ -58,9 +58,9 @@ class Tables:
         c = number.c if isinstance(number, Number) else constant(number).c
         return self.numbers.setdefault(c, len(self.numbers))
 
-    def text(self, text: str) -> Number:
-        """A number that stands for a text where texts are compared."""
-        return constant(self.texts.setdefault(text, 1e6 + len(self.texts)))
+    def compared(self, value: Value) -> Number:
+        """A value as the number that it, or its text, is compared by."""
+        return constant(self.texts.setdefault(value, 1e6 + len(self.texts))) if isinstance(value, str) else value
 
     def variable(self, name: str) -> int:
         """The index of a variable."""
