@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import UTC, datetime
 
 from dse.errors import closest, fail
+from dse.formats import shortened
 from dse.world.openscenario.document import Node
 from dse.world.openscenario.expressions import Number, constant
 from dse.world.openscenario.positions import Layout
@@ -243,9 +245,25 @@ class Actions:
         """What does not change how road users move; the bench's own components take its place."""
         node.ignore("has no effect here")
 
-    def environment(self, node: Node) -> None:
-        """<EnvironmentAction>."""
+    def environment(self, node: Node) -> Row | None:
+        """<EnvironmentAction>: of it, only the time of day has an effect."""
         node.ignore("the weather component of the bench sets weather, visibility and friction")
+        clock = node.need("Environment", "CatalogReference").resolved().child("TimeOfDay")
+        if clock is None:
+            return None
+        time = constant(seconds(clock, "dateTime"))
+        return {"kind": "DO_CLOCK", "flags": _flags(IS_CONTINUOUS=clock.flag("animation")), "numbers": [time]}
+
+    def signals(self, node: Node) -> Row:
+        """<InfrastructureAction>."""
+        kind, tables = node.need("TrafficSignalAction").only(), self.layout.tables
+        if kind.tag == "TrafficSignalStateAction":
+            signal = tables.signal("TrafficSignal", kind.text("name"))
+            return {"kind": "DO_SET", "target": signal, "numbers": [tables.compared(kind.text("state"))]}
+        if kind.tag != "TrafficSignalControllerAction":
+            raise kind.unsupported()
+        controller, phase = self.layout.phase(kind)
+        return {"kind": "DO_PHASE", "target": controller, "count": phase}
 
     def entity(self, node: Node) -> Row:
         """<EntityAction>."""
@@ -265,6 +283,17 @@ class Actions:
         rule = change.need("Rule").only()
         kind = "DO_INCREASE" if rule.tag == "AddValue" else "DO_MULTIPLY"
         return {**row, "kind": kind, "numbers": [rule.number("value")]}
+
+
+def seconds(node: Node, name: str) -> float:
+    """An attribute that is a date with a time, as seconds since 1970; without a time zone in UTC."""
+    text = node.text(name)
+    try:
+        date = datetime.fromisoformat(text)
+    except ValueError as error:
+        what = f"<{node.tag}>: '{name}' is '{shortened(text)}', not a date with a time"
+        raise fail(what, node.where, "for example 2026-11-28T12:00:00") from error
+    return (date if date.tzinfo else date.replace(tzinfo=UTC)).timestamp()
 
 
 def _flags(*names: str, **others: bool) -> str:
@@ -295,12 +324,10 @@ _PRIVATE: dict[str, Callable[[Actions, Node, int], Row | None]] = {
 }
 _GLOBAL: dict[str, Callable[[Actions, Node], Row | None]] = {
     "EnvironmentAction": Actions.environment,
+    "InfrastructureAction": Actions.signals,
     "EntityAction": Actions.entity,
     "VariableAction": Actions.variable,
     "ParameterAction": Actions.variable,
 }
 PRIVATE_ACTIONS, GLOBAL_ACTIONS = frozenset(_PRIVATE), frozenset(_GLOBAL)
-WITHOUT_EFFECT = frozenset(
-    {name for name, make in _PRIVATE.items() if make is Actions.nothing}
-    | {name for name, make in _GLOBAL.items() if make is Actions.environment}
-)
+WITHOUT_EFFECT = frozenset({name for name, make in _PRIVATE.items() if make is Actions.nothing})

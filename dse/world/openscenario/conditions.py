@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from dse.errors import closest, fail
-from dse.world.openscenario.actions import Actions
+from dse.world.openscenario.actions import Actions, seconds
 from dse.world.openscenario.document import Node
 from dse.world.openscenario.tables import NONE
 
@@ -120,6 +120,23 @@ class Conditions:
         number = tables.number(tables.compared(node.value("value")))
         return {"kind": "IF_VARIABLE", "rule": rule, "variable": tables.variable(name), "numbers": [number, 0, 0, 0]}
 
+    def clock(self, node: Node) -> Row:
+        """<TimeOfDayCondition>."""
+        tables = self.actions.layout.tables
+        number = tables.number(seconds(node, "dateTime"))
+        return {"kind": "IF_CLOCK", "rule": node.word("rule", _RULES), "numbers": [number, 0, 0, 0]}
+
+    def signal(self, node: Node) -> Row:
+        """<TrafficSignalCondition> and <TrafficSignalControllerCondition>."""
+        tables = self.actions.layout.tables
+        if node.tag == "TrafficSignalCondition":
+            kind, name, shown = "TrafficSignal", node.text("name"), node.text("state")
+        else:
+            self.actions.layout.phase(node)
+            kind, name, shown = "TrafficSignalController", node.text("trafficSignalControllerRef"), node.text("phase")
+        number = tables.number(tables.compared(shown))
+        return {"kind": "IF_VARIABLE", "variable": tables.signal(kind, name), "numbers": [number, 0, 0, 0]}
+
     def state(self, node: Node) -> Row:
         """<StoryboardElementStateCondition>."""
         kind = node.word("storyboardElementType", {k: k for k in _ELEMENTS})
@@ -143,8 +160,10 @@ class Conditions:
         return {"entity": self.actions.layout.entity(node)} if node.has("entityRef") else {}
 
     def lasting(self, node: Node) -> Row:
-        """<StandStillCondition> and <EndOfRoadCondition>."""
-        kind = "IF_STANDSTILL" if node.tag == "StandStillCondition" else "IF_END_OF_ROAD"
+        """<StandStillCondition>, <EndOfRoadCondition> and <OffroadCondition>."""
+        kinds = {"StandStillCondition": "IF_STANDSTILL", "EndOfRoadCondition": "IF_END_OF_ROAD"}
+        kind = kinds.get(node.tag, "IF_OFF_ROAD")
+        self.actions.layout.tables.has_off_road |= kind == "IF_OFF_ROAD"
         return {"kind": kind, "numbers": self._numbers(node, "duration")}
 
     def travelled(self, node: Node) -> Row:
@@ -230,6 +249,9 @@ _BY_VALUE: dict[str, Callable[[Conditions, Node], Row]] = {
     "VariableCondition": Conditions.variable,
     "ParameterCondition": Conditions.variable,
     "StoryboardElementStateCondition": Conditions.state,
+    "TimeOfDayCondition": Conditions.clock,
+    "TrafficSignalCondition": Conditions.signal,
+    "TrafficSignalControllerCondition": Conditions.signal,
 }
 _BY_ENTITY: dict[str, Callable[[Conditions, Node], Row]] = {
     "SpeedCondition": Conditions.speed,
@@ -237,6 +259,7 @@ _BY_ENTITY: dict[str, Callable[[Conditions, Node], Row]] = {
     "AccelerationCondition": Conditions.speed,
     "StandStillCondition": Conditions.lasting,
     "EndOfRoadCondition": Conditions.lasting,
+    "OffroadCondition": Conditions.lasting,
     "TraveledDistanceCondition": Conditions.travelled,
     "ReachPositionCondition": Conditions.reached,
     "DistanceCondition": Conditions.distance,

@@ -13,9 +13,10 @@ from dse.formats import shown
 from dse.loading import Workspace, find_root, is_identifier
 from dse.world.opendrive.reading import read_network
 from dse.world.opendrive.structure import Network
-from dse.world.openscenario.actions import Actions
+from dse.world.openscenario.actions import Actions, seconds
 from dse.world.openscenario.conditions import Conditions
 from dse.world.openscenario.document import MOST_ELEMENTS, Context, Document, Node, Parameter, open_document
+from dse.world.openscenario.expressions import Number, constant
 from dse.world.openscenario.paths import Paths, ScenarioPath
 from dse.world.openscenario.positions import Layout
 from dse.world.openscenario.tables import NONE, Tables
@@ -133,6 +134,7 @@ class _Compiler:
         if len(entities) > MOST_ENTITIES:
             raise fail(f"{len(entities)} entities: a scenario has at most {MOST_ENTITIES}", listed.where)
         layout = Layout(self.tables, entities, paths)
+        self._signals(root, layout)
         actions = Actions(layout)
         storyboard = root.need("Storyboard")
         count = sum(len(private.element.children) for private in self._privates(storyboard))
@@ -146,6 +148,9 @@ class _Compiler:
                 self.tables.add("entities", self._entity(node, path) | {"tow": tow, "hitch": hitch})
         self._init(storyboard, actions)
         self._stories(storyboard, actions)
+        if any(isinstance(row, dict) and row["kind"] == "IF_CLOCK" for row in self.tables.rows["conditions"]):
+            with self.problems:
+                self.tables.clock = seconds(root.need("FileHeader"), "date")
         raise_if_any(self.problems)
         found = self._host(host, entities)
         changes = any(isinstance(row, dict) and row["kind"] == "DO_LANE_CHANGE" for row in self.tables.rows["actions"])
@@ -175,6 +180,44 @@ class _Compiler:
             return Paths(open_roads(str(path), Workspace(inside)))
         hint = "supported: OpenDRIVE (.xodr), and in a workspace its roads (.yaml)"
         raise fail(f"the road network '{name}' is not supported", logic.where, hint)
+
+    def _signals(self, root: Node, layout: Layout) -> None:
+        """Controllers of traffic signals, each *delay* s after the one that it refers to."""
+        network, tables = root.child("RoadNetwork"), self.tables
+        signals = network.child("TrafficSignals") if network else None
+        begun: dict[str, Number] = {}
+        for node in signals.all("TrafficSignalController") if signals else ():
+            with self.problems:
+                name, phases = node.text("name"), list(node.all("Phase"))
+                if not phases or name in layout.controllers:
+                    raise fail(
+                        f"the controller '{name}' " + ("exists already" if phases else "has no phase"), node.where
+                    )
+                delay, other = node.number("delay", 0.0), node.text("reference", "")
+                if other and other not in begun:
+                    what = f"there is no controller '{other}' before this one"
+                    raise fail(what, node.where, closest(other, begun))
+                before = begun[other] if other else constant(0.0)
+                names = delay.names | before.names
+                begun[name] = Number(delay.value + before.value, f"({before.c} + {delay.c})", names)
+                layout.controllers[name] = tuple(each.text("name") for each in phases)
+                rows = []
+                for phase in phases:
+                    first = tables.count("states")
+                    for each in phase.all("TrafficSignalState"):
+                        signal = tables.signal("TrafficSignal", each.text("trafficSignalId"))
+                        tables.add("states", (signal, tables.number(tables.compared(each.text("state")))))
+                    rows.append({
+                        "name": tables.number(tables.compared(phase.text("name"))),
+                        "duration": tables.number(phase.number("duration")),
+                        "state": first, "states": tables.count("states") - first,
+                    })  # fmt: skip
+                first = tables.count("phases")
+                for row in rows:
+                    tables.add("phases", row)
+                variable = tables.signal("TrafficSignalController", name)
+                fields = {"variable": variable, "begun": tables.number(begun[name])}
+                tables.add("controllers", {**fields, "phase": first, "phases": len(rows)})
 
     def _host(self, wanted: str | None, entities: Mapping[str, int]) -> int:
         if wanted is None:
@@ -278,6 +321,8 @@ class _Compiler:
             with self.problems:
                 if each.tag == "GlobalAction":
                     rows += actions.global_(each)
+                elif each.tag == "UserDefinedAction":
+                    each.ignore("commands of other programs have no effect here")
                 elif each.tag == "Private":
                     actor = actions.layout.entity(each)
                     for action in each.all("PrivateAction"):
@@ -308,7 +353,7 @@ class _Compiler:
         prefix: str,
         actions: Actions,
         waiting: list[tuple[dict[str, object], str, Node]],
-        actors: list[int],
+        actors: list[int] | None,
     ) -> None:
         """The rows of an element and of all that is in it."""
         full, number, row = self._row(kind, prefix, node.text("name", node.tag), parent)
@@ -330,7 +375,7 @@ class _Compiler:
                 if inner is not None:
                     self._element(child.resolved(), inner, number, full, actions, waiting, actors)
                 elif kind == "EVENT" and child.tag == "Action":
-                    self._action(child, number, full, actions, actors)
+                    self._action(child, node, number, full, actions, actors)
                 elif child.tag not in _KNOWN:
                     raise child.unsupported()
         row["end"] = self.tables.count("elements")
@@ -350,14 +395,24 @@ class _Compiler:
         self.elements.append(Element(_KINDS[kind], full))
         return full, number, row
 
-    def _actors(self, group: Node, actions: Actions) -> list[int]:
+    def _actors(self, group: Node, actions: Actions) -> list[int] | None:
+        """None: those that trigger an event."""
         who = group.need("Actors")
         if who.flag("selectTriggeringEntities"):
-            raise fail("actors selected by the triggering entities are not supported", who.where, "name them")
+            return None
         return [actions.layout.entity(each) for each in who.all("EntityRef")]
 
-    def _action(self, node: Node, parent: int, prefix: str, actions: Actions, actors: list[int]) -> None:
-        """A row for each actor; an action that does nothing ends at once."""
+    def _action(
+        self, node: Node, event: Node, parent: int, prefix: str, actions: Actions, actors: list[int] | None
+    ) -> None:
+        """A row for each actor, or each that may trigger the event; an action that does nothing ends at once."""
+        is_chosen = actors is None
+        if actors is None:
+            found = event.element.below("StartTrigger", "ConditionGroup", "Condition", "ByEntityCondition")
+            named = (
+                Node(each, event.scope, event.context).need("TriggeringEntities").all("EntityRef") for each in found
+            )
+            actors = [*dict.fromkeys(actions.layout.entity(each) for group in named for each in group)]
         choice = node.child("PrivateAction", "GlobalAction", "UserDefinedAction")
         if choice is None:
             node.ignore("is empty")
@@ -367,11 +422,13 @@ class _Compiler:
         elif choice.tag == "GlobalAction":
             rows = actions.global_(choice)
         else:
-            raise choice.unsupported()
+            choice.ignore("commands of other programs have no effect here")
+            rows = []
         nothing: dict[str, object] = {"kind": "DO_NOTHING", "actor": NONE}
         for row in rows or [nothing]:
             action = self.tables.add("actions", row)
-            self._row("ACTION", prefix, node.text("name", "Action"), parent, action)
+            _, _, element = self._row("ACTION", prefix, node.text("name", "Action"), parent, action)
+            element["is_chosen"] = is_chosen and row["actor"] != NONE
 
     def _lanes(self, paths: tuple[ScenarioPath, ...]) -> None:
         for number, path in enumerate(paths):

@@ -21,6 +21,9 @@ _ROWS: dict[str, str] = {
     "knots": "int32_t",
     "actions": "sb_action",
     "entries": "int32_t",
+    "states": "int32_t",
+    "controllers": "sb_controller",
+    "phases": "sb_phase",
     "conditions": "sb_condition",
     "triggering": "sb_triggering",
     "groups": "sb_range",
@@ -43,6 +46,9 @@ class Tables:
     """Distances that conditions measure, each once: from where to where, and how."""
     init_count: int = 0
     stop: int = NONE
+    clock: float = 0.0
+    """The time of day at the start, in s."""
+    has_off_road: bool = False
 
     def add(self, table: str, row: Row | int | tuple[int, int]) -> int:
         """The number of the new row."""
@@ -66,6 +72,12 @@ class Tables:
         """The index of a variable."""
         return list(self.variables).index(name)
 
+    def signal(self, kind: str, name: str) -> int:
+        """The index of the variable that has the state of a traffic signal, or the phase of a controller of signals."""
+        full = f"<{kind}> {name}"
+        self.variables.setdefault(full, constant(0.0))
+        return self.variable(full)
+
     def sizes(self) -> str:
         """The C header with the sizes of what changes during a run; none is 0."""
         sizes = {
@@ -77,6 +89,7 @@ class Tables:
             "SB_GAPS": len(self.gaps),
             "SB_ELEMENTS": self.count("elements"),
             "SB_POINTS": self.points,
+            "SB_CONTROLLERS": self.count("controllers"),
         }
         lines = [f"#define {name} {max(1, size)}" for name, size in sizes.items()]
         return "\n".join([*lines, f"#define SB_CHORDS {CHORDS}", ""])
@@ -89,7 +102,7 @@ class Tables:
             rows = self.rows[name]
             fields[name] = name if rows else "0"
             if rows:
-                width = "[2]" if name == "entries" else ""
+                width = "[2]" if name in {"entries", "states"} else ""
                 body = ",\n".join(f"    {_c(row)}" for row in rows)
                 parts.append(f"static const {type_} {name}[]{width} = {{\n{body},\n}};\n")
         fields |= {
@@ -104,6 +117,9 @@ class Tables:
             "condition_count": str(self.count("conditions")),
             "stop": str(self.stop),
             "variable_count": str(len(self.variables)),
+            "controller_count": str(self.count("controllers")),
+            "clock": repr(self.clock),
+            "has_off_road": str(self.has_off_road).lower(),
         }
         listed = ", ".join(f".{name} = {value}" for name, value in fields.items())
         parts.append(f"const sb_tables scenario_tables = {{{listed}}};\n")

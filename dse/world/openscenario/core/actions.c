@@ -8,6 +8,7 @@
 #define REACHED 1e-6 /* m, s */
 #define STIFFNESS 0.4 /* 1/m, of keeping a distance, times the largest acceleration; critically damped */
 #define SOFTEST 4.0   /* m/s2, where no largest acceleration is given */
+#define REACHED_ASIDE 0.01 /* m, m/s */
 #define STOPPING 0.1  /* m/s, between the two phases of a synchronization */
 
 static double number(const storyboard *board, const sb_action *action, int32_t i) {
@@ -165,6 +166,13 @@ static double half_length(int32_t entity) {
     return 0.5 * scenario_tables.entities[entity].length;
 }
 
+/* The acceleration that closes a distance of *excess* m, which grows by *opening* m/s, within limits (<= 0: none). */
+static double pull(double excess, double opening, double most, double least) {
+    double reach = excess < 0 ? most : least, stiffness = STIFFNESS * (reach > 0 ? reach : SOFTEST);
+    double wanted = stiffness * excess + 2 * sqrt(stiffness) * opening;
+    return wanted > 0 ? limited(wanted, most) : -limited(-wanted, least);
+}
+
 /* From the reference point of the actor that keeps a distance to that of the other one. */
 static double wanted_gap(const storyboard *board, const sb_action *action, double ahead) {
     double gap = number(board, action, 0);
@@ -205,15 +213,13 @@ static bool keep_distance(storyboard *board, const sb_action *action) {
     double most = lesser(number(board, action, 1), own->top_acceleration);
     double least = lesser(number(board, action, 2), own->top_deceleration);
     double top = lesser(number(board, action, 3), own->top_speed);
-    double reach = excess < 0 ? most : least, stiffness = STIFFNESS * (reach > 0 ? reach : SOFTEST);
-    double pull = stiffness * excess + 2 * sqrt(stiffness) * (other->speed - actor->speed);
-    pull = pull > 0 ? limited(pull, most) : -limited(-pull, least);
-    actor->speed = fmax(limited(actor->speed + pull * board->h, top), 0);
+    double a = pull(excess, other->speed - actor->speed, most, least);
+    actor->speed = fmax(limited(actor->speed + a * board->h, top), 0);
     return !(action->flags & IS_CONTINUOUS) && fabs(excess) < 0.1;
 }
 
 /* Beside the other one: across the path, or in the plane across the line that the other one drives along. */
-static bool keep_aside(storyboard *board, const sb_action *action) {
+static bool keep_aside(storyboard *board, const sb_action *action, sb_run *run) {
     sb_actor *actor = &board->actors[action->actor];
     bool is_on_path = actor->at.path != SB_NONE;
     sb_place other = seen_on_path(board, action->actor, action->entity);
@@ -227,7 +233,14 @@ static bool keep_aside(storyboard *board, const sb_action *action) {
     if (action->flags & IS_FREESPACE) {
         gap += 0.5 * (scenario_tables.entities[action->actor].width + scenario_tables.entities[action->entity].width);
     }
-    double missing = side * gap - aside, moved = most > 0 && fabs(missing) > most ? copysign(most, missing) : missing;
+    double missing = side * gap - aside, hardest = number(board, action, 1), softest = number(board, action, 2);
+    double wanted = missing;
+    if (hardest > 0 || softest > 0) { /* towards the wanted distance at most the one, away from it the other */
+        run->rate += side * pull(side * missing, -side * run->rate, hardest, softest) * board->h;
+        if (most > 0) run->rate = fmax(fmin(run->rate, most / board->h), -most / board->h);
+        wanted = fabs(missing) < REACHED_ASIDE && fabs(run->rate) < REACHED_ASIDE ? missing : run->rate * board->h;
+    }
+    double moved = most > 0 && fabs(wanted) > most ? copysign(most, wanted) : wanted;
     if (is_on_path) {
         actor->at.offset += moved;
     } else {
@@ -235,6 +248,17 @@ static bool keep_aside(storyboard *board, const sb_action *action) {
         actor->at.y += moved * c;
     }
     return !(action->flags & IS_CONTINUOUS) && moved == missing;
+}
+
+void show_phase(storyboard *board, int32_t number, int32_t shown, double since) {
+    const sb_controller *controller = &scenario_tables.controllers[number];
+    const sb_phase *phase = &scenario_tables.phases[controller->phase + shown];
+    board->shown[number] = shown;
+    board->since[number] = since;
+    board->variables[controller->variable] = board->values[phase->name];
+    for (int32_t i = phase->state; i < phase->state + phase->states; ++i) {
+        board->variables[scenario_tables.states[i][0]] = board->values[scenario_tables.states[i][1]];
+    }
 }
 
 static void begin_trajectory(storyboard *board, const sb_action *action, sb_run *run) {
@@ -404,6 +428,11 @@ void action_begin(storyboard *board, int32_t self) {
     case DO_SET: board->variables[action->target] = number(board, action, 0); break;
     case DO_INCREASE: board->variables[action->target] += number(board, action, 0); break;
     case DO_MULTIPLY: board->variables[action->target] *= number(board, action, 0); break;
+    case DO_CLOCK:
+        board->is_clock_running = (action->flags & IS_CONTINUOUS) != 0;
+        board->clock = number(board, action, 0) - (board->is_clock_running ? board->now : 0);
+        break;
+    case DO_PHASE: show_phase(board, action->target, action->count, board->now); break;
     case DO_SEE: actor->is_hidden = (action->flags & IS_HIDDEN) != 0; break;
     default: break;
     }
@@ -429,7 +458,7 @@ void action_advance(storyboard *board, int32_t self) {
     }
     case DO_SPEED_PROFILE: is_done = follow_profile(board, action, run); break;
     case DO_LONGITUDINAL_DISTANCE: is_done = keep_distance(board, action); break;
-    case DO_LATERAL_DISTANCE: is_done = keep_aside(board, action); break;
+    case DO_LATERAL_DISTANCE: is_done = keep_aside(board, action, run); break;
     case DO_LANE_CHANGE:
     case DO_LANE_OFFSET: {
         double part = advance(board, action, run);

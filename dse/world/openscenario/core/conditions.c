@@ -232,6 +232,7 @@ static bool of_actor(storyboard *board, const sb_condition *condition, const sb_
     case IF_TRAVELLED: return own->travelled >= value;
     case IF_REACHED: return fabs(gap) <= value;
     case IF_END_OF_ROAD: return lasts(own->ended, value);
+    case IF_OFF_ROAD: return lasts(own->off_road, value);
     case IF_COLLISION:
         if (condition->entity != SB_NONE) return apart(board, actor, condition->entity) <= 0;
         for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
@@ -281,6 +282,7 @@ static bool is_true_now(storyboard *board, const sb_condition *condition, sb_mem
     if (condition->kind == IF_STATE) return state_is(board, condition, memory);
     double value = board->values[condition->numbers[0]];
     if (condition->kind == IF_TIME) return fits(condition->rule, board->now, value);
+    if (condition->kind == IF_CLOCK) return fits(condition->rule, board->clock + (board->is_clock_running ? board->now : 0), value);
     if (condition->kind == IF_VARIABLE) return fits(condition->rule, board->variables[condition->variable], value);
     for (int32_t i = 0; i < condition->count; ++i) {
         bool is_true = of_actor(board, condition, &scenario_tables.triggering[condition->first + i]);
@@ -329,6 +331,20 @@ bool trigger_is_true(storyboard *board, int32_t trigger) {
         any = any || all;
     }
     return any;
+}
+
+bool has_triggered(storyboard *board, int32_t trigger, int32_t actor) {
+    if (trigger == SB_NONE) return false;
+    const sb_range *groups = &scenario_tables.triggers[trigger], *group = &scenario_tables.groups[groups->first];
+    int32_t first = group->first, end = group[groups->count - 1].first + group[groups->count - 1].count;
+    for (int32_t i = first; i < end; ++i) {
+        const sb_condition *condition = &scenario_tables.conditions[i];
+        for (int32_t k = 0; k < condition->count; ++k) {
+            const sb_triggering *who = &scenario_tables.triggering[condition->first + k];
+            if (who->entity == actor && of_actor(board, condition, who)) return true;
+        }
+    }
+    return false;
 }
 
 /* What was true before does not count any more. */

@@ -47,6 +47,23 @@ double place_middle(int32_t path, double s, int32_t lane, int32_t near) {
     return middle_at(table_of(path), path_find(table_of(path), s, near), lane).value;
 }
 
+static bool is_in_lane(const path_table *path, path_place place, double t) {
+    for (int32_t i = 0; i < path->lane_count; ++i) {
+        double width = path_value(place, path->lanes[i].width).value;
+        if (fabs(t - path_value(place, path->lanes[i].middle).value) <= 0.5 * width && place.beyond == 0 && width > 0) return true;
+    }
+    return false;
+}
+
+bool place_is_on_road(const sb_place *place) {
+    if (place->path != SB_NONE) return is_in_lane(table_of(place->path), path_find(table_of(place->path), place->s, 0), place->t);
+    for (int32_t i = 0; i < road_tables.count; ++i) {
+        path_foot foot = foot_of_all(table_of(i), place->x, place->y);
+        if (is_in_lane(table_of(i), foot.line.place, foot.t)) return true;
+    }
+    return false;
+}
+
 double place_lay(sb_place *place, int32_t *piece) {
     if (place->path == SB_NONE) return 1;
     const path_table *path = table_of(place->path);

@@ -31,7 +31,12 @@ static void start(storyboard *board, int32_t i) {
     board->progress[i].state = RUNNING;
     board->progress[i].changing |= HAS_STARTED;
     if (element->kind == ACTION) {
-        action_begin(board, element->action);
+        int32_t event = element->parent, actor = scenario_tables.actions[element->action].actor;
+        if (element->is_chosen && !has_triggered(board, element_of(event)->start, actor)) {
+            board->progress[i].state = COMPLETE;
+        } else {
+            action_begin(board, element->action);
+        }
         return;
     }
     for (int32_t k = i + 1; k < element->end; k = element_of(k)->end) {
@@ -180,6 +185,7 @@ static void move(storyboard *board, int32_t i) {
     actor->origin_y = actor->at.y;
     actor->standing = fabs(actor->speed) < STILL ? actor->standing + board->h : 0;
     if (actor->lateral == SB_NONE) actor->drift = 0;
+    if (scenario_tables.has_off_road) actor->off_road = place_is_on_road(&actor->at) ? 0 : actor->off_road + board->h;
 }
 
 static void advance_time(storyboard *board) {
@@ -197,6 +203,18 @@ void storyboard_face(sb_actor *actor) {
     actor->sine = sin(actor->at.heading);
 }
 
+/* A phase that lasts no time at all stays. */
+static void change_signals(storyboard *board) {
+    for (int32_t i = 0; i < scenario_tables.controller_count; ++i) {
+        const sb_controller *controller = &scenario_tables.controllers[i];
+        for (int32_t k = 0; k < controller->phases; ++k) {
+            double end = board->since[i] + board->values[scenario_tables.phases[controller->phase + board->shown[i]].duration];
+            if (!(end > board->since[i] && board->now >= end - 1e-9)) break;
+            show_phase(board, i, (board->shown[i] + 1) % controller->phases, end);
+        }
+    }
+}
+
 /* Triggers see the state before the step; then actions advance, the time, and the road users move. */
 void storyboard_step(storyboard *board, double h) {
     double before[SB_ENTITIES];
@@ -209,6 +227,7 @@ void storyboard_step(storyboard *board, double h) {
         board->progress[i].changed = board->progress[i].changing;
         board->progress[i].changing = 0;
     }
+    change_signals(board);
     if (trigger_is_true(board, scenario_tables.stop)) board->has_ended = true;
     for (int32_t i = 0; i < scenario_tables.element_count; i = next_of(board, i)) proceed(board, i);
     for (int32_t i = 0; i < scenario_tables.init_count; ++i) action_advance(board, i);
@@ -276,6 +295,15 @@ void storyboard_begin(storyboard *board) {
         bool is_placed = scenario_tables.vertices[line->vertex].position != SB_NONE;
         if (is_placed) trajectory_lay(board, i, SB_NONE);
     }
+    board->clock = scenario_tables.clock;
+    board->is_clock_running = true;
+    for (int32_t i = 0; i < scenario_tables.controller_count; ++i) {
+        const sb_controller *controller = &scenario_tables.controllers[i];
+        double begun = board->values[controller->begun], cycle = 0;
+        for (int32_t k = 0; k < controller->phases; ++k) cycle += board->values[scenario_tables.phases[controller->phase + k].duration];
+        show_phase(board, i, 0, cycle > 0 && isfinite(cycle) ? begun - ceil(begun / cycle) * cycle : 0);
+    }
+    change_signals(board);
     begin_actions(board);
     for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
         board->actors[i].origin_x = board->actors[i].at.x;
