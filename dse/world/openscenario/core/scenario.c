@@ -83,7 +83,9 @@ static void output(scenario *self) {
         self->out.states[i] = self->board.progress[i].state;
     }
     self->out.ended = self->board.has_ended;
-    if (self->is_undefined) self->out.movers[0].station = self->out.everyone[0].station = NAN;
+    if (!self->is_undefined) return;
+    self->out.movers[0].station = NAN;
+    for (int32_t i = 0; i < scenario_tables.entity_count && i < SCENARIO_SEEN; ++i) self->out.everyone[i].station = NAN;
 }
 
 void scenario_init(scenario *self) {
