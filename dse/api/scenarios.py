@@ -72,7 +72,7 @@ def play_scenario(
     """The OpenSCENARIO file at *path* with values of its parameters, for at most *stop* s in steps of *step* s.
 
     *content* is a folder with the program's component library. The run counts until the stop trigger. Raises DseError:
-    what is wrong in the file or not supported, an unknown parameter, a run that fails, or a position that is not a number.
+    what is wrong in the file or not supported, an unknown parameter, a run that fails, or a position that is no number.
     """
     scenario = read_scenario(path)
     tuned = {each.name for each in scenario.parameters}
