@@ -17,6 +17,7 @@ static int32_t next_of(const storyboard *board, int32_t i) {
 
 /* Elements below *i*, and *i* itself, end now. */
 static void stop(storyboard *board, int32_t i) {
+    board->changes = 2;
     for (int32_t k = i; k < element_of(i)->end; ++k) {
         sb_progress *progress = &board->progress[k];
         if (progress->state == COMPLETE) continue;
@@ -28,6 +29,7 @@ static void stop(storyboard *board, int32_t i) {
 
 static void start(storyboard *board, int32_t i) {
     const sb_element *element = element_of(i);
+    board->changes = 2;
     board->progress[i].state = RUNNING;
     board->progress[i].changing |= HAS_STARTED;
     if (element->kind == ACTION) {
@@ -56,6 +58,7 @@ static bool prevails(storyboard *board, int32_t i) {
         if (k == i || board->progress[k].state != RUNNING) continue;
         if (element->priority == SKIP) {
             board->progress[i].changing |= HAS_SKIPPED;
+            board->changes = 2;
             return false;
         }
         stop(board, k);
@@ -81,6 +84,7 @@ static void finish(storyboard *board, int32_t i) {
     if (element->kind != ACTION || progress->state != RUNNING || board->runs[element->action].is_running) return;
     progress->state = COMPLETE;
     progress->changing |= HAS_ENDED;
+    board->changes = 2;
 }
 
 /* From the innermost outwards: what has only ended elements in it ends. */
@@ -92,6 +96,7 @@ static void conclude(storyboard *board, int32_t i) {
         if (board->progress[k].state != COMPLETE) return;
     }
     progress->changing |= HAS_ENDED;
+    board->changes = 2;
     progress->count += 1;
     progress->state = COMPLETE;
     if (progress->count >= element->most) return;
@@ -223,10 +228,11 @@ void storyboard_step(storyboard *board, double h) {
     for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
         before[i] = board->actors[i].speed;
     }
-    for (int32_t i = 0; i < scenario_tables.element_count; ++i) {
+    for (int32_t i = 0; i < scenario_tables.element_count && board->changes > 0; ++i) {
         board->progress[i].changed = board->progress[i].changing;
         board->progress[i].changing = 0;
     }
+    board->changes -= board->changes > 0;
     change_signals(board);
     if (trigger_is_true(board, scenario_tables.stop)) board->has_ended = true;
     for (int32_t i = 0; i < scenario_tables.element_count; i = next_of(board, i)) proceed(board, i);
@@ -250,7 +256,7 @@ void storyboard_step(storyboard *board, double h) {
     }
     for (int32_t i = 0; i < scenario_tables.entity_count; ++i) storyboard_face(&board->actors[i]);
     for (int32_t i = 0; i < scenario_tables.element_count; i = next_of(board, i)) finish(board, i);
-    for (int32_t i = scenario_tables.element_count - 1; i >= 0; --i) conclude(board, i);
+    for (int32_t i = scenario_tables.element_count - 1; i >= 0 && board->changes > 0; --i) conclude(board, i);
 }
 
 /* An action waits for the entity that it refers to. */
@@ -282,6 +288,7 @@ void storyboard_begin(storyboard *board) {
     board->base_time = board->step = board->now = board->h = 0;
     board->steps = board->epoch = 0;
     board->has_ended = false;
+    board->changes = 0;
     for (int32_t i = 0; i < SB_CONDITIONS; ++i) board->memories[i] = (sb_memory){.since = HUGE_VAL, .until = -HUGE_VAL};
     for (int32_t i = 0; i < SB_GAPS; ++i) board->gaps[i] = (sb_gap){.hint = NAN};
     for (int32_t i = 0; i < SB_ACTIONS; ++i) board->runs[i] = (sb_run){.is_running = false};

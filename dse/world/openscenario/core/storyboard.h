@@ -236,6 +236,7 @@ typedef struct {
     int64_t steps, epoch; /* a new epoch begins where a road user may have moved */
     double now, h;
     double grip; /* m/s2 that the surface allows; 0: no limit */
+    int32_t changes; /* 2: an element changes in this step, 1: in the last one */
     bool has_host, has_ended; /* the host is driven by somebody else; the stop trigger was true */
 } storyboard;
 
