@@ -84,6 +84,11 @@ CHOSEN = story("near", event("chosen", speed(9), TRAVELLED)).replace(
     '<Actors selectTriggeringEntities="false"><EntityRef entityRef="near"/></Actors>',
     '<Actors selectTriggeringEntities="true"/>',
 )
+NEAR = by_entity(
+    "jumps",
+    '<RelativeDistanceCondition entityRef="post" relativeDistanceType="euclidianDistance" value="5" freespace="false"'
+    ' rule="lessThan"/>',
+)
 # Who begins to drive at 5 m/s, at which time in s, by what.
 BEGINS = {
     "by_light": (2.0, by_value(shows("s1", "green"))),
@@ -102,12 +107,15 @@ STORIES = (
     + story("leaves", event("off", speed(5), by_entity("leaves", '<OffroadCondition duration="2"/>')))
     + story("aside", event("aside", BESIDE, after(0)))
     + CHOSEN
+    + story("post", event("before", speed(0), NEAR))
+    + story("jumps", event("jump", teleport(world(2, -400)), after(1)), event("near", speed(9), NEAR))
 )  # fmt: skip
 INIT = {
     **{name: (teleport(world(0, -100 - 10 * i)), speed(1)) for i, name in enumerate(BEGINS)},
     "leaves": (teleport(world(50, 0)), speed(10), trajectory(AWAY)),
     "near": (teleport(world(0, -50)), speed(5)), "far": (teleport(world(0, -60)), speed(1)),
     "lead": (teleport(world(0, -300)), speed(1)), "aside": (teleport(world(0, -300)), speed(1)),
+    "post": (teleport(world(0, -400)), speed(0)), "jumps": (teleport(world(-90, -400)), speed(1)),
 }  # fmt: skip
 
 
@@ -147,6 +155,11 @@ def test_a_lateral_distance_is_reached_within_the_greatest_acceleration(tracks: 
     bends = np.diff(aside, 2) / 0.01
     assert 1.9 < bends.max() <= 2 + 1e-6
     assert bends.min() >= -2 - 1e-6
+
+
+def test_a_distance_is_measured_again_after_a_jump_within_the_step(tracks: dict[str, Track]) -> None:
+    # The jump is at 1 s, after the same distance was measured for "before"; from there on it drives at 9 m/s.
+    assert tracks["jumps"][11, 0] == pytest.approx(2 + 9 * 0.1)
 
 
 @pytest.mark.parametrize(
