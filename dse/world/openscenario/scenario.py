@@ -7,18 +7,18 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from dse.errors import DseError, Problem, Problems, closest, fail, raise_if_any
+from dse.errors import Problem, Problems, closest, fail, raise_if_any
 from dse.expression import KEYWORDS
 from dse.formats import shown
 from dse.loading import Workspace, find_root, is_identifier
 from dse.world.opendrive.reading import read_network
 from dse.world.opendrive.structure import Network
 from dse.world.openscenario.actions import Actions, seconds
-from dse.world.openscenario.conditions import Conditions
 from dse.world.openscenario.document import MOST_ELEMENTS, Context, Document, Node, Parameter, open_document
 from dse.world.openscenario.expressions import Number, constant
 from dse.world.openscenario.paths import Paths, ScenarioPath
 from dse.world.openscenario.positions import Layout
+from dse.world.openscenario.stories import Element, Stories
 from dse.world.openscenario.tables import NONE, Tables
 from dse.world.road_reader import open_roads
 
@@ -35,22 +35,6 @@ PEDESTRIAN, OBSTACLE = 5, 6
 _MACRO = re.compile(
     r"NAN|NULL|INFINITY|HUGE_VAL|(SB|M|FP|MATH|SCENARIO|U?INT|U?INTPTR|PTRDIFF|SIZE)[A-Z0-9]*_[A-Z0-9_]*"
 )
-_KINDS = {
-    "STORY": "story",
-    "ACT": "act",
-    "GROUP": "maneuverGroup",
-    "MANEUVER": "maneuver",
-    "EVENT": "event",
-    "ACTION": "action",
-}
-
-
-@dataclass(frozen=True, slots=True)
-class Element:
-    """An element of the storyboard: its *kind* as OpenSCENARIO calls it, and its *name* with those it is in."""
-
-    kind: str
-    name: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,8 +92,6 @@ class _Compiler:
     document: Document
     tables: Tables = field(default_factory=Tables)
     problems: Problems = field(default_factory=Problems)
-    names: dict[str, list[tuple[str, int]]] = field(default_factory=dict)
-    elements: list[Element] = field(default_factory=list)
 
     def scenario(self, host: str | None) -> Scenario:
         """All of it."""
@@ -147,7 +129,8 @@ class _Compiler:
                 path = NONE if start is None or tow != NONE else start.path
                 self.tables.add("entities", self._entity(node, path) | {"tow": tow, "hitch": hitch})
         self._init(storyboard, actions)
-        self._stories(storyboard, actions)
+        stories = Stories(actions, self.problems, storyboard.where)
+        stories.read(storyboard)
         if any(isinstance(row, dict) and row["kind"] == "IF_CLOCK" for row in self.tables.rows["conditions"]):
             with self.problems:
                 self.tables.clock = seconds(root.need("FileHeader"), "date")
@@ -161,7 +144,7 @@ class _Compiler:
         self._lanes(made)
         ignored = tuple(dict.fromkeys(root.context.ignored))
         return Scenario(
-            self.document.parameters, self.document.decided, tuple(entities), found, tuple(self.elements), made,
+            self.document.parameters, self.document.decided, tuple(entities), found, tuple(stories.elements), made,
             self.tables, ignored, paths.network if paths else None, root.context.files,
         )  # fmt: skip
 
@@ -334,118 +317,8 @@ class _Compiler:
             self.tables.add("actions", row)
         self.tables.init_count = len(rows)
 
-    def _stories(self, storyboard: Node, actions: Actions) -> None:
-        waiting: list[tuple[dict[str, object], str, Node]] = []
-        for story in storyboard.all("Story"):
-            self._element(story.resolved(), "STORY", NONE, "", actions, waiting, [])
-        conditions = Conditions(actions, self.names)
-        for row, key, trigger in waiting:
-            with self.problems:
-                row[key] = conditions.trigger(trigger)
-        with self.problems:
-            self.tables.stop = conditions.trigger(storyboard.child("StopTrigger"))
-
-    def _element(
-        self,
-        node: Node,
-        kind: str,
-        parent: int,
-        prefix: str,
-        actions: Actions,
-        waiting: list[tuple[dict[str, object], str, Node]],
-        actors: list[int] | None,
-    ) -> None:
-        """The rows of an element and of all that is in it."""
-        full, number, row = self._row(kind, prefix, node.text("name", node.tag), parent)
-        for key, tag in (("start", "StartTrigger"), ("stop", "StopTrigger")):
-            trigger = node.child(tag)
-            if trigger is not None:
-                waiting.append((row, key, trigger))
-        if kind in {"EVENT", "GROUP"}:
-            row["most"] = min(node.whole("maximumExecutionCount", 1), 10**6) if node.has("maximumExecutionCount") else 1
-        if kind == "EVENT":
-            words = {"override": "OVERRIDE", "overwrite": "OVERRIDE", "skip": "SKIP", "parallel": "PARALLEL"}
-            row["priority"] = node.word("priority", words, "parallel")
-        if kind == "GROUP":
-            with self.problems:
-                actors = self._actors(node, actions)
-        for child in node.children():
-            with self.problems:
-                inner = _CHILDREN.get((kind, child.tag))
-                if inner is not None:
-                    self._element(child.resolved(), inner, number, full, actions, waiting, actors)
-                elif kind == "EVENT" and child.tag == "Action":
-                    self._action(child, node, number, full, actions, actors)
-                elif child.tag not in _KNOWN:
-                    raise child.unsupported()
-        row["end"] = self.tables.count("elements")
-
-    def _row(
-        self, kind: str, prefix: str, name: str, parent: int, action: int = NONE
-    ) -> tuple[str, int, dict[str, object]]:
-        """Full name, number and new row of an element without others in it; that there are too many is one problem."""
-        if self.tables.count("elements") >= MOST_ELEMENTS:
-            raise _too_many(self.document.root.need("Storyboard"))
-        row: dict[str, object] = {
-            "kind": kind, "parent": parent, "end": self.tables.count("elements") + 1, "start": NONE, "stop": NONE,
-            "most": 1, "priority": "PARALLEL", "action": action,
-        }  # fmt: skip
-        number, full = self.tables.add("elements", row), f"{prefix}/{name}" if prefix else name
-        self.names.setdefault(_KINDS[kind], []).append((full, number))
-        self.elements.append(Element(_KINDS[kind], full))
-        return full, number, row
-
-    def _actors(self, group: Node, actions: Actions) -> list[int] | None:
-        """None: those that trigger an event."""
-        who = group.need("Actors")
-        if who.flag("selectTriggeringEntities"):
-            return None
-        return [actions.layout.entity(each) for each in who.all("EntityRef")]
-
-    def _action(
-        self, node: Node, event: Node, parent: int, prefix: str, actions: Actions, actors: list[int] | None
-    ) -> None:
-        """A row for each actor, or each that may trigger the event; an action that does nothing ends at once."""
-        is_chosen = actors is None
-        if actors is None:
-            found = event.element.below("StartTrigger", "ConditionGroup", "Condition", "ByEntityCondition")
-            named = (
-                Node(each, event.scope, event.context).need("TriggeringEntities").all("EntityRef") for each in found
-            )
-            actors = [*dict.fromkeys(actions.layout.entity(each) for group in named for each in group)]
-        choice = node.child("PrivateAction", "GlobalAction", "UserDefinedAction")
-        if choice is None:
-            node.ignore("is empty")
-            rows = []
-        elif choice.tag == "PrivateAction":
-            rows = [row for actor in actors for row in actions.private(choice, actor)]
-        elif choice.tag == "GlobalAction":
-            rows = actions.global_(choice)
-        else:
-            choice.ignore("commands of other programs have no effect here")
-            rows = []
-        nothing: dict[str, object] = {"kind": "DO_NOTHING", "actor": NONE}
-        for row in rows or [nothing]:
-            action = self.tables.add("actions", row)
-            _, _, element = self._row("ACTION", prefix, node.text("name", "Action"), parent, action)
-            element["is_chosen"] = is_chosen and row["actor"] != NONE
-
     def _lanes(self, paths: tuple[ScenarioPath, ...]) -> None:
         for number, path in enumerate(paths):
             for row in path.rows:
                 fields = {"start": row.start, "id": row.id, "number": row.number, "sense": row.sense, "road": row.road}
                 self.tables.add("lanes", {"path": number, **fields})
-
-
-def _too_many(storyboard: Node) -> DseError:
-    return fail(f"a storyboard has at most {MOST_ELEMENTS} elements", storyboard.where)
-
-
-_CHILDREN = {
-    ("STORY", "Act"): "ACT",
-    ("ACT", "ManeuverGroup"): "GROUP",
-    ("GROUP", "Maneuver"): "MANEUVER",
-    ("GROUP", "CatalogReference"): "MANEUVER",
-    ("MANEUVER", "Event"): "EVENT",
-}
-_KNOWN = frozenset({"StartTrigger", "StopTrigger", "Actors", "ParameterDeclarations"})
