@@ -43,8 +43,8 @@ class Layout:
     entities: Mapping[str, int]
     paths: Paths | None
     starts: dict[int, Placed] = field(default_factory=dict)
-    controllers: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    """Of traffic signals: their phases, in the order of their rows."""
+    controllers: dict[str, tuple[int, tuple[str, ...]]] = field(default_factory=dict)
+    """Of traffic signals: their row, and their phases."""
     open: list[XmlElement] = field(default_factory=list)
     """Trajectories that are being read."""
 
@@ -58,13 +58,13 @@ class Layout:
     def phase(self, node: Node) -> tuple[int, int]:
         """The numbers of the controller and of its phase that an element names. Raises DseError: there is none."""
         name, phase = node.text("trafficSignalControllerRef"), node.text("phase")
-        phases = self.controllers.get(name)
-        if phases is None:
+        if name not in self.controllers:
             what = f"there is no controller '{name}' of traffic signals"
             raise fail(what, node.where, closest(name, self.controllers))
+        row, phases = self.controllers[name]
         if phase not in phases:
             raise fail(f"the controller '{name}' has no phase '{phase}'", node.where, closest(phase, phases))
-        return list(self.controllers).index(name), phases.index(phase)
+        return row, phases.index(phase)
 
     def network(self, where: Location) -> Paths:
         """The paths. Raises DseError where the scenario has no road network."""

@@ -26,6 +26,7 @@ MOST_ENTITIES = 48
 OWN_PARAMETERS = ("drives_host", "host_front")
 """Of a component of a scenario, besides those of the file."""
 _MOST_PASSES = 4
+_MOST_CONTROLLERS = 100
 _DESCRIPTIONS = ("Vehicle", "Pedestrian", "MiscObject")
 _CLASSES = {
     "car": 1, "van": 1, "truck": 2, "semitrailer": 2, "trailer": 2, "bus": 2, "tram": 2, "train": 2, "motorbike": 3,
@@ -169,7 +170,11 @@ class _Compiler:
         network, tables = root.child("RoadNetwork"), self.tables
         signals = network.child("TrafficSignals") if network else None
         begun: dict[str, Number] = {}
-        for node in signals.all("TrafficSignalController") if signals else ():
+        listed = list(signals.all("TrafficSignalController")) if signals else []
+        if len(listed) > _MOST_CONTROLLERS:
+            what = f"{len(listed)} controllers of traffic signals: a scenario has at most {_MOST_CONTROLLERS}"
+            raise fail(what, listed[0].where)
+        for node in listed:
             with self.problems:
                 name, phases = node.text("name"), list(node.all("Phase"))
                 if not phases or name in layout.controllers:
@@ -181,26 +186,22 @@ class _Compiler:
                     what = f"there is no controller '{other}' before this one"
                     raise fail(what, node.where, closest(other, begun))
                 before = begun[other] if other else constant(0.0)
-                names = delay.names | before.names
-                begun[name] = Number(delay.value + before.value, f"({before.c} + {delay.c})", names)
-                layout.controllers[name] = tuple(each.text("name") for each in phases)
-                rows = []
+                text = f"({before.c} + {delay.c})"
+                begun[name] = Number(delay.value + before.value, text, delay.names | before.names)
+                names = tuple(each.text("name") for each in phases)
+                row = {"phase": tables.count("phases"), "phases": len(phases), "begun": tables.number(begun[name])}
+                row["variable"] = tables.signal("TrafficSignalController", name)
+                layout.controllers[name] = tables.add("controllers", row), names
                 for phase in phases:
                     first = tables.count("states")
                     for each in phase.all("TrafficSignalState"):
                         signal = tables.signal("TrafficSignal", each.text("trafficSignalId"))
                         tables.add("states", (signal, tables.number(tables.compared(each.text("state")))))
-                    rows.append({
+                    tables.add("phases", {
                         "name": tables.number(tables.compared(phase.text("name"))),
                         "duration": tables.number(phase.number("duration")),
                         "state": first, "states": tables.count("states") - first,
                     })  # fmt: skip
-                first = tables.count("phases")
-                for row in rows:
-                    tables.add("phases", row)
-                variable = tables.signal("TrafficSignalController", name)
-                fields = {"variable": variable, "begun": tables.number(begun[name])}
-                tables.add("controllers", {**fields, "phase": first, "phases": len(rows)})
 
     def _host(self, wanted: str | None, entities: Mapping[str, int]) -> int:
         if wanted is None:

@@ -40,6 +40,7 @@ class Tables:
     rows: dict[str, list[Row | int | tuple[int, int]]] = field(default_factory=lambda: {name: [] for name in _ROWS})
     numbers: dict[str, int] = field(default_factory=lambda: {"0.0": 0})
     variables: dict[str, Number] = field(default_factory=dict)
+    signals: dict[str, int] = field(default_factory=dict)
     texts: dict[str, float] = field(default_factory=dict)
     points: int = 0
     gaps: dict[object, int] = field(default_factory=dict)
@@ -75,8 +76,10 @@ class Tables:
     def signal(self, kind: str, name: str) -> int:
         """The index of the variable that has the state of a traffic signal, or the phase of a controller of signals."""
         full = f"<{kind}> {name}"
-        self.variables.setdefault(full, constant(0.0))
-        return self.variable(full)
+        if full not in self.signals:
+            self.signals[full] = len(self.variables)
+            self.variables[full] = constant(0.0)
+        return self.signals[full]
 
     def sizes(self) -> str:
         """The C header with the sizes of what changes during a run; none is 0."""

@@ -166,6 +166,7 @@ def test_a_distance_is_measured_again_after_a_jump_within_the_step(tracks: dict[
     ("part", "changed", "what"),
     [
         ('reference="lights"', 'reference="light"', "there is no controller 'light' before this one"),
+        ("</TrafficSignals>", "<TrafficSignalController/>" * 99 + "</TrafficSignals>", "101 controllers of traffic"),
         ('name="next"', 'name="lights"', "the controller 'lights' exists already"),
         ('phase="go"/>', 'phase="no"/>', "the controller 'lights' has no phase 'no'"),
         ('trafficSignalControllerRef="lights"', 'trafficSignalControllerRef="x"', "there is no controller 'x'"),
