@@ -66,14 +66,16 @@ def private(entity: str, *actions: str) -> str:
 
 
 def after(time: object) -> str:
-    return trigger(
-        f'<ByValueCondition><SimulationTimeCondition value="{time}" rule="greaterOrEqual"/></ByValueCondition>'
-    )
+    return by_value(f'<SimulationTimeCondition value="{time}" rule="greaterOrEqual"/>')
 
 
 def by_entity(entity: str, condition: str) -> str:
     who = f'<TriggeringEntities triggeringEntitiesRule="any"><EntityRef entityRef="{entity}"/></TriggeringEntities>'
     return trigger(f"<ByEntityCondition>{who}<EntityCondition>{condition}</EntityCondition></ByEntityCondition>")
+
+
+def by_value(condition: str) -> str:
+    return trigger(f"<ByValueCondition>{condition}</ByValueCondition>")
 
 
 def trigger(condition: str, tag: str = "StartTrigger") -> str:

@@ -72,7 +72,7 @@ def play_scenario(
     """The OpenSCENARIO file at *path* with values of its parameters, for at most *stop* s in steps of *step* s.
 
     *content* is a folder with the program's component library. The run counts until the stop trigger. Raises DseError:
-    what is wrong in the file or not supported, an unknown parameter, or a run that fails.
+    what is wrong in the file or not supported, an unknown parameter, a run that fails, or a position that is no number.
     """
     scenario = read_scenario(path)
     tuned = {each.name for each in scenario.parameters}
@@ -97,6 +97,7 @@ def play_scenario(
     last = None if seen_by is None else max(seen_by - 1, 0)  # triggers are evaluated before the step
     rows = slice(0, len(time) if last is None else last + 1)
     poses: dict[str, NDArray[np.float64]] = {}
+    undefined: dict[int, str] = {}
     began: dict[str, float] = {}
     completed: dict[str, float] = {}
     for number, name in enumerate(scenario.entities, 1):
@@ -104,6 +105,14 @@ def play_scenario(
         for label, (port, _) in _POSE.items():
             column = recorded[f"{_PART}.everyone[{number}].{port}"]
             poses[f"{name}.{label}"] = np.where(seen, column, np.nan)[rows]
+            if (row := _first(np.isnan(column[rows]))) is not None:
+                undefined.setdefault(row, name)
+    if undefined:
+        row = min(undefined)
+        what = f"entity '{undefined[row]}' has no position from {time[row]:g} s on"
+        if row == 0:
+            what = "an expression of the scenario has no finite value with these parameters"
+        raise fail(what, Location(shown(path)))
     for number, element in enumerate(scenario.elements[:_MOST_STATES], 1):
         states = recorded[f"{_PART}.states[{number}]"][rows]
         for times, reached in ((began, states >= 1), (completed, states >= 2)):

@@ -9,6 +9,7 @@ from .xml import (
     real_of as real_of,
     shortened as shortened,
     whole_of as whole_of,
+    xml_content as xml_content,
 )
 from .yaml import (
     Document as Document,

@@ -121,16 +121,20 @@ def read_xml_file(path: Path, file: str, ignored: list[Problem] | None = None) -
 
     Raises DseError located there: no such file, cannot be read, or anything ``read_xml`` refuses.
     """
+    return read_xml(xml_content(path, file), file, ignored)
+
+
+def xml_content(path: Path, file: str) -> bytes:
+    """The bytes of the XML file at *path*. Raises DseError: no such file, cannot be read, or too large."""
     where = Location(file)
     try:
         if path.stat().st_size > _MOST_BYTES:
             raise fail(f"larger than {_MOST_BYTES // 2**20} MiB", where)
-        content = path.read_bytes()
+        return path.read_bytes()
     except FileNotFoundError as error:
         raise fail("there is no such file", where) from error
     except OSError as error:
         raise fail(f"cannot be read: {(error.strerror or str(error)).lower()}", where) from error
-    return read_xml(content, file, ignored)
 
 
 def read_xml(content: bytes, file: str, ignored: list[Problem] | None = None) -> XmlElement:

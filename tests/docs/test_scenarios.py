@@ -21,8 +21,7 @@ TEXT = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
 ROWS = {
     "private actions": PRIVATE_ACTIONS - WITHOUT_EFFECT,
     "private actions without effect": PRIVATE_ACTIONS & WITHOUT_EFFECT,
-    "global actions": GLOBAL_ACTIONS - WITHOUT_EFFECT,
-    "global actions without effect": GLOBAL_ACTIONS & WITHOUT_EFFECT,
+    "global actions": GLOBAL_ACTIONS,
     "conditions": CONDITIONS,
     "positions": POSITIONS,
     "shapes of trajectories": TRAJECTORY_SHAPES,

@@ -27,7 +27,7 @@ from dse.testbench.wired_bench import wire_bench
 
 pytestmark = pytest.mark.usefixtures("kept_cache")
 ROOT = Path(__file__).parents[2]
-BENCHES = ("drive_following", "drive_motorway", "drive_town")
+BENCHES = ("drive_following", "drive_motorway", "drive_scenario", "drive_town")
 MANUAL, STANDBY, CRUISE, OVERRIDE, EMERGENCY = range(5)
 MIDDLE = 2
 RED = 2

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import UTC, datetime
 
 from dse.errors import closest, fail
+from dse.formats import shortened
 from dse.world.openscenario.document import Node
 from dse.world.openscenario.expressions import Number, constant
 from dse.world.openscenario.positions import Layout
@@ -15,11 +17,10 @@ Row = dict[str, object]
 
 SHAPES = {"step": "STEP", "linear": "LINEAR", "cubic": "CUBIC", "sinusoidal": "SINUSOIDAL"}
 _DIMENSIONS = {"time": "BY_TIME", "rate": "BY_RATE", "distance": "BY_DISTANCE"}
-_SIDES = {"any": 0, "leadingReferencedEntity": 16, "trailingReferencedEntity": 32}
-_LATERAL_SIDES = {"any": 0, "leftToReferencedEntity": 16, "rightToReferencedEntity": 32}
-_FACTOR, _CONTINUOUS, _TIME_GAP, _FREESPACE = 1, 2, 4, 8
-_TIMED, _RELATIVE_TIME, _FINAL, _STEADY_TIME, _STEADY_DISTANCE, _LIMITS, _HIDDEN = 64, 128, 256, 512, 1024, 2048, 4096
-_ALONG, _ACCELERATED = 8192, 16384
+_NO_FLAG = "0"
+_SIDES = {"any": _NO_FLAG, "leadingReferencedEntity": "IS_LEADING", "trailingReferencedEntity": "IS_TRAILING"}
+_LATERAL_SIDES = {"any": _NO_FLAG, "leftToReferencedEntity": "IS_LEADING", "rightToReferencedEntity": "IS_TRAILING"}
+_SYSTEMS = {"entity": _NO_FLAG, **dict.fromkeys(("lane", "road", "trajectory"), "IS_ALONG_ROAD")}
 _DEFAULT_LATERAL_ACCELERATION = 0.5  # m/s2, of a lane offset without one; assumed
 _NO_LIMIT = -1.0
 
@@ -56,7 +57,7 @@ class Actions:
     def _row(self, actor: int, given: Row) -> Row:
         row: Row = {
             "kind": "DO_NOTHING", "controls": 0, "actor": actor, "entity": NONE, "position": NONE,
-            "other_position": NONE, "shape": "STEP", "dimension": "BY_TIME", "flags": 0, "target": 0, "count": 0,
+            "other_position": NONE, "shape": "STEP", "dimension": "BY_TIME", "flags": _NO_FLAG, "target": 0, "count": 0,
             "numbers": [],
         }  # fmt: skip
         row |= given
@@ -77,9 +78,11 @@ class Actions:
         target = node.need("SpeedActionTarget").only()
         row |= {"kind": "DO_SPEED", "controls": "LONGITUDINAL", "numbers": [value, target.number("value")]}
         if target.tag == "RelativeTargetSpeed":
-            flags = target.word("speedTargetValueType", {"delta": 0, "factor": _FACTOR}, "delta")
-            flags |= _CONTINUOUS if target.flag("continuous") else 0
-            row |= {"entity": self.layout.entity(target), "flags": flags}
+            kind = target.word("speedTargetValueType", {"delta": _NO_FLAG, "factor": "IS_FACTOR"}, "delta")
+            row |= {
+                "entity": self.layout.entity(target),
+                "flags": _flags(kind, IS_CONTINUOUS=target.flag("continuous")),
+            }
         return row
 
     def speed_profile(self, node: Node, _: int) -> Row:
@@ -109,32 +112,31 @@ class Actions:
 
     def longitudinal_distance(self, node: Node, _: int) -> Row:
         """<LongitudinalDistanceAction>."""
-        flags = node.word("displacement", _SIDES, "trailingReferencedEntity")
-        flags |= (_FREESPACE if node.flag("freespace") else 0) | (_CONTINUOUS if node.flag("continuous") else 0)
-        flags |= _TIME_GAP if node.has("timeGap") else 0
-        flags |= node.word(
-            "coordinateSystem", {"entity": 0, "lane": _ALONG, "road": _ALONG, "trajectory": _ALONG}, "entity"
-        )
-        gap = node.number("timeGap" if node.has("timeGap") else "distance")
+        is_time = node.has("timeGap")
+        side = node.word("displacement", _SIDES, "trailingReferencedEntity")
+        flags = _flags(side, node.word("coordinateSystem", _SYSTEMS, "entity"), IS_TIME_GAP=is_time)
+        gap = node.number("timeGap" if is_time else "distance")
         return self._kept(node, gap, flags, "DO_LONGITUDINAL_DISTANCE", "LONGITUDINAL")
 
     def lateral_distance(self, node: Node, _: int) -> Row:
         """<LateralDistanceAction>."""
-        flags = node.word("displacement", _LATERAL_SIDES, "any")
-        flags |= (_FREESPACE if node.flag("freespace") else 0) | (_CONTINUOUS if node.flag("continuous") else 0)
-        return self._kept(node, node.number("distance", 0.0), flags, "DO_LATERAL_DISTANCE", "LATERAL")
+        side = node.word("displacement", _LATERAL_SIDES, "any")
+        return self._kept(node, node.number("distance", 0.0), side, "DO_LATERAL_DISTANCE", "LATERAL")
 
     def _without_jerk(self, limits: Node) -> None:
         if limits.has("maxAccelerationRate") or limits.has("maxDecelerationRate"):
             limits.ignore("the acceleration changes without a limit of its rate")
 
-    def _kept(self, node: Node, gap: Number, flags: int, kind: str, controls: str) -> Row:
+    def _kept(self, node: Node, gap: Number, flags: str, kind: str, controls: str) -> Row:
         limits = node.child("DynamicConstraints")
         names = "maxAcceleration", "maxDeceleration", "maxSpeed"
         numbers = [limits.number(name, _NO_LIMIT) if limits else constant(_NO_LIMIT) for name in names]
         if limits is not None:
             self._without_jerk(limits)
-            flags |= _LIMITS
+        flags = _flags(
+            flags, HAS_LIMITS=limits is not None, IS_FREESPACE=node.flag("freespace"),
+            IS_CONTINUOUS=node.flag("continuous"),
+        )  # fmt: skip
         row: Row = {"kind": kind, "controls": controls, "entity": self.layout.entity(node)}
         return {**row, "flags": flags, "numbers": [gap, *numbers]}
 
@@ -162,7 +164,7 @@ class Actions:
             "kind": "DO_LANE_OFFSET",
             "controls": "LATERAL",
             "shape": dynamics.word("dynamicsShape", SHAPES),
-            "flags": _CONTINUOUS if node.flag("continuous") else 0,
+            "flags": _flags(IS_CONTINUOUS=node.flag("continuous")),
             "numbers": [target.number("value"), acceleration],
         }
         if target.tag == "RelativeTargetLaneOffset":
@@ -179,21 +181,22 @@ class Actions:
         number = self.layout.trajectory(line.resolved())
         timing = node.child("TimeReference")
         timing = timing.only() if timing and timing.element.children else None
-        flags, scale, offset = 0, constant(1.0), constant(0.0)
+        flags, scale, offset = _NO_FLAG, constant(1.0), constant(0.0)
         row = self.layout.tables.rows["trajectories"][number]
         assert isinstance(row, dict)  # noqa: S101  # by construction
         if timing is not None and timing.tag == "Timing":
             if not row["is_timed"]:
                 timing.ignore("the trajectory has no times, it is followed at the speed of the entity")
             else:
-                flags = _TIMED
-                flags |= timing.word("domainAbsoluteRelative", {"absolute": 0, "relative": _RELATIVE_TIME}, "relative")
+                domains = {"absolute": _NO_FLAG, "relative": "IS_RELATIVE_TIME"}
+                flags = _flags("IS_TIMED", timing.word("domainAbsoluteRelative", domains, "relative"))
                 mode = node.child("TrajectoryFollowingMode")
                 if mode and row["kind"] == "POLYLINE":
-                    flags |= mode.word("followingMode", {"follow": _ACCELERATED, "position": 0}, "position")
+                    modes = {"follow": "IS_ACCELERATED", "position": _NO_FLAG}
+                    flags = _flags(flags, mode.word("followingMode", modes, "position"))
                 scale, offset = timing.number("scale", 1.0), timing.number("offset", 0.0)
         numbers = [node.number("initialDistanceOffset", 0.0), scale, offset]
-        controls = "BOTH" if flags else "LATERAL"
+        controls = "LATERAL" if flags == _NO_FLAG else "BOTH"
         return {"kind": "DO_TRAJECTORY", "controls": controls, "target": number, "flags": flags, "numbers": numbers}
 
     def synchronize(self, node: Node, actor: int) -> Row:
@@ -206,17 +209,17 @@ class Actions:
             "position": self.layout.position(node.need("TargetPositionMaster"), master),
             "other_position": self.layout.position(node.need("TargetPosition"), actor),
         }
-        final, flags = node.child("FinalSpeed"), 0
+        final, flags = node.child("FinalSpeed"), _NO_FLAG
         speed = steady = constant(0.0)
         if final is not None:
             target = final.only()
-            flags, speed = _FINAL, target.number("value")
+            flags, speed = "HAS_FINAL_SPEED", target.number("value")
             if target.tag == "RelativeSpeedToMaster":
-                flags |= target.word("speedTargetValueType", {"delta": _FACTOR}, "delta")
+                flags = _flags(flags, target.word("speedTargetValueType", {"delta": "IS_FACTOR"}, "delta"))
             kept = target.child("TargetDistanceSteadyState", "TargetTimeSteadyState")
             if kept is not None:
                 by_time = kept.tag == "TargetTimeSteadyState"
-                flags |= _STEADY_TIME if by_time else _STEADY_DISTANCE
+                flags = _flags(flags, "STEADY_TIME" if by_time else "STEADY_DISTANCE")
                 steady = kept.number("time" if by_time else "distance")
         tolerances = [node.number("targetToleranceMaster", 0.0), node.number("targetTolerance", 0.0)]
         return {**row, "flags": flags, "numbers": [speed, steady, *tolerances]}
@@ -236,15 +239,31 @@ class Actions:
 
     def see(self, node: Node, _: int) -> Row:
         """<VisibilityAction>: whether sensors can detect the entity."""
-        return {"kind": "DO_SEE", "flags": 0 if node.flag("sensors", default=True) else _HIDDEN}
+        return {"kind": "DO_SEE", "flags": _flags(IS_HIDDEN=not node.flag("sensors", default=True))}
 
     def nothing(self, node: Node, *_: int) -> None:
         """What does not change how road users move; the bench's own components take its place."""
         node.ignore("has no effect here")
 
-    def environment(self, node: Node) -> None:
-        """<EnvironmentAction>."""
+    def environment(self, node: Node) -> Row | None:
+        """<EnvironmentAction>: of it, only the time of day has an effect."""
         node.ignore("the weather component of the bench sets weather, visibility and friction")
+        clock = node.need("Environment", "CatalogReference").resolved().child("TimeOfDay")
+        if clock is None:
+            return None
+        time = constant(seconds(clock, "dateTime"))
+        return {"kind": "DO_CLOCK", "flags": _flags(IS_CONTINUOUS=clock.flag("animation")), "numbers": [time]}
+
+    def signals(self, node: Node) -> Row:
+        """<InfrastructureAction>."""
+        kind, tables = node.need("TrafficSignalAction").only(), self.layout.tables
+        if kind.tag == "TrafficSignalStateAction":
+            signal = tables.signal("TrafficSignal", kind.text("name"))
+            return {"kind": "DO_SET", "target": signal, "numbers": [tables.compared(kind.text("state"))]}
+        if kind.tag != "TrafficSignalControllerAction":
+            raise kind.unsupported()
+        controller, phase = self.layout.phase(kind)
+        return {"kind": "DO_PHASE", "target": controller, "count": phase}
 
     def entity(self, node: Node) -> Row:
         """<EntityAction>."""
@@ -260,15 +279,29 @@ class Actions:
             raise fail(f"there is no variable '{name}'", node.where, closest(name, self.layout.tables.variables))
         change, row = node.only(), {"target": self.layout.tables.variable(name)}
         if change.tag == "SetAction":
-            return {**row, "kind": "DO_SET", "numbers": [self.compared(change, "value")]}
+            return {**row, "kind": "DO_SET", "numbers": [self.layout.tables.compared(change.value("value"))]}
         rule = change.need("Rule").only()
         kind = "DO_INCREASE" if rule.tag == "AddValue" else "DO_MULTIPLY"
         return {**row, "kind": kind, "numbers": [rule.number("value")]}
 
-    def compared(self, node: Node, name: str) -> Number:
-        """An attribute as the number that it, or its text, is compared by."""
-        value = node.value(name)
-        return self.layout.tables.text(value) if isinstance(value, str) else value
+
+def seconds(node: Node, name: str) -> float:
+    """An attribute that is a date with a time, as seconds since 1970; without a time zone in UTC."""
+    text = node.text(name)
+    try:
+        date = datetime.fromisoformat(text)
+    except ValueError as error:
+        what = f"<{node.tag}>: '{name}' is '{shortened(text)}', not a date with a time"
+        raise fail(what, node.where, "for example 2026-11-28T12:00:00") from error
+    return (date if date.tzinfo else date.replace(tzinfo=UTC)).timestamp()
+
+
+def _flags(*names: str, **others: bool) -> str:
+    """The C of flags: *names*, and those of *others* that are true."""
+    return (
+        " | ".join(name for name in (*names, *(other for other in others if others[other])) if name != _NO_FLAG)
+        or _NO_FLAG
+    )
 
 
 _PRIVATE: dict[str, Callable[[Actions, Node, int], Row | None]] = {
@@ -291,12 +324,10 @@ _PRIVATE: dict[str, Callable[[Actions, Node, int], Row | None]] = {
 }
 _GLOBAL: dict[str, Callable[[Actions, Node], Row | None]] = {
     "EnvironmentAction": Actions.environment,
+    "InfrastructureAction": Actions.signals,
     "EntityAction": Actions.entity,
     "VariableAction": Actions.variable,
     "ParameterAction": Actions.variable,
 }
 PRIVATE_ACTIONS, GLOBAL_ACTIONS = frozenset(_PRIVATE), frozenset(_GLOBAL)
-WITHOUT_EFFECT = frozenset(
-    {name for name, make in _PRIVATE.items() if make is Actions.nothing}
-    | {name for name, make in _GLOBAL.items() if make is Actions.environment}
-)
+WITHOUT_EFFECT = frozenset({name for name, make in _PRIVATE.items() if make is Actions.nothing})

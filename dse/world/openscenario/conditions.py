@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from dse.errors import closest, fail
-from dse.world.openscenario.actions import Actions
+from dse.world.openscenario.actions import Actions, seconds
 from dse.world.openscenario.document import Node
 from dse.world.openscenario.tables import NONE
 
@@ -26,6 +26,7 @@ _STATES = {
     "standbyState": "ON_STANDBY", "runningState": "ON_RUNNING", "completeState": "ON_COMPLETE",
     "startTransition": "ON_START", "endTransition": "ON_END", "stopTransition": "ON_STOP", "skipTransition": "ON_SKIP",
 }  # fmt: skip
+_MEASURING = {"IF_REACHED", "IF_DISTANCE", "IF_RELATIVE_DISTANCE", "IF_HEADWAY", "IF_TIME_TO_COLLISION"}
 _DIRECTIONS = {"longitudinal": "LONGITUDINALLY", "lateral": "LATERALLY"}
 _ELEMENTS = {
     "story": "STORY", "act": "ACT", "maneuverGroup": "GROUP", "maneuver": "MANEUVER", "event": "EVENT",
@@ -65,7 +66,7 @@ class Conditions:
         tables = self.actions.layout.tables
         row: Row = {
             "kind": "IF_ALWAYS", "edge": node.word("conditionEdge", _EDGES, "none"), "rule": "EQUAL",
-            "delay": tables.number(node.number("delay", 0.0)), "memory": tables.memories, "needs_all": False,
+            "delay": tables.number(node.number("delay", 0.0)), "needs_all": False,
             "first": 0, "count": 0, "entity": NONE, "position": NONE, "variable": 0, "element": 0, "state": NONE,
             "distance": "LONGITUDINALLY", "system": "OF_ENTITY", "direction": NONE, "is_freespace": False,
             "takes_opposite": False, "listed": 0, "listed_count": 0,
@@ -77,23 +78,23 @@ class Conditions:
             make_value = _BY_VALUE.get(kind.tag)
             if make_value is None:
                 raise kind.unsupported()
-            row |= make_value(self, kind)
-            tables.memories += 1
-            return row
+            return row | make_value(self, kind)
         if choice.tag != "ByEntityCondition":
             raise choice.unsupported()
         who = choice.need("TriggeringEntities")
         entities = [self.actions.layout.entity(each) for each in who.all("EntityRef")]
         row["needs_all"] = who.word("triggeringEntitiesRule", {"any": False, "all": True}, "any")
-        row["first"], row["count"] = tables.count("triggering"), len(entities)
-        for each in entities:
-            tables.add("triggering", each)
-        tables.memories += max(1, len(entities))
         kind = choice.need("EntityCondition").only()
         make = _BY_ENTITY.get(kind.tag)
         if make is None:
             raise kind.unsupported()
-        return row | make(self, kind)
+        row |= make(self, kind)
+        row["first"], row["count"] = tables.count("triggering"), len(entities)
+        for each in entities:
+            key = each, *(row[name] for name in ("entity", "position", "distance", "system", "is_freespace"))
+            gap = tables.gaps.setdefault(key, len(tables.gaps)) if row["kind"] in _MEASURING else NONE
+            tables.add("triggering", {"entity": each, "gap": gap})
+        return row
 
     def _numbers(self, node: Node, *names: str) -> list[int]:
         return [self.actions.layout.tables.number(node.number(name)) for name in names] + [0] * (4 - len(names))
@@ -116,8 +117,25 @@ class Conditions:
         if name not in tables.variables:
             raise fail(f"there is no variable '{name}'", node.where, closest(name, tables.variables))
         rule = node.word("rule", _RULES)
-        number = tables.number(self.actions.compared(node, "value"))
+        number = tables.number(tables.compared(node.value("value")))
         return {"kind": "IF_VARIABLE", "rule": rule, "variable": tables.variable(name), "numbers": [number, 0, 0, 0]}
+
+    def clock(self, node: Node) -> Row:
+        """<TimeOfDayCondition>."""
+        tables = self.actions.layout.tables
+        number = tables.number(seconds(node, "dateTime"))
+        return {"kind": "IF_CLOCK", "rule": node.word("rule", _RULES), "numbers": [number, 0, 0, 0]}
+
+    def signal(self, node: Node) -> Row:
+        """<TrafficSignalCondition> and <TrafficSignalControllerCondition>."""
+        tables = self.actions.layout.tables
+        if node.tag == "TrafficSignalCondition":
+            kind, name, shown = "TrafficSignal", node.text("name"), node.text("state")
+        else:
+            self.actions.layout.phase(node)
+            kind, name, shown = "TrafficSignalController", node.text("trafficSignalControllerRef"), node.text("phase")
+        number = tables.number(tables.compared(shown))
+        return {"kind": "IF_VARIABLE", "variable": tables.signal(kind, name), "numbers": [number, 0, 0, 0]}
 
     def state(self, node: Node) -> Row:
         """<StoryboardElementStateCondition>."""
@@ -142,8 +160,10 @@ class Conditions:
         return {"entity": self.actions.layout.entity(node)} if node.has("entityRef") else {}
 
     def lasting(self, node: Node) -> Row:
-        """<StandStillCondition> and <EndOfRoadCondition>."""
-        kind = "IF_STANDSTILL" if node.tag == "StandStillCondition" else "IF_END_OF_ROAD"
+        """<StandStillCondition>, <EndOfRoadCondition> and <OffroadCondition>."""
+        kinds = {"StandStillCondition": "IF_STANDSTILL", "EndOfRoadCondition": "IF_END_OF_ROAD"}
+        kind = kinds.get(node.tag, "IF_OFF_ROAD")
+        self.actions.layout.tables.has_off_road |= kind == "IF_OFF_ROAD"
         return {"kind": kind, "numbers": self._numbers(node, "duration")}
 
     def travelled(self, node: Node) -> Row:
@@ -153,7 +173,8 @@ class Conditions:
     def reached(self, node: Node) -> Row:
         """<ReachPositionCondition>."""
         position = self.actions.layout.position(node.need("Position"))
-        return {"kind": "IF_REACHED", "position": position, "numbers": self._numbers(node, "tolerance")}
+        numbers = self._numbers(node, "tolerance")
+        return {"kind": "IF_REACHED", "position": position, "distance": "EUCLIDIAN", "numbers": numbers}
 
     def distance(self, node: Node) -> Row:
         """<DistanceCondition>, <RelativeDistanceCondition> and <TimeHeadwayCondition>."""
@@ -215,7 +236,7 @@ class Conditions:
         ]
         first = tables.count("triggering")
         for each in node.all("EntityRef"):
-            tables.add("triggering", self.actions.layout.entity(each))
+            tables.add("triggering", {"entity": self.actions.layout.entity(each), "gap": NONE})
         return {
             "kind": "IF_CLEARANCE", "numbers": numbers, "system": "OF_ROAD", "is_freespace": node.flag("freeSpace"),
             "takes_opposite": node.flag("oppositeLanes"), "listed": first,
@@ -228,6 +249,9 @@ _BY_VALUE: dict[str, Callable[[Conditions, Node], Row]] = {
     "VariableCondition": Conditions.variable,
     "ParameterCondition": Conditions.variable,
     "StoryboardElementStateCondition": Conditions.state,
+    "TimeOfDayCondition": Conditions.clock,
+    "TrafficSignalCondition": Conditions.signal,
+    "TrafficSignalControllerCondition": Conditions.signal,
 }
 _BY_ENTITY: dict[str, Callable[[Conditions, Node], Row]] = {
     "SpeedCondition": Conditions.speed,
@@ -235,6 +259,7 @@ _BY_ENTITY: dict[str, Callable[[Conditions, Node], Row]] = {
     "AccelerationCondition": Conditions.speed,
     "StandStillCondition": Conditions.lasting,
     "EndOfRoadCondition": Conditions.lasting,
+    "OffroadCondition": Conditions.lasting,
     "TraveledDistanceCondition": Conditions.travelled,
     "ReachPositionCondition": Conditions.reached,
     "DistanceCondition": Conditions.distance,

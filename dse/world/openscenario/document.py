@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -10,7 +11,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from dse.errors import DseError, Location, Problem, closest, fail
-from dse.formats import XmlElement, read_xml_file, shortened, shown
+from dse.formats import XmlElement, read_xml, shortened, shown, xml_content
 from dse.world.openscenario.expressions import Number, Value, constant, read_value, tunable
 
 T = TypeVar("T")
@@ -26,6 +27,19 @@ _MAY_BE_INFINITE = frozenset({
     "value", "delay", "duration", "tolerance", "distanceForward", "distanceBackward", "from", "to", "maxSpeed",
     "maxAcceleration", "maxDeceleration", "maxLateralAcc", "maxAccelerationRate", "maxDecelerationRate",
 })  # fmt: skip
+MOST_ELEMENTS = 10_000
+# Counted before a file is read as XML, which takes seconds if it has that many. Each action of a storyboard may have a
+# private action, and so may <Init>.
+_COUNTED = {
+    re.compile(rb"<!--.*?-->|<(?:Story|Act|ManeuverGroup|Maneuver|Event|Action)[\s/>]", re.DOTALL): (
+        MOST_ELEMENTS,
+        f"a storyboard has at most {MOST_ELEMENTS} elements",
+    ),
+    re.compile(rb"<!--.*?-->|<PrivateAction[\s/>]", re.DOTALL): (
+        2 * MOST_ELEMENTS,
+        f"a scenario has at most {2 * MOST_ELEMENTS} private actions",
+    ),
+}
 _REFERENCE = re.compile(r"\$[A-Za-z_]")
 
 
@@ -238,7 +252,7 @@ class Document:
 
 def open_document(context: Context) -> Document:
     """The scenario of *context*. Raises DseError located in the file: not OpenSCENARIO 1.x, no storyboard, …"""
-    element = read_xml_file(context.path, shown(context.path))
+    element = _read(context.path)
     root = Node(element, {}, context)
     if root.tag != "OpenSCENARIO":
         raise fail(f"an OpenSCENARIO file begins with <OpenSCENARIO>, not with <{shortened(root.tag)}>", root.where)
@@ -277,6 +291,16 @@ def open_document(context: Context) -> Document:
     root = Node(element, scope, context)
     _find_catalogs(root)
     return Document(root, tuple(parameters.values()), decided)
+
+
+def _read(path: Path) -> XmlElement:
+    content, file = xml_content(path, shown(path)), shown(path)
+    for pattern, (most, what) in _COUNTED.items():
+        tags = (found for found in pattern.finditer(content) if not found[0].startswith(b"<!"))
+        if beyond := next(itertools.islice(tags, most, None), None):
+            at = beyond.start()
+            raise fail(what, Location(file, content.count(b"\n", 0, at) + 1, at - content.rfind(b"\n", 0, at)))
+    return read_xml(content, file)
 
 
 def _bounds(declaration: Node, scope: Mapping[str, Value]) -> tuple[float | None, float | None]:
@@ -321,7 +345,7 @@ def _find_catalogs(root: Node) -> None:
         if len(files) > _MOST_CATALOG_FILES:
             raise fail(f"a folder of catalogues has at most {_MOST_CATALOG_FILES} files", directory.where)
         for file in files:
-            catalog = read_xml_file(file, shown(file)).child("Catalog")
+            catalog = _read(file).child("Catalog")
             for entry in catalog.children if catalog is not None else ():
                 # Some files are found by their own name only.
                 for called in (catalog.get("name"), file.stem):  # type: ignore[union-attr]

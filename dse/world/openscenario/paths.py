@@ -108,9 +108,9 @@ class Paths:
                 if start == 0:
                     raise
                 continue
-            places = [place for passage in way.passages for place in passage]
+            places = [*_places(way)]
             rest = straight_on(self._onward, places[-1])
-            following = [place for passage in rest.passages for place in passage][1:]
+            following = [*_places(rest)][1:]
             seen = set(places)
             whole = way_in(self._graph, (*places, *(place for place in following if place not in seen)))
             return self._number(self._with_upstream(places[0], whole), where)
@@ -147,14 +147,14 @@ class Paths:
 
     def _beside(self, place: LanePlace) -> Iterator[LaneRow]:
         road = self.network.roads[place.road]
-        along = runs_along(road, lane_at(self.network, place))
+        along = self._along(place)
         return _rows(road, place, road.sections[place.section], 0.0, along=along)
 
     def _end(self, place: LanePlace) -> float:
         """The station of its road at which a place is left."""
         road = self.network.roads[place.road]
         section = road.sections[place.section]
-        return section.end if runs_along(road, lane_at(self.network, place)) else section.s
+        return section.end if self._along(place) else section.s
 
     def nearest(self, x: float, y: float) -> tuple[str, int, float, float] | None:
         """The road, lane, station and distance to that lane's middle of the lane that is nearest to a point, in m."""
@@ -224,7 +224,7 @@ class Paths:
             for each in _all_places(self.network):
                 for after in self._onward.from_(each):
                     self._before.setdefault(after, []).append(each)
-        places = [p for passage in way.passages for p in passage]
+        places = [*_places(way)]
         seen, length, first = set(places), 0.0, place
         while length < _UPSTREAM or first.road == place.road:
             before = [p for p in self._before.get(first, ()) if p not in seen]
@@ -243,7 +243,7 @@ class Paths:
 
     def _begins(self, place: LanePlace) -> bool:
         road = self.network.roads[place.road]
-        return place.section == (0 if runs_along(road, lane_at(self.network, place)) else len(road.sections) - 1)
+        return place.section == (0 if self._along(place) else len(road.sections) - 1)
 
     def _between(self, one: str, other: str, where: Location) -> list[str]:
         """The roads after *one* on the shortest way to *other*, which is the last of them."""

@@ -43,6 +43,8 @@ class Layout:
     entities: Mapping[str, int]
     paths: Paths | None
     starts: dict[int, Placed] = field(default_factory=dict)
+    controllers: dict[str, tuple[int, tuple[str, ...]]] = field(default_factory=dict)
+    """Of traffic signals: their row, and their phases."""
     open: list[XmlElement] = field(default_factory=list)
     """Trajectories that are being read."""
 
@@ -52,6 +54,17 @@ class Layout:
         if text not in self.entities:
             raise fail(f"there is no entity '{text}'", node.where, closest(text, self.entities))
         return self.entities[text]
+
+    def phase(self, node: Node) -> tuple[int, int]:
+        """The numbers of the controller and of its phase that an element names. Raises DseError: there is none."""
+        name, phase = node.text("trafficSignalControllerRef"), node.text("phase")
+        if name not in self.controllers:
+            what = f"there is no controller '{name}' of traffic signals"
+            raise fail(what, node.where, closest(name, self.controllers))
+        row, phases = self.controllers[name]
+        if phase not in phases:
+            raise fail(f"the controller '{name}' has no phase '{phase}'", node.where, closest(phase, phases))
+        return row, phases.index(phase)
 
     def network(self, where: Location) -> Paths:
         """The paths. Raises DseError where the scenario has no road network."""

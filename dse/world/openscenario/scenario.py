@@ -13,18 +13,20 @@ from dse.formats import shown
 from dse.loading import Workspace, find_root, is_identifier
 from dse.world.opendrive.reading import read_network
 from dse.world.opendrive.structure import Network
-from dse.world.openscenario.actions import Actions
-from dse.world.openscenario.conditions import Conditions
-from dse.world.openscenario.document import Context, Document, Node, Parameter, open_document
+from dse.world.openscenario.actions import Actions, seconds
+from dse.world.openscenario.document import MOST_ELEMENTS, Context, Document, Node, Parameter, open_document
+from dse.world.openscenario.expressions import Number, constant
 from dse.world.openscenario.paths import Paths, ScenarioPath
 from dse.world.openscenario.positions import Layout
+from dse.world.openscenario.stories import Element, Stories
 from dse.world.openscenario.tables import NONE, Tables
 from dse.world.road_reader import open_roads
 
-MOST_ENTITIES, MOST_ELEMENTS = 48, 10_000
+MOST_ENTITIES = 48
 OWN_PARAMETERS = ("drives_host", "host_front")
 """Of a component of a scenario, besides those of the file."""
 _MOST_PASSES = 4
+_MOST_CONTROLLERS = 100
 _DESCRIPTIONS = ("Vehicle", "Pedestrian", "MiscObject")
 _CLASSES = {
     "car": 1, "van": 1, "truck": 2, "semitrailer": 2, "trailer": 2, "bus": 2, "tram": 2, "train": 2, "motorbike": 3,
@@ -34,22 +36,6 @@ PEDESTRIAN, OBSTACLE = 5, 6
 _MACRO = re.compile(
     r"NAN|NULL|INFINITY|HUGE_VAL|(SB|M|FP|MATH|SCENARIO|U?INT|U?INTPTR|PTRDIFF|SIZE)[A-Z0-9]*_[A-Z0-9_]*"
 )
-_KINDS = {
-    "STORY": "story",
-    "ACT": "act",
-    "GROUP": "maneuverGroup",
-    "MANEUVER": "maneuver",
-    "EVENT": "event",
-    "ACTION": "action",
-}
-
-
-@dataclass(frozen=True, slots=True)
-class Element:
-    """An element of the storyboard: its *kind* as OpenSCENARIO calls it, and its *name* with those it is in."""
-
-    kind: str
-    name: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,15 +93,15 @@ class _Compiler:
     document: Document
     tables: Tables = field(default_factory=Tables)
     problems: Problems = field(default_factory=Problems)
-    names: dict[str, list[tuple[str, int]]] = field(default_factory=dict)
-    elements: list[Element] = field(default_factory=list)
 
     def scenario(self, host: str | None) -> Scenario:
         """All of it."""
         root = self.document.root
         for name, value in root.scope.items():
-            self.tables.variables[name] = self.tables.text(value) if isinstance(value, str) else value
-        self._variables(root)
+            self.tables.variables[name] = self.tables.compared(value)
+        declared = root.child("VariableDeclarations")
+        for each in declared.all("VariableDeclaration") if declared else ():
+            self.tables.variables[each.text("name")] = self.tables.compared(each.value("value"))
         paths = self._roads(root)
         entities: dict[str, int] = {}
         listed = root.need("Entities")
@@ -131,6 +117,7 @@ class _Compiler:
         if len(entities) > MOST_ENTITIES:
             raise fail(f"{len(entities)} entities: a scenario has at most {MOST_ENTITIES}", listed.where)
         layout = Layout(self.tables, entities, paths)
+        self._signals(root, layout)
         actions = Actions(layout)
         storyboard = root.need("Storyboard")
         count = sum(len(private.element.children) for private in self._privates(storyboard))
@@ -143,7 +130,11 @@ class _Compiler:
                 path = NONE if start is None or tow != NONE else start.path
                 self.tables.add("entities", self._entity(node, path) | {"tow": tow, "hitch": hitch})
         self._init(storyboard, actions)
-        self._stories(storyboard, actions)
+        stories = Stories(actions, self.problems, storyboard.where)
+        stories.read(storyboard)
+        if any(isinstance(row, dict) and row["kind"] == "IF_CLOCK" for row in self.tables.rows["conditions"]):
+            with self.problems:
+                self.tables.clock = seconds(root.need("FileHeader"), "date")
         raise_if_any(self.problems)
         found = self._host(host, entities)
         changes = any(isinstance(row, dict) and row["kind"] == "DO_LANE_CHANGE" for row in self.tables.rows["actions"])
@@ -154,15 +145,9 @@ class _Compiler:
         self._lanes(made)
         ignored = tuple(dict.fromkeys(root.context.ignored))
         return Scenario(
-            self.document.parameters, self.document.decided, tuple(entities), found, tuple(self.elements), made,
+            self.document.parameters, self.document.decided, tuple(entities), found, tuple(stories.elements), made,
             self.tables, ignored, paths.network if paths else None, root.context.files,
         )  # fmt: skip
-
-    def _variables(self, root: Node) -> None:
-        declared = root.child("VariableDeclarations")
-        for each in declared.all("VariableDeclaration") if declared else ():
-            value = each.value("value")
-            self.tables.variables[each.text("name")] = self.tables.text(value) if isinstance(value, str) else value
 
     def _roads(self, root: Node) -> Paths | None:
         network = root.child("RoadNetwork")
@@ -179,6 +164,44 @@ class _Compiler:
             return Paths(open_roads(str(path), Workspace(inside)))
         hint = "supported: OpenDRIVE (.xodr), and in a workspace its roads (.yaml)"
         raise fail(f"the road network '{name}' is not supported", logic.where, hint)
+
+    def _signals(self, root: Node, layout: Layout) -> None:
+        """Controllers of traffic signals, each *delay* s after the one that it refers to."""
+        network, tables = root.child("RoadNetwork"), self.tables
+        signals = network.child("TrafficSignals") if network else None
+        begun: dict[str, Number] = {}
+        listed = list(signals.all("TrafficSignalController")) if signals else []
+        if len(listed) > _MOST_CONTROLLERS:
+            what = f"{len(listed)} controllers of traffic signals: a scenario has at most {_MOST_CONTROLLERS}"
+            raise fail(what, listed[0].where)
+        for node in listed:
+            with self.problems:
+                name, phases = node.text("name"), list(node.all("Phase"))
+                if not phases or name in layout.controllers:
+                    raise fail(
+                        f"the controller '{name}' " + ("exists already" if phases else "has no phase"), node.where
+                    )
+                delay, other = node.number("delay", 0.0), node.text("reference", "")
+                if other and other not in begun:
+                    what = f"there is no controller '{other}' before this one"
+                    raise fail(what, node.where, closest(other, begun))
+                before = begun[other] if other else constant(0.0)
+                text = f"({before.c} + {delay.c})"
+                begun[name] = Number(delay.value + before.value, text, delay.names | before.names)
+                names = tuple(each.text("name") for each in phases)
+                row = {"phase": tables.count("phases"), "phases": len(phases), "begun": tables.number(begun[name])}
+                row["variable"] = tables.signal("TrafficSignalController", name)
+                layout.controllers[name] = tables.add("controllers", row), names
+                for phase in phases:
+                    first = tables.count("states")
+                    for each in phase.all("TrafficSignalState"):
+                        signal = tables.signal("TrafficSignal", each.text("trafficSignalId"))
+                        tables.add("states", (signal, tables.number(tables.compared(each.text("state")))))
+                    tables.add("phases", {
+                        "name": tables.number(tables.compared(phase.text("name"))),
+                        "duration": tables.number(phase.number("duration")),
+                        "state": first, "states": tables.count("states") - first,
+                    })  # fmt: skip
 
     def _host(self, wanted: str | None, entities: Mapping[str, int]) -> int:
         if wanted is None:
@@ -249,12 +272,14 @@ class _Compiler:
                 target = routing.child("Position") if routing.tag == "TeleportAction" else None
                 if target is not None:
                     places.append((private, target))
-        for _ in layout.entities:
+        known = -1
+        while known < len(layout.starts) and not self.problems:
+            known = len(layout.starts)
             for private, target in places:
                 with self.problems:
                     layout.start(target, layout.entity(private))
-            if self.problems:
-                return
+        if self.problems:
+            return
         routes = [
             (private, action.only().only())
             for private in self._privates(storyboard)
@@ -280,6 +305,8 @@ class _Compiler:
             with self.problems:
                 if each.tag == "GlobalAction":
                     rows += actions.global_(each)
+                elif each.tag == "UserDefinedAction":
+                    each.ignore("commands of other programs have no effect here")
                 elif each.tag == "Private":
                     actor = actions.layout.entity(each)
                     for action in each.all("PrivateAction"):
@@ -291,110 +318,8 @@ class _Compiler:
             self.tables.add("actions", row)
         self.tables.init_count = len(rows)
 
-    def _stories(self, storyboard: Node, actions: Actions) -> None:
-        waiting: list[tuple[dict[str, object], str, Node]] = []
-        for story in storyboard.all("Story"):
-            self._element(story.resolved(), "STORY", NONE, "", actions, waiting, [])
-        conditions = Conditions(actions, self.names)
-        for row, key, trigger in waiting:
-            with self.problems:
-                row[key] = conditions.trigger(trigger)
-        with self.problems:
-            self.tables.stop = conditions.trigger(storyboard.child("StopTrigger"))
-
-    def _element(
-        self,
-        node: Node,
-        kind: str,
-        parent: int,
-        prefix: str,
-        actions: Actions,
-        waiting: list[tuple[dict[str, object], str, Node]],
-        actors: list[int],
-    ) -> None:
-        """The rows of an element and of all that is in it."""
-        name = node.text("name", node.tag)
-        full = f"{prefix}/{name}" if prefix else name
-        row: dict[str, object] = {
-            "kind": kind, "parent": parent, "end": 0, "start": NONE, "stop": NONE, "most": 1, "priority": "PARALLEL",
-            "action": NONE,
-        }  # fmt: skip
-        number = self._add_element(row)
-        self.names.setdefault(_KINDS[kind], []).append((full, number))
-        self.elements.append(Element(_KINDS[kind], full))
-        for key, tag in (("start", "StartTrigger"), ("stop", "StopTrigger")):
-            trigger = node.child(tag)
-            if trigger is not None:
-                waiting.append((row, key, trigger))
-        if kind in {"EVENT", "GROUP"}:
-            row["most"] = min(node.whole("maximumExecutionCount", 1), 10**6) if node.has("maximumExecutionCount") else 1
-        if kind == "EVENT":
-            words = {"override": "OVERRIDE", "overwrite": "OVERRIDE", "skip": "SKIP", "parallel": "PARALLEL"}
-            row["priority"] = node.word("priority", words, "parallel")
-        if kind == "GROUP":
-            with self.problems:
-                actors = self._actors(node, actions)
-        for child in node.children():
-            with self.problems:
-                inner = _CHILDREN.get((kind, child.tag))
-                if inner is not None:
-                    self._element(child.resolved(), inner, number, full, actions, waiting, actors)
-                elif kind == "EVENT" and child.tag == "Action":
-                    self._action(child, number, full, actions, actors)
-                elif child.tag not in _KNOWN:
-                    raise child.unsupported()
-        row["end"] = self.tables.count("elements")
-
-    def _add_element(self, row: dict[str, object]) -> int:
-        """The number of a new row; that there are too many is one problem."""
-        if self.tables.count("elements") >= MOST_ELEMENTS:
-            raise fail(
-                f"a storyboard has at most {MOST_ELEMENTS} elements", self.document.root.need("Storyboard").where
-            )
-        return self.tables.add("elements", row)
-
-    def _actors(self, group: Node, actions: Actions) -> list[int]:
-        who = group.need("Actors")
-        if who.flag("selectTriggeringEntities"):
-            raise fail("actors selected by the triggering entities are not supported", who.where, "name them")
-        return [actions.layout.entity(each) for each in who.all("EntityRef")]
-
-    def _action(self, node: Node, parent: int, prefix: str, actions: Actions, actors: list[int]) -> None:
-        """A row for each actor; an action that does nothing ends at once."""
-        choice = node.child("PrivateAction", "GlobalAction", "UserDefinedAction")
-        if choice is None:
-            node.ignore("is empty")
-            rows = []
-        elif choice.tag == "PrivateAction":
-            rows = [row for actor in actors for row in actions.private(choice, actor)]
-        elif choice.tag == "GlobalAction":
-            rows = actions.global_(choice)
-        else:
-            raise choice.unsupported()
-        nothing: dict[str, object] = {"kind": "DO_NOTHING", "actor": NONE}
-        full = f"{prefix}/{node.text('name', 'Action')}"
-        for row in rows or [nothing]:
-            action = self.tables.add("actions", row)
-            element = {
-                "kind": "ACTION", "parent": parent, "start": NONE, "stop": NONE, "most": 1, "priority": "PARALLEL",
-                "action": action,
-            }  # fmt: skip
-            number = self._add_element({**element, "end": self.tables.count("elements") + 1})
-            self.names.setdefault("action", []).append((full, number))
-            self.elements.append(Element("action", full))
-
     def _lanes(self, paths: tuple[ScenarioPath, ...]) -> None:
         for number, path in enumerate(paths):
             for row in path.rows:
                 fields = {"start": row.start, "id": row.id, "number": row.number, "sense": row.sense, "road": row.road}
                 self.tables.add("lanes", {"path": number, **fields})
-
-
-_CHILDREN = {
-    ("STORY", "Act"): "ACT",
-    ("ACT", "ManeuverGroup"): "GROUP",
-    ("GROUP", "Maneuver"): "MANEUVER",
-    ("GROUP", "CatalogReference"): "MANEUVER",
-    ("MANEUVER", "Event"): "EVENT",
-}
-_KNOWN = frozenset({"StartTrigger", "StopTrigger", "Actors", "ParameterDeclarations"})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from dse.world.openscenario.expressions import Number, constant
+from dse.world.openscenario.expressions import Number, Value, constant
 
 NONE = -1
 CHORDS = 64
@@ -21,8 +21,11 @@ _ROWS: dict[str, str] = {
     "knots": "int32_t",
     "actions": "sb_action",
     "entries": "int32_t",
+    "states": "int32_t",
+    "controllers": "sb_controller",
+    "phases": "sb_phase",
     "conditions": "sb_condition",
-    "triggering": "int32_t",
+    "triggering": "sb_triggering",
     "groups": "sb_range",
     "triggers": "sb_range",
     "elements": "sb_element",
@@ -37,11 +40,16 @@ class Tables:
     rows: dict[str, list[Row | int | tuple[int, int]]] = field(default_factory=lambda: {name: [] for name in _ROWS})
     numbers: dict[str, int] = field(default_factory=lambda: {"0.0": 0})
     variables: dict[str, Number] = field(default_factory=dict)
+    signals: dict[str, int] = field(default_factory=dict)
     texts: dict[str, float] = field(default_factory=dict)
     points: int = 0
-    memories: int = 0
+    gaps: dict[object, int] = field(default_factory=dict)
+    """Distances that conditions measure, each once: from where to where, and how."""
     init_count: int = 0
     stop: int = NONE
+    clock: float = 0.0
+    """The time of day at the start, in s."""
+    has_off_road: bool = False
 
     def add(self, table: str, row: Row | int | tuple[int, int]) -> int:
         """The number of the new row."""
@@ -57,13 +65,21 @@ class Tables:
         c = number.c if isinstance(number, Number) else constant(number).c
         return self.numbers.setdefault(c, len(self.numbers))
 
-    def text(self, text: str) -> Number:
-        """A number that stands for a text where texts are compared."""
-        return constant(self.texts.setdefault(text, 1e6 + len(self.texts)))
+    def compared(self, value: Value) -> Number:
+        """A value as the number that it, or its text, is compared by."""
+        return constant(self.texts.setdefault(value, 1e6 + len(self.texts))) if isinstance(value, str) else value
 
     def variable(self, name: str) -> int:
         """The index of a variable."""
         return list(self.variables).index(name)
+
+    def signal(self, kind: str, name: str) -> int:
+        """The index of the variable that has the state of a traffic signal, or the phase of a controller of signals."""
+        full = f"<{kind}> {name}"
+        if full not in self.signals:
+            self.signals[full] = len(self.variables)
+            self.variables[full] = constant(0.0)
+        return self.signals[full]
 
     def sizes(self) -> str:
         """The C header with the sizes of what changes during a run; none is 0."""
@@ -72,9 +88,11 @@ class Tables:
             "SB_VARIABLES": len(self.variables),
             "SB_ENTITIES": self.count("entities"),
             "SB_ACTIONS": self.count("actions"),
-            "SB_MEMORIES": self.memories,
+            "SB_CONDITIONS": self.count("conditions"),
+            "SB_GAPS": len(self.gaps),
             "SB_ELEMENTS": self.count("elements"),
             "SB_POINTS": self.points,
+            "SB_CONTROLLERS": self.count("controllers"),
         }
         lines = [f"#define {name} {max(1, size)}" for name, size in sizes.items()]
         return "\n".join([*lines, f"#define SB_CHORDS {CHORDS}", ""])
@@ -87,7 +105,7 @@ class Tables:
             rows = self.rows[name]
             fields[name] = name if rows else "0"
             if rows:
-                width = "[2]" if name == "entries" else ""
+                width = "[2]" if name in {"entries", "states"} else ""
                 body = ",\n".join(f"    {_c(row)}" for row in rows)
                 parts.append(f"static const {type_} {name}[]{width} = {{\n{body},\n}};\n")
         fields |= {
@@ -102,6 +120,9 @@ class Tables:
             "condition_count": str(self.count("conditions")),
             "stop": str(self.stop),
             "variable_count": str(len(self.variables)),
+            "controller_count": str(self.count("controllers")),
+            "clock": repr(self.clock),
+            "has_off_road": str(self.has_off_road).lower(),
         }
         listed = ", ".join(f".{name} = {value}" for name, value in fields.items())
         parts.append(f"const sb_tables scenario_tables = {{{listed}}};\n")

@@ -3,38 +3,15 @@
 from __future__ import annotations
 
 import math
-import subprocess
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from opendrive_texts import geometry, lane as lane_of, opendrive, road, section
 from scenario_texts import after, car, event, lane, lane_change, private, scenario, speed, story, teleport, world
-from workspaces import written
+from scenario_tracks import Track, played_tracks
 
-from dse.world.openscenario.code import scenario_files
-from dse.world.openscenario.scenario import Scenario, read_scenario
+from dse.world.openscenario.scenario import Scenario
 
-Track = NDArray[np.float64]
-"""Rows of x, y, heading and speed every 0.1 s."""
-
-MAIN = """
-#include "scenario.h"
-#include <stdio.h>
-static scenario self;
-int main(void) {
-    self.par.drives_host = true;
-    scenario_init(&self);
-    for (int k = 0; k <= 1200; ++k) {
-        if (k) scenario_step(&self, 0.01);
-        for (int i = 0; k % 10 == 0 && i < scenario_tables.entity_count; ++i) {
-            const sb_actor *a = &self.board.actors[i];
-            printf("%.9g %.9g %.9g %.9g\\n", a->at.x, a->at.y, a->at.heading, a->speed);
-        }
-    }
-    return 0;
-}
-"""
 ARC = '<arc curvature="-0.01"/>'
 LINK = '<{0} elementType="{1}" elementId="{2}"{3}/>'
 JUNCTION = """<junction id="9" name="" type="direct">
@@ -127,15 +104,7 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scenario, dict[str
     folder = tmp_path_factory.mktemp("movement")
     init = "".join(private(name, *actions) for name, actions in INIT.items())
     text = scenario("".join(ENTITIES.values()), init, STORIES, road="roads.xodr")
-    written(folder, {"moves.xosc": text, "roads.xodr": ROADS})
-    read = read_scenario(folder / "moves.xosc")
-    written(folder / "c", scenario_files(read) | {"main.c": MAIN})
-    sources = sorted((folder / "c").glob("*.c"))
-    subprocess.run(["gcc", "-std=c99", "-Wall", "-Werror", "-o", folder / "run", *sources, "-lm"], check=True)
-    out = subprocess.run([folder / "run"], check=True, capture_output=True, text=True).stdout
-    rows = np.array([[float(x) for x in line.split()] for line in out.splitlines()])
-    tracks = rows.reshape(121, len(read.entities), 4)
-    return read, {name: tracks[:, i] for i, name in enumerate(read.entities)}
+    return played_tracks(folder, text, ROADS)
 
 
 def test_who_changed_to_an_exit_lane_takes_the_exit(played: tuple[Scenario, dict[str, Track]]) -> None:

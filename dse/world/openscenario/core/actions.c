@@ -8,6 +8,7 @@
 #define REACHED 1e-6 /* m, s */
 #define STIFFNESS 0.4 /* 1/m, of keeping a distance, times the largest acceleration; critically damped */
 #define SOFTEST 4.0   /* m/s2, where no largest acceleration is given */
+#define REACHED_ASIDE 0.01 /* m, m/s */
 #define STOPPING 0.1  /* m/s, between the two phases of a synchronization */
 
 static double number(const storyboard *board, const sb_action *action, int32_t i) {
@@ -90,7 +91,7 @@ static double t_of(const sb_actor *actor) {
 static sb_place seen_on_path(storyboard *board, int32_t actor, int32_t other) {
     sb_place place = board->actors[other].at;
     int32_t path = board->actors[actor].at.path, piece = 0;
-    if (path != SB_NONE && place.path != path) place_on_path(board, &place, path, &piece);
+    if (path != SB_NONE && place.path != path) place_on_path(&place, path, &piece);
     return place;
 }
 
@@ -165,6 +166,13 @@ static double half_length(int32_t entity) {
     return 0.5 * scenario_tables.entities[entity].length;
 }
 
+/* The acceleration that closes a distance of *excess* m, which grows by *opening* m/s, within limits (<= 0: none). */
+static double pull(double excess, double opening, double most, double least) {
+    double reach = excess < 0 ? most : least, stiffness = STIFFNESS * (reach > 0 ? reach : SOFTEST);
+    double wanted = stiffness * excess + 2 * sqrt(stiffness) * opening;
+    return wanted > 0 ? limited(wanted, most) : -limited(-wanted, least);
+}
+
 /* From the reference point of the actor that keeps a distance to that of the other one. */
 static double wanted_gap(const storyboard *board, const sb_action *action, double ahead) {
     double gap = number(board, action, 0);
@@ -185,15 +193,15 @@ static double lesser(double one, double other) {
 static bool keep_distance(storyboard *board, const sb_action *action) {
     sb_actor *actor = &board->actors[action->actor];
     const sb_actor *other = &board->actors[action->entity];
-    sb_memory memory = {.hint = NAN};
+    sb_gap found = {.hint = NAN};
     double ahead = action->flags & IS_ALONG_ROAD
-                       ? gap_ahead(board, action->actor, action->entity, other->at.x, other->at.y, &memory, NULL)
+                       ? gap_ahead(board, action->actor, action->entity, other->at.x, other->at.y, &found, NULL)
                        : (other->at.x - actor->at.x) * cos(actor->at.heading) + (other->at.y - actor->at.y) * sin(actor->at.heading);
     double excess = ahead - wanted_gap(board, action, ahead);
     if (!(action->flags & HAS_LIMITS)) {
         if (actor->at.path != SB_NONE) {
             actor->at.s += actor->at.sense * excess;
-            place_lay(board, &actor->at, &actor->piece);
+            place_lay(&actor->at, &actor->piece);
         } else {
             actor->at.x += excess * cos(actor->at.heading);
             actor->at.y += excess * sin(actor->at.heading);
@@ -205,43 +213,52 @@ static bool keep_distance(storyboard *board, const sb_action *action) {
     double most = lesser(number(board, action, 1), own->top_acceleration);
     double least = lesser(number(board, action, 2), own->top_deceleration);
     double top = lesser(number(board, action, 3), own->top_speed);
-    double reach = excess < 0 ? most : least, stiffness = STIFFNESS * (reach > 0 ? reach : SOFTEST);
-    double pull = stiffness * excess + 2 * sqrt(stiffness) * (other->speed - actor->speed);
-    pull = pull > 0 ? limited(pull, most) : -limited(-pull, least);
-    actor->speed = fmax(limited(actor->speed + pull * board->h, top), 0);
+    double a = pull(excess, other->speed - actor->speed, most, least);
+    actor->speed = fmax(limited(actor->speed + a * board->h, top), 0);
     return !(action->flags & IS_CONTINUOUS) && fabs(excess) < 0.1;
 }
 
-/* In the plane: beside the line that the other one drives along. */
-static bool keep_beside(storyboard *board, const sb_action *action) {
+/* Beside the other one: across the path, or in the plane across the line that the other one drives along. */
+static bool keep_aside(storyboard *board, const sb_action *action, sb_run *run) {
     sb_actor *actor = &board->actors[action->actor];
-    const sb_place *other = &board->actors[action->entity].at;
-    double c = cos(other->heading), s = sin(other->heading);
-    double aside = (actor->at.y - other->y) * c - (actor->at.x - other->x) * s;
-    double side = action->flags & IS_TRAILING ? -1 : action->flags & IS_LEADING || aside >= 0 ? 1 : -1;
-    double gap = number(board, action, 0), most = number(board, action, 3) * board->h;
-    if (action->flags & IS_FREESPACE) gap += 0.5 * (scenario_tables.entities[action->actor].width + scenario_tables.entities[action->entity].width);
-    double missing = side * gap - aside, moved = most > 0 && fabs(missing) > most ? copysign(most, missing) : missing;
-    actor->at.x -= moved * s;
-    actor->at.y += moved * c;
-    return !(action->flags & IS_CONTINUOUS) && moved == missing;
-}
-
-static bool keep_aside(storyboard *board, const sb_action *action) {
-    sb_actor *actor = &board->actors[action->actor];
-    if (actor->at.path == SB_NONE) return keep_beside(board, action);
+    bool is_on_path = actor->at.path != SB_NONE;
     sb_place other = seen_on_path(board, action->actor, action->entity);
-    double own = t_of(actor), t = place_middle(other.path, other.s, other.lane, 0) + other.offset;
-    double gap = number(board, action, 0), side = own >= t ? 1 : -1;
-    if (action->flags & IS_LEADING) side = actor->at.sense; /* to the left of the other one */
-    if (action->flags & IS_TRAILING) side = -actor->at.sense;
+    double c = cos(other.heading), s = sin(other.heading);
+    double aside = is_on_path ? t_of(actor) - (place_middle(other.path, other.s, other.lane, 0) + other.offset)
+                              : (actor->at.y - other.y) * c - (actor->at.x - other.x) * s;
+    double side = aside >= 0 ? 1 : -1, left = is_on_path ? actor->at.sense : 1;
+    if (action->flags & IS_LEADING) side = left; /* to the left of the other one */
+    if (action->flags & IS_TRAILING) side = -left;
+    double gap = number(board, action, 0), most = number(board, action, 3) * board->h;
     if (action->flags & IS_FREESPACE) {
         gap += 0.5 * (scenario_tables.entities[action->actor].width + scenario_tables.entities[action->entity].width);
     }
-    double missing = t + side * gap - own, most = number(board, action, 3) * board->h;
-    double moved = most > 0 && fabs(missing) > most ? copysign(most, missing) : missing;
-    actor->at.offset += moved;
+    double missing = side * gap - aside, hardest = number(board, action, 1), softest = number(board, action, 2);
+    double wanted = missing;
+    if (hardest > 0 || softest > 0) { /* towards the wanted distance at most the one, away from it the other */
+        run->rate += side * pull(side * missing, -side * run->rate, hardest, softest) * board->h;
+        if (most > 0) run->rate = fmax(fmin(run->rate, most / board->h), -most / board->h);
+        wanted = fabs(missing) < REACHED_ASIDE && fabs(run->rate) < REACHED_ASIDE ? missing : run->rate * board->h;
+    }
+    double moved = most > 0 && fabs(wanted) > most ? copysign(most, wanted) : wanted;
+    if (is_on_path) {
+        actor->at.offset += moved;
+    } else {
+        actor->at.x -= moved * s;
+        actor->at.y += moved * c;
+    }
     return !(action->flags & IS_CONTINUOUS) && moved == missing;
+}
+
+void show_phase(storyboard *board, int32_t number, int32_t shown, double since) {
+    const sb_controller *controller = &scenario_tables.controllers[number];
+    const sb_phase *phase = &scenario_tables.phases[controller->phase + shown];
+    board->shown[number] = shown;
+    board->since[number] = since;
+    board->variables[controller->variable] = board->values[phase->name];
+    for (int32_t i = phase->state; i < phase->state + phase->states; ++i) {
+        board->variables[scenario_tables.states[i][0]] = board->values[scenario_tables.states[i][1]];
+    }
 }
 
 static void begin_trajectory(storyboard *board, const sb_action *action, sb_run *run) {
@@ -270,8 +287,8 @@ static double way_to(storyboard *board, int32_t number, int32_t position) {
     if (actor->trajectory != SB_NONE) {
         return trajectory_foot(board, actor->trajectory, there.x, there.y) - actor->along;
     }
-    sb_memory memory = {.hint = NAN};
-    double ahead = gap_ahead(board, number, SB_NONE, there.x, there.y, &memory, NULL);
+    sb_gap found = {.hint = NAN};
+    double ahead = gap_ahead(board, number, SB_NONE, there.x, there.y, &found, NULL);
     return actor->speed < 0 ? -ahead : ahead;
 }
 
@@ -369,6 +386,7 @@ void action_begin(storyboard *board, int32_t self) {
     const sb_action *action = &scenario_tables.actions[self];
     sb_run *run = &board->runs[self];
     sb_actor *actor = action->actor == SB_NONE ? NULL : &board->actors[action->actor];
+    board->epoch += 1;
     *run = (sb_run){.is_running = true, .begun = board->now};
     bool is_host = action->actor == scenario_tables.host && board->has_host && board->now > 0;
     if (is_host && action->controls) { /* somebody else drives it */
@@ -406,10 +424,15 @@ void action_begin(storyboard *board, int32_t self) {
         if (!actor->is_present) place_actor(board, action);
         break;
     case DO_DELETE: actor->is_present = false; break;
-    case DO_ROUTE: place_on_path(board, &actor->at, action->target, &actor->piece); break;
+    case DO_ROUTE: place_on_path(&actor->at, action->target, &actor->piece); break;
     case DO_SET: board->variables[action->target] = number(board, action, 0); break;
     case DO_INCREASE: board->variables[action->target] += number(board, action, 0); break;
     case DO_MULTIPLY: board->variables[action->target] *= number(board, action, 0); break;
+    case DO_CLOCK:
+        board->is_clock_running = (action->flags & IS_CONTINUOUS) != 0;
+        board->clock = number(board, action, 0) - (board->is_clock_running ? board->now : 0);
+        break;
+    case DO_PHASE: show_phase(board, action->target, action->count, board->now); break;
     case DO_SEE: actor->is_hidden = (action->flags & IS_HIDDEN) != 0; break;
     default: break;
     }
@@ -435,7 +458,7 @@ void action_advance(storyboard *board, int32_t self) {
     }
     case DO_SPEED_PROFILE: is_done = follow_profile(board, action, run); break;
     case DO_LONGITUDINAL_DISTANCE: is_done = keep_distance(board, action); break;
-    case DO_LATERAL_DISTANCE: is_done = keep_aside(board, action); break;
+    case DO_LATERAL_DISTANCE: is_done = keep_aside(board, action, run); break;
     case DO_LANE_CHANGE:
     case DO_LANE_OFFSET: {
         double part = advance(board, action, run);

@@ -20,7 +20,7 @@ static bool fits(int32_t rule, double a, double b) {
 }
 
 /* How far (x, y), or the *other* one if it is not SB_NONE, is ahead of an actor: along its path, else along its heading; and how far to its left. */
-double gap_ahead(storyboard *board, int32_t number, int32_t other, double x, double y, sb_memory *memory, double *aside) {
+double gap_ahead(const storyboard *board, int32_t number, int32_t other, double x, double y, sb_gap *gap, double *aside) {
     const sb_actor *actor = &board->actors[number];
     if (actor->at.path == SB_NONE) {
         double c = cos(actor->at.heading), s = sin(actor->at.heading), dx = x - actor->at.x, dy = y - actor->at.y;
@@ -31,23 +31,18 @@ double gap_ahead(storyboard *board, int32_t number, int32_t other, double x, dou
         const sb_place *there = &board->actors[other].at;
         if (aside) {
             double left = there->offset - actor->at.offset;
-            if (there->lane != actor->at.lane) {
-                left += place_middle(there->path, there->s, there->lane, board->actors[other].piece) -
-                        place_middle(there->path, actor->at.s, actor->at.lane, actor->piece);
-            }
-            *aside = actor->at.sense * left;
+            *aside = actor->at.sense * (there->lane == actor->at.lane ? left : there->t - actor->at.t);
         }
         return actor->at.sense * (there->s - actor->at.s);
     }
     const path_table *path = &road_tables.paths[actor->at.path];
     path_foot foot;
-    bool is_near = !isnan(memory->hint) && foot_from(path, x, y, memory->hint, memory->piece, &foot);
+    bool is_near = !isnan(gap->hint) && foot_from(path, x, y, gap->hint, gap->piece, &foot);
     if (!is_near) foot = foot_of_all(path, x, y);
-    memory->hint = path_station(foot.line.place);
-    memory->piece = foot.line.place.piece;
-    double t = place_middle(actor->at.path, actor->at.s, actor->at.lane, actor->piece) + actor->at.offset;
-    if (aside) *aside = actor->at.sense * (foot.t - t);
-    return actor->at.sense * (memory->hint - actor->at.s);
+    gap->hint = path_station(foot.line.place);
+    gap->piece = foot.line.place.piece;
+    if (aside) *aside = actor->at.sense * (foot.t - actor->at.t);
+    return actor->at.sense * (gap->hint - actor->at.s);
 }
 
 /* Between two intervals of half widths a and b around centres *off* apart; 0 if they overlap. */
@@ -110,8 +105,8 @@ static double box_distance(const storyboard *board, int32_t a, int32_t b) {
 }
 
 /* Signed: > 0 ahead or to the left. */
-static double distance_to(storyboard *board, const sb_condition *condition, int32_t actor, double x, double y, int32_t other,
-                          int32_t distance, sb_memory *memory) {
+static double distance_to(const storyboard *board, const sb_condition *condition, int32_t actor, double x, double y, int32_t other,
+                          int32_t distance, sb_gap *gap) {
     const sb_place *at = &board->actors[actor].at;
     double c = board->actors[actor].cosine, s = board->actors[actor].sine, aside = 0;
     if (distance == EUCLIDIAN) {
@@ -119,7 +114,7 @@ static double distance_to(storyboard *board, const sb_condition *condition, int3
         return copysign(away, (x - at->x) * c + (y - at->y) * s);
     }
     double ahead = condition->system == OF_ROAD
-                       ? gap_ahead(board, actor, other, x, y, memory, distance == LONGITUDINALLY && !condition->is_freespace ? NULL : &aside)
+                       ? gap_ahead(board, actor, other, x, y, gap, distance == LONGITUDINALLY && !condition->is_freespace ? NULL : &aside)
                        : (aside = (y - at->y) * c - (x - at->x) * s, (x - at->x) * c + (y - at->y) * s);
     if (!condition->is_freespace) return distance == LONGITUDINALLY ? ahead : aside;
     const sb_entity *own = &scenario_tables.entities[actor];
@@ -143,6 +138,18 @@ static double along_heading(const sb_actor *actor, int32_t direction) {
     return actor->speed;
 }
 
+/* To the entity or the position of a condition; measured once in an epoch. */
+static double gap_of(storyboard *board, const sb_condition *condition, int32_t actor, int32_t number) {
+    sb_gap *gap = &board->gaps[number];
+    if (gap->epoch != board->epoch) {
+        bool is_entity = condition->entity != SB_NONE;
+        sb_place there = is_entity ? board->actors[condition->entity].at : place_of(board, condition->position, SB_NONE);
+        gap->epoch = board->epoch;
+        gap->value = distance_to(board, condition, actor, there.x, there.y, condition->entity, condition->distance, gap);
+    }
+    return gap->value;
+}
+
 static double time_to_collision(storyboard *board, int32_t actor, int32_t other, double gap) {
     double own = board->actors[actor].speed, its = 0;
     if (other != SB_NONE) {
@@ -163,7 +170,7 @@ static double angle_between(double angle) {
 
 static bool is_asked(const sb_condition *condition, int32_t entity) {
     for (int32_t i = 0; i < condition->listed_count; ++i) {
-        if (scenario_tables.triggering[condition->listed + i] == entity) return true;
+        if (scenario_tables.triggering[condition->listed + i].entity == entity) return true;
     }
     return condition->listed_count == 0;
 }
@@ -193,11 +200,11 @@ static bool is_clear(storyboard *board, const sb_condition *condition, int32_t a
     for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
         const sb_actor *other = &board->actors[i];
         if (i == actor || !other->is_present || !is_asked(condition, i)) continue;
-        sb_memory memory = {.hint = NAN};
+        sb_gap gap = {.hint = NAN};
         sb_place at = other->at;
         int32_t piece = 0;
-        if (own->at.path != SB_NONE && at.path != own->at.path) place_on_path(board, &at, own->at.path, &piece);
-        double ahead = distance_to(board, condition, actor, other->at.x, other->at.y, i, LONGITUDINALLY, &memory);
+        if (own->at.path != SB_NONE && at.path != own->at.path) place_on_path(&at, own->at.path, &piece);
+        double ahead = distance_to(board, condition, actor, other->at.x, other->at.y, i, LONGITUDINALLY, &gap);
         int32_t lanes = own->at.sense * (at.lane - own->at.lane);
         bool is_opposite = own->at.path != SB_NONE && place_sense(at.path, at.s, at.lane) != place_sense(own->at.path, own->at.s, own->at.lane);
         bool is_near = ahead <= board->values[condition->numbers[0]] && -ahead <= board->values[condition->numbers[1]];
@@ -206,19 +213,12 @@ static bool is_clear(storyboard *board, const sb_condition *condition, int32_t a
     return true;
 }
 
-static bool of_actor(storyboard *board, const sb_condition *condition, int32_t actor, sb_memory *memory) {
+static bool of_actor(storyboard *board, const sb_condition *condition, const sb_triggering *who) {
+    int32_t actor = who->entity;
     const sb_actor *own = &board->actors[actor];
-    double value = board->values[condition->numbers[0]], x = 0, y = 0, gap;
-    if (!own->is_present) return false;
-    if (condition->entity != SB_NONE) {
-        if (!board->actors[condition->entity].is_present) return false;
-        x = board->actors[condition->entity].at.x;
-        y = board->actors[condition->entity].at.y;
-    } else if (condition->position != SB_NONE) {
-        sb_place place = place_of(board, condition->position, SB_NONE);
-        x = place.x;
-        y = place.y;
-    }
+    double value = board->values[condition->numbers[0]];
+    if (!own->is_present || (condition->entity != SB_NONE && !board->actors[condition->entity].is_present)) return false;
+    double gap = who->gap == SB_NONE ? NAN : gap_of(board, condition, actor, who->gap);
     switch (condition->kind) {
     case IF_SPEED: return fits(condition->rule, along_heading(own, condition->direction), value);
     case IF_RELATIVE_SPEED: {
@@ -230,8 +230,9 @@ static bool of_actor(storyboard *board, const sb_condition *condition, int32_t a
     case IF_ACCELERATION: return fits(condition->rule, own->acceleration, value);
     case IF_STANDSTILL: return lasts(own->standing, value);
     case IF_TRAVELLED: return own->travelled >= value;
-    case IF_REACHED: return hypot(x - own->at.x, y - own->at.y) <= value;
+    case IF_REACHED: return fabs(gap) <= value;
     case IF_END_OF_ROAD: return lasts(own->ended, value);
+    case IF_OFF_ROAD: return lasts(own->off_road, value);
     case IF_COLLISION:
         if (condition->entity != SB_NONE) return apart(board, actor, condition->entity) <= 0;
         for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
@@ -240,14 +241,9 @@ static bool of_actor(storyboard *board, const sb_condition *condition, int32_t a
         }
         return false;
     case IF_DISTANCE:
-    case IF_RELATIVE_DISTANCE:
-        gap = distance_to(board, condition, actor, x, y, condition->entity, condition->distance, memory);
-        return fits(condition->rule, fabs(gap), value);
-    case IF_HEADWAY:
-        gap = distance_to(board, condition, actor, x, y, condition->entity, condition->distance, memory);
-        return fits(condition->rule, gap >= 0 && own->speed > STILL ? gap / own->speed : NEVER, value);
+    case IF_RELATIVE_DISTANCE: return fits(condition->rule, fabs(gap), value);
+    case IF_HEADWAY: return fits(condition->rule, gap >= 0 && own->speed > STILL ? gap / own->speed : NEVER, value);
     case IF_TIME_TO_COLLISION:
-        gap = distance_to(board, condition, actor, x, y, condition->entity, condition->distance, memory);
         return fits(condition->rule, time_to_collision(board, actor, condition->entity, gap), value);
     case IF_ANGLE: {
         double zero = condition->system == OF_ROAD ? own->at.heading - own->at.turn : 0;
@@ -263,9 +259,9 @@ static bool of_actor(storyboard *board, const sb_condition *condition, int32_t a
 
 /* A transition is seen once: in its own frame by what comes later in the storyboard, else in the next one. */
 static bool has_changed(const sb_progress *progress, int32_t transition, sb_memory *memory) {
-    bool was_seen = memory->piece != 0;
-    memory->piece = (progress->changing & transition) != 0;
-    return memory->piece || (!was_seen && progress->changed & transition);
+    bool was_seen = memory->was_seen;
+    memory->was_seen = (progress->changing & transition) != 0;
+    return memory->was_seen || (!was_seen && progress->changed & transition);
 }
 
 static bool state_is(const storyboard *board, const sb_condition *condition, sb_memory *memory) {
@@ -286,10 +282,10 @@ static bool is_true_now(storyboard *board, const sb_condition *condition, sb_mem
     if (condition->kind == IF_STATE) return state_is(board, condition, memory);
     double value = board->values[condition->numbers[0]];
     if (condition->kind == IF_TIME) return fits(condition->rule, board->now, value);
+    if (condition->kind == IF_CLOCK) return fits(condition->rule, board->clock + (board->is_clock_running ? board->now : 0), value);
     if (condition->kind == IF_VARIABLE) return fits(condition->rule, board->variables[condition->variable], value);
     for (int32_t i = 0; i < condition->count; ++i) {
-        sb_memory *hint = memory + i; /* one for each triggering entity */
-        bool is_true = of_actor(board, condition, scenario_tables.triggering[condition->first + i], hint);
+        bool is_true = of_actor(board, condition, &scenario_tables.triggering[condition->first + i]);
         if (is_true != condition->needs_all) return is_true;
     }
     return condition->needs_all && condition->count > 0;
@@ -298,7 +294,7 @@ static bool is_true_now(storyboard *board, const sb_condition *condition, sb_mem
 /* With an edge: true for one step, *delay* after it. Without: true if it was *delay* ago. */
 static bool holds(storyboard *board, int32_t number) {
     const sb_condition *condition = &scenario_tables.conditions[number];
-    sb_memory *memory = &board->memories[condition->memory];
+    sb_memory *memory = &board->memories[number];
     double delay = board->values[condition->delay], now = board->now;
     sb_memory before = *memory;
     bool is_true = is_true_now(board, condition, memory);
@@ -337,6 +333,20 @@ bool trigger_is_true(storyboard *board, int32_t trigger) {
     return any;
 }
 
+bool has_triggered(storyboard *board, int32_t trigger, int32_t actor) {
+    if (trigger == SB_NONE) return false;
+    const sb_range *groups = &scenario_tables.triggers[trigger], *group = &scenario_tables.groups[groups->first];
+    int32_t first = group->first, end = group[groups->count - 1].first + group[groups->count - 1].count;
+    for (int32_t i = first; i < end; ++i) {
+        const sb_condition *condition = &scenario_tables.conditions[i];
+        for (int32_t k = 0; k < condition->count; ++k) {
+            const sb_triggering *who = &scenario_tables.triggering[condition->first + k];
+            if (who->entity == actor && of_actor(board, condition, who)) return true;
+        }
+    }
+    return false;
+}
+
 /* What was true before does not count any more. */
 void trigger_forget(storyboard *board, int32_t trigger) {
     if (trigger == SB_NONE) return;
@@ -344,7 +354,7 @@ void trigger_forget(storyboard *board, int32_t trigger) {
     for (int32_t i = 0; i < groups->count; ++i) {
         const sb_range *group = &scenario_tables.groups[groups->first + i];
         for (int32_t k = 0; k < group->count; ++k) {
-            sb_memory *memory = &board->memories[scenario_tables.conditions[group->first + k].memory];
+            sb_memory *memory = &board->memories[group->first + k];
             memory->was = memory->is_known = memory->is_pending = false;
             memory->since = HUGE_VAL;
             memory->until = -HUGE_VAL;

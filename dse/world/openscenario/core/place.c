@@ -47,14 +47,31 @@ double place_middle(int32_t path, double s, int32_t lane, int32_t near) {
     return middle_at(table_of(path), path_find(table_of(path), s, near), lane).value;
 }
 
-double place_lay(const storyboard *board, sb_place *place, int32_t *piece) {
-    (void)board;
+static bool is_in_lane(const path_table *path, path_place place, double t) {
+    for (int32_t i = 0; i < path->lane_count; ++i) {
+        double width = path_value(place, path->lanes[i].width).value;
+        if (fabs(t - path_value(place, path->lanes[i].middle).value) <= 0.5 * width && place.beyond == 0 && width > 0) return true;
+    }
+    return false;
+}
+
+bool place_is_on_road(const sb_place *place) {
+    if (place->path != SB_NONE) return is_in_lane(table_of(place->path), path_find(table_of(place->path), place->s, 0), place->t);
+    for (int32_t i = 0; i < road_tables.count; ++i) {
+        path_foot foot = foot_of_all(table_of(i), place->x, place->y);
+        if (is_in_lane(table_of(i), foot.line.place, foot.t)) return true;
+    }
+    return false;
+}
+
+double place_lay(sb_place *place, int32_t *piece) {
     if (place->path == SB_NONE) return 1;
     const path_table *path = table_of(place->path);
     path_place at = path_find(path, place->s, *piece);
     path_line line = path_line_at(at);
     path_jet t = middle_at(path, at, place->lane);
     t.value += place->offset;
+    place->t = t.value;
     path_beside beside = path_beside_at(&line, t);
     *piece = at.piece;
     place->x = beside.x;
@@ -64,7 +81,7 @@ double place_lay(const storyboard *board, sb_place *place, int32_t *piece) {
     return beside.length;
 }
 
-void place_on_path(storyboard *board, sb_place *place, int32_t number, int32_t *piece) {
+void place_on_path(sb_place *place, int32_t number, int32_t *piece) {
     const path_table *path = table_of(number);
     path_foot foot;
     bool is_near = place->path == number && foot_from(path, place->x, place->y, place->s, *piece, &foot);
@@ -83,11 +100,12 @@ void place_on_path(storyboard *board, sb_place *place, int32_t number, int32_t *
     double heading = place->heading;
     place->path = number;
     place->s = path_station(foot.line.place);
+    place->t = foot.t;
     place->sense = cos(heading) * foot.line.tx + sin(heading) * foot.line.ty < 0 ? -1 : 1;
     place->turn = 0;
     *piece = foot.line.place.piece;
     sb_place straight = *place;
-    place_lay(board, &straight, piece);
+    place_lay(&straight, piece);
     place->turn = remainder(heading - straight.heading, 2 * PI);
 }
 
@@ -96,13 +114,13 @@ static double value(const storyboard *board, int32_t number) {
 }
 
 /* A place on a path by its station and its distance to the left of the reference line. */
-static sb_place at_t(storyboard *board, int32_t path, double s, double t, int32_t sense) {
+static sb_place at_t(int32_t path, double s, double t, int32_t sense) {
     sb_place place = {.path = path, .s = s, .lane = 0, .sense = sense};
     int32_t piece = 0;
     place.offset = t - place_middle(path, s, 0, 0);
-    place_lay(board, &place, &piece);
+    place_lay(&place, &piece);
     double heading = place.heading;
-    place_on_path(board, &place, path, &piece);
+    place_on_path(&place, path, &piece);
     place.sense = sense;
     place.turn = 0;
     place.heading = heading;
@@ -118,7 +136,7 @@ static sb_place on_trajectory(storyboard *board, const sb_position *position, co
     return place;
 }
 
-static sb_place before_heading(storyboard *board, const sb_position *position, int32_t actor) {
+static sb_place before_heading(storyboard *board, const sb_position *position) {
     double given[2] = {value(board, position->numbers[0]), value(board, position->numbers[1])};
     sb_place place = {.path = SB_NONE, .sense = 1};
     int32_t piece = 0;
@@ -130,12 +148,12 @@ static sb_place before_heading(storyboard *board, const sb_position *position, i
         place.lane = place_lane(place.path, place.s, position->lane);
         place.sense = place_sense(place.path, place.s, place.lane);
         place.offset = given[1] * place_road(place.path, place.s);
-        place_lay(board, &place, &piece);
+        place_lay(&place, &piece);
         return place;
     case AT_ROAD: {
         double s = position->base + position->sense * given[0];
         int32_t sense = place_road(position->path, s);
-        return at_t(board, position->path, s, sense * given[1], sense);
+        return at_t(position->path, s, sense * given[1], sense);
     }
     case AT_WORLD:
         place.x = given[0];
@@ -152,14 +170,14 @@ static sb_place before_heading(storyboard *board, const sb_position *position, i
         place.sense = against * place_sense(place.path, place.s, place.lane);
         place.offset = given[1] * sense;
         place.turn = 0;
-        place_lay(board, &place, &piece);
+        place_lay(&place, &piece);
         return place;
     }
     case BY_ROAD: {
         place = *other;
         if (place.path == SB_NONE) return place;
         int32_t sense = place_road(place.path, place.s);
-        return at_t(board, place.path, place.s + sense * given[0],
+        return at_t(place.path, place.s + sense * given[0],
                     place_middle(place.path, place.s, place.lane, 0) + place.offset + sense * given[1], sense);
     }
     case BY_OBJECT:
@@ -171,15 +189,13 @@ static sb_place before_heading(storyboard *board, const sb_position *position, i
         place.x = other->x + given[0];
         place.y = other->y + given[1];
         return place;
-    default:
-        (void)actor;
-        return on_trajectory(board, position, given);
+    default: return on_trajectory(board, position, given);
     }
 }
 
 sb_place place_of(storyboard *board, int32_t number, int32_t actor) {
     const sb_position *position = &scenario_tables.positions[number];
-    sb_place place = before_heading(board, position, actor);
+    sb_place place = before_heading(board, position);
     int32_t own = actor == SB_NONE ? SB_NONE : scenario_tables.entities[actor].path, piece = 0;
     double heading = value(board, position->heading);
     bool is_by_entity = position->kind == BY_OBJECT || position->kind == BY_WORLD;
@@ -195,7 +211,7 @@ sb_place place_of(storyboard *board, int32_t number, int32_t actor) {
     if (place.path == SB_NONE && is_by_entity && own == SB_NONE) own = board->actors[position->entity].at.path;
     if (place.path == SB_NONE ? own != SB_NONE && position->kind != ON_TRAJECTORY : own != SB_NONE && own != place.path) {
         double sought = place.heading;
-        place_on_path(board, &place, own, &piece);
+        place_on_path(&place, own, &piece);
         place.heading = sought;
     } else if (place.path != SB_NONE && cos(place.turn) < 0) {
         place.sense = -place.sense;

@@ -20,7 +20,7 @@ static scenario_mover mover_of(const scenario *self, int32_t i) {
     const sb_actor *actor = &self->board.actors[i];
     scenario_mover nobody = {0};
     if (!actor->is_present || actor->is_hidden) return nobody;
-    double c = cos(actor->at.heading), s = sin(actor->at.heading);
+    double c = actor->cosine, s = actor->sine;
     return (scenario_mover){
         .id = i + 1,
         .class = entity->class,
@@ -83,7 +83,9 @@ static void output(scenario *self) {
         self->out.states[i] = self->board.progress[i].state;
     }
     self->out.ended = self->board.has_ended;
-    if (self->is_undefined) self->out.movers[0].station = self->out.everyone[0].station = NAN;
+    if (!self->is_undefined) return;
+    self->out.movers[0].station = NAN;
+    for (int32_t i = 0; i < scenario_tables.entity_count && i < SCENARIO_SEEN; ++i) self->out.everyone[i].station = NAN;
 }
 
 void scenario_init(scenario *self) {
@@ -97,8 +99,8 @@ void scenario_init(scenario *self) {
     if (host) {
         double shift = host_shift(self);
         self->out.host_start.given = true;
-        self->out.host_start.x = host->at.x + shift * cos(host->at.heading);
-        self->out.host_start.y = host->at.y + shift * sin(host->at.heading);
+        self->out.host_start.x = host->at.x + shift * host->cosine;
+        self->out.host_start.y = host->at.y + shift * host->sine;
         self->out.host_start.heading = host->at.heading;
         self->out.host_start.speed = host->speed;
     }
@@ -110,8 +112,9 @@ void scenario_step(scenario *self, double h) {
     if (self->board.has_host) {
         double shift = host_shift(self);
         host->at.heading = self->in.motion.heading;
-        host->at.x = self->in.motion.x - shift * cos(host->at.heading);
-        host->at.y = self->in.motion.y - shift * sin(host->at.heading);
+        storyboard_face(host);
+        host->at.x = self->in.motion.x - shift * host->cosine;
+        host->at.y = self->in.motion.y - shift * host->sine;
         host->speed = self->in.motion.speed;
         host->acceleration = self->in.motion.acceleration;
     }

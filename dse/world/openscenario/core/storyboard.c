@@ -10,8 +10,14 @@ static const sb_element *element_of(int32_t i) {
     return &scenario_tables.elements[i];
 }
 
+/* The element after *i* in the file; what is in an element that does not run does not run either. */
+static int32_t next_of(const storyboard *board, int32_t i) {
+    return board->progress[i].state == RUNNING ? i + 1 : element_of(i)->end;
+}
+
 /* Elements below *i*, and *i* itself, end now. */
 static void stop(storyboard *board, int32_t i) {
+    board->changes = 2;
     for (int32_t k = i; k < element_of(i)->end; ++k) {
         sb_progress *progress = &board->progress[k];
         if (progress->state == COMPLETE) continue;
@@ -23,10 +29,16 @@ static void stop(storyboard *board, int32_t i) {
 
 static void start(storyboard *board, int32_t i) {
     const sb_element *element = element_of(i);
+    board->changes = 2;
     board->progress[i].state = RUNNING;
     board->progress[i].changing |= HAS_STARTED;
     if (element->kind == ACTION) {
-        action_begin(board, element->action);
+        int32_t event = element->parent, actor = scenario_tables.actions[element->action].actor;
+        if (element->is_chosen && !has_triggered(board, element_of(event)->start, actor)) {
+            board->progress[i].state = COMPLETE;
+        } else {
+            action_begin(board, element->action);
+        }
         return;
     }
     for (int32_t k = i + 1; k < element->end; k = element_of(k)->end) {
@@ -46,6 +58,7 @@ static bool prevails(storyboard *board, int32_t i) {
         if (k == i || board->progress[k].state != RUNNING) continue;
         if (element->priority == SKIP) {
             board->progress[i].changing |= HAS_SKIPPED;
+            board->changes = 2;
             return false;
         }
         stop(board, k);
@@ -71,6 +84,7 @@ static void finish(storyboard *board, int32_t i) {
     if (element->kind != ACTION || progress->state != RUNNING || board->runs[element->action].is_running) return;
     progress->state = COMPLETE;
     progress->changing |= HAS_ENDED;
+    board->changes = 2;
 }
 
 /* From the innermost outwards: what has only ended elements in it ends. */
@@ -82,6 +96,7 @@ static void conclude(storyboard *board, int32_t i) {
         if (board->progress[k].state != COMPLETE) return;
     }
     progress->changing |= HAS_ENDED;
+    board->changes = 2;
     progress->count += 1;
     progress->state = COMPLETE;
     if (progress->count >= element->most) return;
@@ -113,7 +128,7 @@ static void follow(storyboard *board, sb_actor *actor) {
     action_end(board, actor->slot);
     actor->trajectory = SB_NONE;
     int32_t path = scenario_tables.entities[actor - board->actors].path;
-    if (path != SB_NONE) place_on_path(board, &actor->at, path, &actor->piece);
+    if (path != SB_NONE) place_on_path(&actor->at, path, &actor->piece);
 }
 
 /* Whoever is in a lane that does not go on beside the path leaves it there. */
@@ -126,8 +141,8 @@ static void turn_off(storyboard *board, sb_actor *actor, double before) {
         if (branch->path != at->path || branch->lane != at->lane || !passes) continue;
         double over = at->s - branch->station + REACHED, offset = at->offset;
         at->s = branch->station - REACHED;
-        place_lay(board, at, &actor->piece);
-        place_on_path(board, at, branch->to, &actor->piece);
+        place_lay(at, &actor->piece);
+        place_on_path(at, branch->to, &actor->piece);
         at->s += over;
         at->lane = 0;
         at->offset = offset;
@@ -138,18 +153,17 @@ static void turn_off(storyboard *board, sb_actor *actor, double before) {
 
 static void drive(storyboard *board, sb_actor *actor) {
     sb_place *at = &actor->at;
-    const path_table *path = &road_tables.paths[at->path];
     double ahead = sqrt(fmax(actor->speed * actor->speed - actor->drift * actor->drift, 0));
     double before = at->s;
-    if (at->s != actor->laid_s || actor->stretch <= 0) actor->stretch = place_lay(board, at, &actor->piece);
+    if (at->s != actor->laid_s || actor->stretch <= 0) actor->stretch = place_lay(at, &actor->piece);
     at->s += at->sense * copysign(ahead, actor->speed) * board->h / actor->stretch;
     turn_off(board, actor, before);
-    path = &road_tables.paths[at->path];
+    const path_table *path = &road_tables.paths[at->path];
     double inside = path->closed ? at->s : fmin(fmax(at->s, 0), path->length);
     if (inside != at->s && actor->ended > 0) actor->speed = 0;
     actor->ended = inside != at->s || (!path->closed && inside >= path->length) ? actor->ended + board->h : 0;
     at->s = actor->laid_s = inside;
-    actor->stretch = place_lay(board, at, &actor->piece);
+    actor->stretch = place_lay(at, &actor->piece);
     if (actor->drift != 0) at->heading += at->sense * atan2(actor->drift, ahead);
 }
 
@@ -159,7 +173,7 @@ static void move(storyboard *board, int32_t i) {
     if (!actor->is_present) return;
     if (is_driven) {
         int32_t path = scenario_tables.entities[i].path;
-        if (path != SB_NONE) place_on_path(board, &actor->at, path, &actor->piece);
+        if (path != SB_NONE) place_on_path(&actor->at, path, &actor->piece);
     } else if (scenario_tables.entities[i].tow != SB_NONE) {
         place_trailer(board, i, false);
     } else if (actor->trajectory != SB_NONE) {
@@ -176,6 +190,7 @@ static void move(storyboard *board, int32_t i) {
     actor->origin_y = actor->at.y;
     actor->standing = fabs(actor->speed) < STILL ? actor->standing + board->h : 0;
     if (actor->lateral == SB_NONE) actor->drift = 0;
+    if (scenario_tables.has_off_road) actor->off_road = place_is_on_road(&actor->at) ? 0 : actor->off_road + board->h;
 }
 
 static void advance_time(storyboard *board) {
@@ -188,24 +203,41 @@ static void advance_time(storyboard *board) {
     board->now = board->base_time + (double)board->steps * board->step;
 }
 
+void storyboard_face(sb_actor *actor) {
+    actor->cosine = cos(actor->at.heading);
+    actor->sine = sin(actor->at.heading);
+}
+
+/* A phase that lasts no time at all stays. */
+static void change_signals(storyboard *board) {
+    for (int32_t i = 0; i < scenario_tables.controller_count; ++i) {
+        const sb_controller *controller = &scenario_tables.controllers[i];
+        for (int32_t k = 0; k < controller->phases; ++k) {
+            double end = board->since[i] + board->values[scenario_tables.phases[controller->phase + board->shown[i]].duration];
+            if (!(end > board->since[i] && board->now >= end - 1e-9)) break;
+            show_phase(board, i, (board->shown[i] + 1) % controller->phases, end);
+        }
+    }
+}
+
 /* Triggers see the state before the step; then actions advance, the time, and the road users move. */
-static void frame(storyboard *board, double h) {
+void storyboard_step(storyboard *board, double h) {
     double before[SB_ENTITIES];
     board->h = h;
+    board->epoch += 1;
     for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
-        sb_actor *actor = &board->actors[i];
-        before[i] = actor->speed;
-        actor->cosine = cos(actor->at.heading);
-        actor->sine = sin(actor->at.heading);
+        before[i] = board->actors[i].speed;
     }
-    for (int32_t i = 0; i < scenario_tables.element_count; ++i) {
+    for (int32_t i = 0; i < scenario_tables.element_count && board->changes > 0; ++i) {
         board->progress[i].changed = board->progress[i].changing;
         board->progress[i].changing = 0;
     }
+    board->changes -= board->changes > 0;
+    change_signals(board);
     if (trigger_is_true(board, scenario_tables.stop)) board->has_ended = true;
-    for (int32_t i = 0; i < scenario_tables.element_count; ++i) proceed(board, i);
+    for (int32_t i = 0; i < scenario_tables.element_count; i = next_of(board, i)) proceed(board, i);
     for (int32_t i = 0; i < scenario_tables.init_count; ++i) action_advance(board, i);
-    for (int32_t i = 0; i < scenario_tables.element_count; ++i) {
+    for (int32_t i = 0; i < scenario_tables.element_count; i = next_of(board, i)) {
         bool is_acting = element_of(i)->kind == ACTION && board->progress[i].state == RUNNING;
         if (is_acting) action_advance(board, element_of(i)->action);
     }
@@ -222,8 +254,9 @@ static void frame(storyboard *board, double h) {
             if (!is_driven) board->actors[i].acceleration = (board->actors[i].speed - before[i]) / h;
         }
     }
-    for (int32_t i = 0; i < scenario_tables.element_count; ++i) finish(board, i);
-    for (int32_t i = scenario_tables.element_count - 1; i >= 0; --i) conclude(board, i);
+    for (int32_t i = 0; i < scenario_tables.entity_count; ++i) storyboard_face(&board->actors[i]);
+    for (int32_t i = 0; i < scenario_tables.element_count; i = next_of(board, i)) finish(board, i);
+    for (int32_t i = scenario_tables.element_count - 1; i >= 0 && board->changes > 0; --i) conclude(board, i);
 }
 
 /* An action waits for the entity that it refers to. */
@@ -253,11 +286,11 @@ static void begin_actions(storyboard *board) {
 
 void storyboard_begin(storyboard *board) {
     board->base_time = board->step = board->now = board->h = 0;
-    board->steps = 0;
+    board->steps = board->epoch = 0;
     board->has_ended = false;
-    for (int32_t i = 0; i < SB_MEMORIES; ++i) {
-        board->memories[i] = (sb_memory){.since = HUGE_VAL, .until = -HUGE_VAL, .hint = NAN};
-    }
+    board->changes = 0;
+    for (int32_t i = 0; i < SB_CONDITIONS; ++i) board->memories[i] = (sb_memory){.since = HUGE_VAL, .until = -HUGE_VAL};
+    for (int32_t i = 0; i < SB_GAPS; ++i) board->gaps[i] = (sb_gap){.hint = NAN};
     for (int32_t i = 0; i < SB_ACTIONS; ++i) board->runs[i] = (sb_run){.is_running = false};
     for (int32_t i = 0; i < SB_ELEMENTS; ++i) board->progress[i] = (sb_progress){.state = STANDBY};
     for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
@@ -269,15 +302,21 @@ void storyboard_begin(storyboard *board) {
         bool is_placed = scenario_tables.vertices[line->vertex].position != SB_NONE;
         if (is_placed) trajectory_lay(board, i, SB_NONE);
     }
+    board->clock = scenario_tables.clock;
+    board->is_clock_running = true;
+    for (int32_t i = 0; i < scenario_tables.controller_count; ++i) {
+        const sb_controller *controller = &scenario_tables.controllers[i];
+        double begun = board->values[controller->begun], cycle = 0;
+        for (int32_t k = 0; k < controller->phases; ++k) cycle += board->values[scenario_tables.phases[controller->phase + k].duration];
+        show_phase(board, i, 0, cycle > 0 && isfinite(cycle) ? begun - ceil(begun / cycle) * cycle : 0);
+    }
+    change_signals(board);
     begin_actions(board);
     for (int32_t i = 0; i < scenario_tables.entity_count; ++i) {
         board->actors[i].origin_x = board->actors[i].at.x;
         board->actors[i].origin_y = board->actors[i].at.y;
+        storyboard_face(&board->actors[i]);
     }
     for (int32_t i = 0; i < scenario_tables.element_count; i = element_of(i)->end) start(board, i);
-    frame(board, 0);
-}
-
-void storyboard_step(storyboard *board, double h) {
-    frame(board, h);
+    storyboard_step(board, 0);
 }
