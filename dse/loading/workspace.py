@@ -20,9 +20,11 @@ if TYPE_CHECKING:
     from dse.domain.design import DesignSpace
     from dse.domain.road import Road
     from dse.domain.study import Study
+    from dse.loading.bench.rating import Rating
 
 _FOLDERS = ("components", "designs", "testbenches")
 _STUDY = ".pet.yaml"
+_RATING = ".rating.yaml"
 
 
 class Workspace:
@@ -159,6 +161,15 @@ class Workspace:
         _require_name(study.name, path, _STUDY, study.where)
         return study
 
+    def rating(self, name: str, where: Location | None = None) -> Rating:
+        """The rating called *name*, or in the file *name*. Raises DseError."""
+        from dse.loading.bench.rating import read_rating
+
+        path = self._file(name, "testbenches", _RATING, where)
+        rating = read_rating(path, self.bench, self.root)
+        _require_name(rating.name, path, _RATING, rating.where)
+        return rating
+
     def road(self, name: str, where: Location | None = None) -> Road:
         """The road called *name*, or in the file *name*. Raises DseError."""
         from dse.loading.road.road import read_road
@@ -190,7 +201,7 @@ class Workspace:
             return typed.resolve()
         found: dict[str, Path] = {}
         for path in self.files(folder):
-            if not path.name.endswith(suffix) or path.name.endswith(_STUDY) != (suffix == _STUDY):
+            if not path.name.endswith(suffix) or (suffix == ".yaml" and path.name.endswith((_STUDY, _RATING))):
                 continue
             stem = path.name.removesuffix(suffix)
             if stem in found:
@@ -198,7 +209,7 @@ class Workspace:
                 raise fail(what, Location(shown(path)), f"the other is {shown(found[stem])}; rename one")
             found[stem] = path
         if name not in found:
-            bench = "study" if suffix == _STUDY else "test bench"
+            bench = {_STUDY: "study", _RATING: "rating"}.get(suffix, "test bench")
             kind = {"designs": "design", "roads": "road", "testbenches": bench}[folder]
             raise fail(f"unknown {kind} '{name}'", where, closest(name, found) or f"there is none in {folder}/")
         return found[name]
