@@ -7,6 +7,7 @@ from .bench.rating import (
     case_variable as case_variable,
     parse_condition as parse_condition,
 )
+from .bench.variables import Place as Place
 from .component.kind import (
     KINDS as KINDS,
     ComponentKind as ComponentKind,

@@ -49,7 +49,11 @@ class _Group:
 
 
 def case_studies(
-    rating: Rating, protocol: Protocol, cells: Sequence[Cell], design: DesignSpace, configurations: Sequence[Configuration]
+    rating: Rating,
+    protocol: Protocol,
+    cells: Sequence[Cell],
+    design: DesignSpace,
+    configurations: Sequence[Configuration],
 ) -> tuple[CaseStudy, ...]:
     """The studies that make all runs of *rating* for *configurations* of *design*. Raises DseError with every problem
     that only the *protocol* shows."""
@@ -91,13 +95,13 @@ def case_studies(
                 }
                 for layer, settings in {"": {}, **layers}.items():
                     group.cases[key, layer] = test, cell, settings
-    found = []
+    found: list[CaseStudy] = []
     selection = Selection(ids=tuple(each.id for each in configurations))
     for group in groups.values():
         with problems:
             number = sum(each.study.bench.name == group.bench.name for each in found) + 1
             name = group.bench.name if number == 1 else f"{group.bench.name}_{number}"
-            found.append(_study(name, rating, group, selection, units[group.bench.name], protocol))
+            found.append(_study(name, rating, group, selection, protocol))
     if problems:
         raise DseError(*dict.fromkeys(problems))
     return tuple(found)
@@ -151,7 +155,9 @@ def _require_value(test: RatedTest, cell: Cell, taken: dict[CellKey, RatedTest])
         raise fail(what, next(iter(test.values.values())).where, f"add '{cell.kpi}: METRIC'")
     other = taken.setdefault(cell.key, test)
     if other is not test:
-        what = f"a cell of {cell.test} ({described(cell)}) is simulated on '{other.bench.name}' and on '{test.bench.name}'"
+        what = (
+            f"a cell of {cell.test} ({described(cell)}) is simulated on '{other.bench.name}' and on '{test.bench.name}'"
+        )
         raise fail(what, test.condition.where if test.condition else test.test.where, "separate them by 'where'")
 
 
@@ -167,7 +173,9 @@ def _require_units(test: RatedTest, protocol: Protocol, units: Mapping[str, Unit
         wanted, unit = parse_unit(protocol.unit(kpi)), units[metric.text]
         if wanted.dimension != unit.dimension:
             found, right = describe(unit.dimension), describe(wanted.dimension)
-            raise fail(f"'{kpi}' is {right}, the metric '{metric.text}' is {found}", metric.where, "name another metric")
+            raise fail(
+                f"'{kpi}' is {right}, the metric '{metric.text}' is {found}", metric.where, "name another metric"
+            )
 
 
 def described(cell: Cell) -> str:
@@ -175,9 +183,7 @@ def described(cell: Cell) -> str:
     return ", ".join(f"{name} {text}" for name, text in cell.attributes.items())
 
 
-def _study(
-    name: str, rating: Rating, group: _Group, selection: Selection, units: Mapping[str, Unit], protocol: Protocol
-) -> CaseStudy:
+def _study(name: str, rating: Rating, group: _Group, selection: Selection, protocol: Protocol) -> CaseStudy:
     """One study of all cases of *group*; a parameter that some of its tests leave alone has the bench's value there."""
     places: dict[str, Place] = {name: place for test in group.tests for name, place in test.places.items()}
     used = {
@@ -199,12 +205,12 @@ def _study(
     variables = tuple(
         case_variable(places[name], {point[number] for point in points.values()}) for number, name in enumerate(names)
     )
-    rows = tuple(dict.fromkeys(points.values()))
+    rows, table = tuple(dict.fromkeys(points.values())), SAMPLERS.get("csv")
     study = Study(
         name,
         replace(group.bench, derived=group.tests[0].derived),
         variables,
-        cast(Sampler, SAMPLERS.get("csv")(file="cells", rows=rows)) if variables else Nominal(),
+        cast(Sampler, table.model_validate({"file": "cells", "rows": rows})) if variables else Nominal(),
         selection,
         Keep.ALL if len(selection.ids) == 1 else Keep.NEAR_BOUNDARY,
         title=f"{rating.title or rating.name}: {group.bench.title or group.bench.name}",
@@ -224,7 +230,9 @@ def _default(place: Place, bench: TestBench, test: RatedTest) -> float:
 
 def warned_tests(rating: Rating, protocol: Protocol) -> frozenset[str]:
     """The tests of *rating* for which a warning is declared where the function can be chosen: its KPI has a metric."""
-    others = {test.test.text: protocol.kpis(test.test.text)[1:] for test in rating.tests if test.test.text in protocol.tests}
+    others = {
+        test.test.text: protocol.kpis(test.test.text)[1:] for test in rating.tests if test.test.text in protocol.tests
+    }
     return frozenset(
         test.test.text for test in rating.tests if set(others.get(test.test.text, ())) & test.values.keys()
     )
@@ -234,4 +242,3 @@ def not_simulated(tests: Iterable[RatedTest], protocol: Protocol) -> tuple[str, 
     """The tests of *protocol* that none of *tests* is."""
     simulated = {test.test.text for test in tests}
     return tuple(test for test in protocol.tests if test not in simulated)
-

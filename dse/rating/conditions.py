@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 from dse.domain.expression import Between, Binary, Chosen, Expression, Name, Node, Number, Unary
-from dse.errors import DseError, closest, fail
+from dse.errors import closest
 from dse.expression import error_in
 from dse.units import UnitError, describe, parse_quantity
 
@@ -42,7 +42,9 @@ def _truth(whole: Expression, node: Node, attributes: Mapping[str, str]) -> bool
             return _COMPARED[sign](_number(whole, name, bound, attributes), bound.si)
         case Binary("==" | "!=" as sign, Name(path=name), Name(path=word)):
             return (_text(whole, name, node, attributes) == word.lower()) == (sign == "==")
-    raise error_in(whole, node.span, "this is not a condition on an attribute", "as 'vut_speed >= 40 km/h and turn == farside'")
+    raise error_in(
+        whole, node.span, "this is not a condition on an attribute", "as 'vut_speed >= 40 km/h and turn == farside'"
+    )
 
 
 def _text(whole: Expression, name: str, node: Node, attributes: Mapping[str, str]) -> str:

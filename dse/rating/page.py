@@ -9,8 +9,8 @@ from itertools import groupby
 from pathlib import Path
 
 from dse.rating.cases import described
+from dse.rating.designs import NOT_ASSESSED, RatedConfiguration, RatedDesign
 from dse.rating.protocol import Cell
-from dse.rating.rate import NOT_ASSESSED, RatedConfiguration, RatedDesign
 from dse.report import HEAD, ICON, hash_of
 from dse.scratch import make_folder, write_whole
 
@@ -24,7 +24,7 @@ table{border-collapse:collapse;margin:.5rem 0}
 th,td{padding:.2rem .5rem;border:1px solid #8886;text-align:right;font-variant-numeric:tabular-nums}
 th{font-weight:600}th:first-child,td:first-child{text-align:left}
 .matrix td{min-width:3rem;text-align:center}.matrix td.cell{color:#fff}
-.matrix td.yellow,.matrix td.orange{color:#000}.matrix td.extended{border-style:dashed;border-color:#888}
+.matrix td.yellow,.matrix td.orange{color:#000}.matrix td.extended{outline:2px dashed #fff9;outline-offset:-4px}
 .matrix a{color:inherit;text-decoration:none;display:block}.matrix a:focus,.matrix a:hover{outline:2px solid}
 .note{border-left:4px solid #c80;padding:.3rem .8rem}
 svg{max-width:100%}svg text{font:12px system-ui,sans-serif;fill:currentColor}
@@ -52,9 +52,9 @@ def _body(rated: RatedDesign, title: str, folder: Path) -> Iterator[str]:
     package = f"{rated.protocol.name} {rated.protocol.version}"
     yield f"<p>{escape(title)}. Design space {escape(rated.design.name)}; calculator {escape(package)}.</p>"
     yield f'<p class="note">{escape(NOT_ASSESSED)}.'
-    if rated.missing:
-        yield f"Not simulated: {escape(', '.join(rated.missing))}: 0 points."
-    yield "</p>"
+    if rated.gaps:
+        yield f"Not simulated, 0 points: {escape(rated.gaps)}."
+    yield "</p><p>Numbers are values of the protocol's KPIs. A dashed line marks the extended range.</p>"
     if len(rated.rated) > 1:
         yield from _several(rated)
     for each in rated.rated:
@@ -65,9 +65,7 @@ def _several(rated: RatedDesign) -> Iterator[str]:
     """Points of all configurations, over cost, and what the choices are worth."""
     best = sorted(rated.rated, key=lambda each: (-each.filled.points, each.cost or 0.0, each.id))
     heads = ["Configuration", "Points", *(f"{s.element}: {s.subelement}" for s in best[0].filled.totals), "Cost"]
-    rows = [
-        [e.id, f"{e.filled.points:.3f}", *(f"{s.points:.3f}" for s in e.filled.totals), e.cost_text] for e in best
-    ]
+    rows = [[e.id, f"{e.filled.points:.3f}", *(f"{s.points:.3f}" for s in e.filled.totals), e.cost_text] for e in best]
     yield "<h2>Configurations</h2>" + _table(heads, rows)
     if all(each.cost is not None for each in rated.rated):
         yield "<h2>Points over cost</h2>" + _plot(best)
@@ -88,7 +86,9 @@ def _one(rated: RatedDesign, each: RatedConfiguration, folder: Path) -> Iterator
     if each.failed:
         yield f'<p class="note">Runs that failed, whose cells have no points: {len(each.failed)}.</p>'
     layers = [s for s in filled.scores if s.layer]
-    rows = [[s.element, s.subelement, s.category, s.scenario, s.layer, f"{s.points:.3f}", f"{s.most:g}"] for s in layers]
+    rows = [
+        [s.element, s.subelement, s.category, s.scenario, s.layer, f"{s.points:.3f}", f"{s.most:g}"] for s in layers
+    ]
     yield "<details><summary>Points by scenario and layer</summary>"
     yield _table(["Stage element", "Stage subelement", "Category", "Scenario", "Layer", "Points", "of"], rows)
     yield "</details>"
@@ -103,11 +103,14 @@ def _matrix(rated: RatedDesign, each: RatedConfiguration, cells: Sequence[Cell],
     """The matrix of one test: rows and columns as in the protocol's workbook."""
     columns = sorted({cell.column for cell in cells})
     across = _varying(cells)
-    lines = [f'<tr><th></th>{"".join(f"<th>{escape(_at(cells, c, across))}</th>" for c in columns)}</tr>']
+    down = [name for name in cells[0].attributes if name not in across]
+    corner = f"{', '.join(down)} \\ {', '.join(across)}"
+    heads = "".join(f"<th>{escape(_at(cells, c, across))}</th>" for c in columns)
+    lines = [f"<tr><th>{escape(corner)}</th>{heads}</tr>"]
     for _, row in groupby(sorted(cells, key=lambda cell: (cell.row, cell.column)), key=lambda cell: cell.row):
         there = {cell.column: cell for cell in row}
         first = next(iter(there.values()))
-        name = ", ".join(text for name, text in first.attributes.items() if name not in across)
+        name = ", ".join(first.attributes[each] for each in down)
         drawn = "".join(_cell(rated, each, there[c], folder) if c in there else "<td></td>" for c in columns)
         lines.append(f"<tr><th>{escape(name)}</th>{drawn}</tr>")
     return f'<h3>{escape(cells[0].test)}</h3><table class="matrix">{"".join(lines)}</table>'
@@ -126,7 +129,7 @@ def _varying(cells: Sequence[Cell]) -> tuple[str, ...]:
 
 def _at(cells: Sequence[Cell], column: int, names: Sequence[str]) -> str:
     cell = next(cell for cell in cells if cell.column == column)
-    return ", ".join(f"{name} {cell.attributes[name]}" for name in names)
+    return ", ".join(cell.attributes[name] for name in names)
 
 
 def _cell(rated: RatedDesign, each: RatedConfiguration, cell: Cell, folder: Path) -> str:
@@ -159,12 +162,16 @@ def _plot(rated: Sequence[RatedConfiguration]) -> str:
     low, span = min(costs), (max(costs) - min(costs)) or 1.0
     marks = [
         f'<circle cx="{edge + (width - 2 * edge) * (cost - low) / span:.1f}" '
-        f'cy="{height - edge - (height - 2 * edge) * each.filled.points / most:.1f}" r="5" fill="#36c" fill-opacity=".7">'
+        f'cy="{height - edge - (height - 2 * edge) * each.filled.points / most:.1f}" r="5" fill="#36c">'
         f"<title>{escape(each.id)}: {each.filled.points:.3f} points, cost {escape(each.cost_text)}</title></circle>"
         for each, cost in zip(rated, costs, strict=True)
     ]
     axes = f'<path d="M{edge} {edge}V{height - edge}H{width - edge}" fill="none" stroke="currentColor"/>'
-    labels = [(edge, height - 28, f"{low:g}"), (width - edge, height - 28, f"{max(costs):g}"), (width // 2, height - 10, "cost")]
+    labels = [
+        (edge, height - 28, f"{low:g}"),
+        (width - edge, height - 28, f"{max(costs):g}"),
+        (width // 2, height - 10, "cost"),
+    ]
     words = "".join(f'<text x="{x}" y="{y}" text-anchor="middle">{escape(text)}</text>' for x, y, text in labels)
     words += f'<text x="{edge - 8}" y="{height - edge}" text-anchor="end">0</text>'
     words += f'<text x="{edge - 8}" y="{edge + 4}" text-anchor="end">{most:g}</text>'

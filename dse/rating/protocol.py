@@ -97,7 +97,7 @@ class Protocol:
         return float(sum(points or 0.0 for points in self.model.TOTAL_SCORES[test].values()))
 
     def kpis(self, test: str) -> tuple[str, ...]:
-        """The KPIs that cells of *test* may be coloured by: its own, and that of a warning where one may be declared."""
+        """The KPIs that colour cells of *test*: its own, and that of a warning where one may be declared."""
         kinds, warning = self.model.NCAP_TEST_SCENARIOS, self.model.NcapTestCriteria.WARNING
         own = str(self.model.get_score_parameter_for_test(test))
         warned = str(self.model.NCAP_TEST_CRITERIA_TO_SCORE_PARAMETER[warning])
@@ -227,7 +227,7 @@ class Protocol:
         stated = rules.ROBUSTNESS_LAYER_TO_VERIFICATION_CONDITION.get(layer, {}).get(self.scenario(test), ())
         criteria = {rule for _, rule in (stated if isinstance(stated, list) else [stated] if stated else [])}
         if criteria == {rules.AssessmentCriteria.NOT_RED}:
-            return colour != self.common.PredictionColor.RED.value
+            return bool(colour != self.common.PredictionColor.RED.value)
         return self.weight(colour) >= self.weight(nominal)
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from dse.errors import Problems, closest, raise_if_any
 from dse.loading import Written
 from dse.rating.cases import Case, layer_cells
-from dse.rating.protocol import CellKey, Protocol, choices, drawing
+from dse.rating.protocol import CellKey, Protocol, drawing
 from dse.scratch import make_folder, written_whole
 
 _GREY = "grey"
@@ -194,7 +194,9 @@ def _verify(protocol: Protocol, stages: Any, frames: Mapping[str, Any], predicti
             for point in points:
                 layer = frame.iat[row, heads.index("Robustness layer")] if "Robustness layer" in heads else ""
                 # The package adds attributes when it selects a point.
-                own = {name: str(text).strip() for name, text in point.attributes.items() if name in protocol.attributes}
+                own = {
+                    name: str(text).strip() for name, text in point.attributes.items() if name in protocol.attributes
+                }
                 key = test, tuple(sorted(own.items()))
                 case = key, layer if (layer, protocol.scenario(test)) in prediction.layers else ""
                 value = prediction.values.get(case, prediction.values[key, ""])
@@ -210,4 +212,6 @@ def _scores(frames: Mapping[str, Any]) -> Iterator[Score]:
         labels = frame[there].ffill()
         for row in range(len(frame)):
             names = [str(labels.iloc[row][level]) if level in there else "" for level in levels]
-            yield Score(*names, float(frame["Score"].iloc[row]), float(frame["Max score"].iloc[row]))
+            points, most = (float(frame[name].iloc[row]) for name in ("Score", "Max score"))
+            element, subelement, category, scenario, layer = names
+            yield Score(element, subelement, category, scenario, layer, points, most)

@@ -11,16 +11,17 @@ import typer
 from dse.api import ExplorationInterruptedError, new_folder, opened, workspace_of
 from dse.cli.app import app
 from dse.cli.arguments import Configuration, Design, Format, Output, Where, Workers
+from dse.cli.completion import ratings
 from dse.cli.endings import DONE, RUNS_FAILED
 from dse.cli.terminal import console, plain_table, print_json, print_line, print_table, status_line
 from dse.errors import fail
+from dse.places import RATING
 
 if TYPE_CHECKING:
     from dse.api import Progress
     from dse.loading import Rating, Workspace
     from dse.rating import RatedConfiguration, RatedDesign
 
-_RATING = ".rating.yaml"
 _MOST = 1000
 """Configurations that are rated at once."""
 
@@ -28,7 +29,9 @@ _MOST = 1000
 @app.command()
 def rate(
     design: Design,
-    rating: Annotated[str | None, typer.Option("--rating", metavar="NAME", help="Which rating, if several fit.")] = None,
+    rating: Annotated[
+        str | None, typer.Option("--rating", metavar="NAME", autocompletion=ratings, help="Which one, if several fit.")
+    ] = None,
     configuration: Configuration = None,
     where: Where = None,
     best: Annotated[int | None, typer.Option("--best", min=1, metavar="N", help="The N of the least cost.")] = None,
@@ -99,7 +102,7 @@ def _rating(space: Workspace, name: str | None, design: str) -> Rating:
     """The rating of that *name*; without, the only one that is for *design*. Raises DseError."""
     if name is not None:
         return space.rating(name)
-    paths = [path for path in space.files("testbenches") if path.name.endswith(_RATING)]
+    paths = [path for path in space.files("testbenches") if path.name.endswith(RATING)]
     read = [space.rating(str(path)) for path in paths]
     found = [each for each in read if any(test.bench.design.name == design for test in each.tests)]
     if len(found) != 1:
@@ -122,9 +125,11 @@ def _show(rated: RatedDesign, at_least: float | None) -> None:
         for rule in each.filled.rules:
             print_line(f"{each.id}: rule of the protocol: {rule}")
         if each.failed:
-            print_line(f"{each.id}: {len(each.failed)} runs failed, their cells have no points: {each.failed[0].problem}")
-    if rated.missing:
-        print_line(f"not simulated, 0 points: {', '.join(rated.missing)}")
+            print_line(
+                f"{each.id}: {len(each.failed)} runs failed, their cells have no points: {each.failed[0].problem}"
+            )
+    if rated.gaps:
+        print_line(f"not simulated, 0 points: {rated.gaps}")
     print_line(f"{NOT_ASSESSED}.")
     if at_least is not None:
         print_line(_cheapest(rated, at_least))
@@ -135,7 +140,9 @@ def _cheapest(rated: RatedDesign, at_least: float) -> str:
     found = rated.cheapest(at_least)
     if found is None:
         return f"no rated configuration with a cost has {at_least:g} points"
-    return f"cheapest with at least {at_least:g} points: {found.id}, {found.cost_text}, {found.filled.points:.3f} points"
+    return (
+        f"cheapest with at least {at_least:g} points: {found.id}, {found.cost_text}, {found.filled.points:.3f} points"
+    )
 
 
 def _show_one(each: RatedConfiguration) -> None:
@@ -151,7 +158,13 @@ def _show_one(each: RatedConfiguration) -> None:
         table.add_row(*key, f"{points:.3f}", f"{most:g}")
     for score in scores:
         if not score.layer:
-            table.add_row(f"{score.element}: {score.subelement}", score.category or "all", "all", f"{score.points:.3f}", f"{score.most:g}")
+            table.add_row(
+                f"{score.element}: {score.subelement}",
+                score.category or "all",
+                "all",
+                f"{score.points:.3f}",
+                f"{score.most:g}",
+            )
     table.add_row("all", "all", "all", f"{each.filled.points:.3f}", f"{each.filled.most:g}")
     print_line(f"configuration {each.id}")
     print_table(table)
@@ -196,6 +209,7 @@ def _data(rated: RatedDesign, at_least: float | None, files: list[Path], place: 
         "protocol": f"{rated.protocol.name} {rated.protocol.version}",
         "not_assessed": NOT_ASSESSED,
         "not_simulated": list(rated.missing),
+        "partly_simulated": {test: {"cells": there, "of": of} for test, (there, of) in rated.partly.items()},
         "simulated": rated.simulated,
         "page": str(place / "rating.html"),
         **({"cheapest": cheapest and cheapest.id} if at_least is not None else {}),

@@ -208,6 +208,7 @@ def _values(place: Place, entry: Entry, written: Sequence[Plain | bool]) -> tupl
 
 
 def read_variable_value(place: Place, entry: Entry, raw: Plain | bool) -> float:
+    """What is written at *entry* as a value of *place*, SI; of an enumeration its number. Raises DseError."""
     if isinstance(raw, bool) or place.type.kind is Kind.BOOLEAN:
         if not (isinstance(raw, bool) and place.type.kind is Kind.BOOLEAN):
             raise fail(f"'{place.name}' is {place.type}, found '{raw}'", entry.where)

@@ -84,6 +84,20 @@ class RatedDesign:
     simulated: int
     """How many runs were made now; the others were there."""
 
+    @property
+    def partly(self) -> dict[str, tuple[int, int]]:
+        """Tests of which some cells alone have a run: how many, of how many."""
+        there: dict[str, list[bool]] = {}
+        for cell in self.cells:
+            there.setdefault(cell.test, []).append((cell.key, "") in self.rated[0].runs)
+        return {test: (sum(found), len(found)) for test, found in there.items() if any(found) and not all(found)}
+
+    @property
+    def gaps(self) -> str:
+        """What was not simulated and has no points, in words; "" if all was."""
+        parts = [f"{test} ({there} of {of} cells simulated)" for test, (there, of) in self.partly.items()]
+        return ", ".join([*self.missing, *parts])
+
     def cheapest(self, at_least: float) -> RatedConfiguration | None:
         """The configuration of the least cost with that many points, None if there is none."""
         enough = [each for each in self.rated if each.filled.points >= at_least and each.cost is not None]
@@ -142,7 +156,7 @@ def rate(
         simulated += explored.simulated
         _read(each, place, runs)
     inputs = {name: given.text for name, given in rating.inputs.items()}
-    found = []
+    found: list[RatedConfiguration] = []
     for configuration in configurations:
         if tell:
             tell(f"calculating points: {len(found) + 1} of {len(configurations)}")
@@ -158,7 +172,9 @@ def _read(each: CaseStudy, folder: Path, runs: dict[str, dict[Case, RatedRun]]) 
     with StudyFolder.open(folder) as store:
         table = store.table()
     metrics = {reading.metric: table.metric(reading.metric) for reading in each.readings.values()}
-    places = {(request.configuration, tuple(request.point.values())): row for row, request in enumerate(table.requests())}
+    places = {
+        (request.configuration, tuple(request.point.values())): row for row, request in enumerate(table.requests())
+    }
     for name, found in runs.items():
         for case, point in each.points.items():
             row, reading = places[name, point], each.readings[case]
