@@ -60,7 +60,9 @@ def case_studies(
     tests = tests_of(rating, protocol, design)
     problems = Problems()
     groups: dict[tuple[str, tuple[tuple[str, str], ...]], _Group] = {}
-    own = {cell.key: cell for cell in reversed(cells)}
+    own: dict[CellKey, Cell] = {}
+    for cell in cells:
+        own.setdefault(cell.key, cell)
     rules = {id(test): test.condition and parse_condition(test.condition, protocol.attributes) for test in tests}
     units: dict[str, Mapping[str, Unit]] = {}
     for test in tests:

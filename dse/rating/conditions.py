@@ -37,9 +37,9 @@ def _truth(whole: Expression, node: Node, attributes: Mapping[str, str]) -> bool
         case Chosen(place=name, options=options):
             return _text(whole, name, node, attributes) in {option.lower() for option in options}
         case Between(Name(path=name), Number() as low, Number() as high):
-            return low.si <= _number(whole, name, low, attributes) <= high.si
+            return low.si <= _number(whole, name, node, low, attributes) <= high.si
         case Binary(sign, Name(path=name), Number() as bound) if sign in _COMPARED:
-            return _COMPARED[sign](_number(whole, name, bound, attributes), bound.si)
+            return _COMPARED[sign](_number(whole, name, node, bound, attributes), bound.si)
         case Binary("==" | "!=" as sign, Name(path=name), Name(path=word)):
             return (_text(whole, name, node, attributes) == word.lower()) == (sign == "==")
     raise error_in(
@@ -53,13 +53,13 @@ def _text(whole: Expression, name: str, node: Node, attributes: Mapping[str, str
     return attributes[name]
 
 
-def _number(whole: Expression, name: str, bound: Number, attributes: Mapping[str, str]) -> Fraction:
-    text = _text(whole, name, bound, attributes)
+def _number(whole: Expression, name: str, node: Node, bound: Number, attributes: Mapping[str, str]) -> Fraction:
+    text = _text(whole, name, node, attributes)
     try:
         found = parse_quantity(text.replace("%", " %"))
     except UnitError:
         raise error_in(whole, bound.span, f"'{text}' is not a quantity", f"{name} == {text}") from None
     if found.unit.dimension != bound.unit.dimension:
         what = f"{name} is {describe(found.unit.dimension)}, not {describe(bound.unit.dimension)}"
-        raise error_in(whole, bound.span, what, f"as {text}")
+        raise error_in(whole, bound.span, what, "write a quantity of the same kind")
     return found.si
