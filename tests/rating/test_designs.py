@@ -67,7 +67,7 @@ def car(tmp_path_factory):
     alternatives = {
         "designs/car.yaml": "design: car\nroot: {compound: {brake: {alternatives: [brake, weak]}}}\n",
         **{
-            name.replace("brake", "weak"): text.replace("brake", "weak").replace("implements: weak", "implements: brake")
+            name.replace("brake", "weak"): re.sub(r"(?<!implements: )brake", "weak", text)
             for name, text in FILES.items()
             if name.startswith("components/brake/")
         },

@@ -51,9 +51,9 @@ def test_a_design_that_avoids_everything_has_all_points_of_the_matrices(filled):
 
 
 def test_points_of_a_middling_design_by_hand(filled):
-    # CCRs: 35 km/h are taken off. Of 8 speeds by 5 points of contact 10, 20 and 30 km/h are green; 5 km/h remain at 40
-    # (orange, a half) and 15 at 50 (orange); 25 at 60 (brown, a quarter), 35 and 45 at 70 and 80 are red. Extended: 6 of
-    # 8 rows are not red, which is 75 % and counts so.
+    # CCRs: 35 km/h are taken off. Of 8 speeds 10, 20 and 30 km/h are green. 5 km/h remain at 40 and 15 at 50 (orange, a
+    # half each), 25 at 60 (brown, a quarter); 35 and 45 at 70 and 80 are red. Extended: 6 of 8 rows are not red, which
+    # is 75 % and counts so.
     scores = by_layer(filled["middling"])
     assert scores["CCRs", "Standard"].points == pytest.approx(1.2 * (3 + 0.5 + 0.5 + 0.25) / 8, abs=1e-3)
     assert scores["CCRs", "Extended"].points == pytest.approx(0.15 * 0.75, abs=1e-3)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api import ExplorationInterruptedError, new_folder, opened, workspace_of
+from dse.api import new_folder, opened, workspace_of
 from dse.cli.app import app
 from dse.cli.arguments import Configuration, Design, Format, Output, Where, Workers
 from dse.cli.completion import ratings
@@ -52,7 +52,7 @@ def rate(
     """
     if sum(given is not None for given in (configuration, where, best)) > 1:
         raise typer.BadParameter("one of -c, --where and --best", param_hint="--best")
-    from dse.api import ExploreOptions, progress_bar
+    from dse.api import ExplorationInterruptedError, ExploreOptions, progress_bar
     from dse.rating import rate as rate_design, write_page
 
     space = workspace_of(design)
