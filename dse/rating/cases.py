@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 from dse.domain.bench import TestBench
 from dse.domain.sampler import Nominal, Point, Sampler
@@ -12,7 +12,7 @@ from dse.domain.study import Keep, Selection, Study
 from dse.errors import DseError, Problems, closest, fail
 from dse.loading import SAMPLERS, RatedTest, Rating, case_variable, parse_condition
 from dse.rating.conditions import is_met
-from dse.rating.protocol import Cell, CellKey, Protocol, choices
+from dse.rating.protocol import Cell, CellKey, Protocol
 from dse.testbench import check_bench
 from dse.units import Unit, describe, parse_unit
 
@@ -77,8 +77,7 @@ def case_studies(
                 what = f"the cells of {test.test.text} have no attribute '{parameter.attribute.text}'"
                 problems.add(what, parameter.attribute.where, closest(parameter.attribute.text, attributes))
     if problems:
-        raise DseError(*problems)
-    offered = offered_layers(protocol)
+        raise DseError(*dict.fromkeys(problems))
     taken: dict[CellKey, RatedTest] = {}
     for key, cell in own.items():
         for test in (test for test in tests if test.test.text == cell.test):
@@ -93,10 +92,16 @@ def case_studies(
                 layers = {
                     layer: settings
                     for layer, settings in test.layers.items()
-                    if not cell.extended and (layer, protocol.scenario(cell.test)) in offered
+                    if not cell.extended and (layer, protocol.scenario(cell.test)) in protocol.layers
                 }
                 for layer, settings in {"": {}, **layers}.items():
                     group.cases[key, layer] = test, cell, settings
+    used = {id(test) for group in groups.values() for test in group.tests}
+    for test in tests:
+        if test.condition and id(test) not in used and not problems:
+            problems.add(
+                f"no cell of {test.test.text} meets this condition", test.condition.where, "compare attributes"
+            )
     found: list[CaseStudy] = []
     selection = Selection(ids=tuple(each.id for each in configurations))
     for group in groups.values():
@@ -116,7 +121,7 @@ def tests_of(rating: Rating, protocol: Protocol, design: DesignSpace) -> tuple[R
         if test.test.text not in protocol.tests:
             what, hint = f"{protocol.name} has no test '{test.test.text}'", closest(test.test.text, protocol.tests)
             problems.add(what, test.test.where, hint)
-    layers = {layer for layer, _ in offered_layers(protocol)}
+    layers = {layer for layer, _ in protocol.layers}
     for layer in rating.layers:
         if layer.text not in layers:
             what = f"{protocol.name} has no robustness layer '{layer.text}'"
@@ -129,21 +134,6 @@ def tests_of(rating: Rating, protocol: Protocol, design: DesignSpace) -> tuple[R
         what = f"no test of '{rating.name}' is on a test bench of '{design.name}'"
         raise fail(what, rating.where, f"it rates {designs}" if designs else "name tests")
     return found
-
-
-def offered_layers(protocol: Protocol) -> set[tuple[str, str]]:
-    """The robustness layers that may be claimed, each with its scenario."""
-    return {(layer, scenario) for layer, scenario, _ in layer_cells(protocol.template())}
-
-
-def layer_cells(book: Any) -> Iterator[tuple[str, str, Any]]:
-    """Each cell of *book* in which a robustness layer can be claimed for a scenario: both names, and the cell."""
-    for sheet in book:
-        if sheet.title.endswith("robust. pred."):
-            for cells in choices(sheet, "YES"):
-                for row, column in cells.cells:
-                    layer, scenario = sheet.cell(row, 2).value, sheet.cell(1, column).value
-                    yield str(layer), str(scenario), sheet.cell(row, column)
 
 
 def _group_of(test: RatedTest) -> tuple[str, tuple[tuple[str, str], ...]]:

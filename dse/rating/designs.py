@@ -188,6 +188,7 @@ def _predict(
 ) -> Prediction:
     """The colours of all cells that have a run, and the layers whose criterion all their cells meet."""
     colours: dict[CellKey, str] = {}
+    layers = sorted({layer for _, layer in runs if layer})
     judged: dict[tuple[str, str], list[tuple[str, bool]]] = {}
     for cell in cells:
         run = runs.get((cell.key, ""))
@@ -196,8 +197,9 @@ def _predict(
         colours[cell.key] = protocol.colour(cell, run.value, inputs)
         if protocol.weight(colours[cell.key]) == 0.0:
             continue  # a red cell is not verified, with or without a layer
-        for layer in (layer for key, layer in runs if key == cell.key and layer):
-            other = runs[cell.key, layer]
+        for layer in layers:
+            if (other := runs.get((cell.key, layer))) is None:
+                continue
             met = not other.problem and protocol.is_met(
                 layer, cell.test, colours[cell.key], protocol.colour(cell, other.value, inputs)
             )

@@ -156,6 +156,11 @@ class Protocol:
                     )
         return tuple(found)
 
+    @cached_property
+    def layers(self) -> frozenset[tuple[str, str]]:
+        """The robustness layers that can be claimed, each with its scenario."""
+        return frozenset((layer, scenario) for layer, scenario, _ in layer_cells(self.template()))
+
     def frames(self, book: Any) -> dict[str, Any]:
         """The sheets of *book* as the package's own commands read them from a file."""
         stored = BytesIO()
@@ -238,26 +243,36 @@ def choices(sheet: Any, word: str) -> Iterator[Any]:
             yield from rule.sqref.ranges
 
 
+def layer_cells(book: Any) -> Iterator[tuple[str, str, Any]]:
+    """Each cell of *book* in which a robustness layer can be claimed for a scenario: both names, and the cell."""
+    for sheet in book:
+        if sheet.title.endswith("robust. pred."):
+            for cells in choices(sheet, "YES"):
+                for row, column in cells.cells:
+                    layer, scenario = sheet.cell(row, 2).value, sheet.cell(1, column).value
+                    yield str(layer), str(scenario), sheet.cell(row, column)
+
+
 @contextmanager
 def drawing(seed: int) -> Iterator[list[str]]:
     """The package's random choices follow from *seed* in here, and what it warns of is collected."""
-    before, said = random.getstate(), _Said()
+    before, records = random.getstate(), _RuleRecords()
     log = logging.getLogger(PACKAGES[0].replace("-", "_"))
     passed_on = log.propagate
     log.propagate = False
-    log.addHandler(said)
+    log.addHandler(records)
     random.seed(seed)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the package's own, of versions of pandas
-            yield said.texts
+            yield records.texts
     finally:
         random.setstate(before)
-        log.removeHandler(said)
+        log.removeHandler(records)
         log.propagate = passed_on
 
 
-class _Said(logging.Handler):
+class _RuleRecords(logging.Handler):
     """Keeps the sentences by which the package announces that a rule takes points away."""
 
     def __init__(self) -> None:

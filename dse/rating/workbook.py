@@ -13,8 +13,8 @@ from typing import Any
 
 from dse.errors import Problems, closest, raise_if_any
 from dse.loading import Written
-from dse.rating.cases import Case, layer_cells
-from dse.rating.protocol import CellKey, Protocol, drawing
+from dse.rating.cases import Case
+from dse.rating.protocol import CellKey, Protocol, drawing, layer_cells
 from dse.scratch import make_folder, written_whole
 
 _GREY = "grey"
@@ -61,7 +61,7 @@ class Filled:
     @property
     def points(self) -> float:
         """The sum over all stage elements."""
-        return sum(score.points for score in self.totals)
+        return round(sum(score.points for score in self.totals), 3)
 
     @property
     def most(self) -> float:

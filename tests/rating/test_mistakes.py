@@ -40,6 +40,7 @@ MISTAKES = [
     ("  CPNA", "    where: vut_sped > 3 km/h\n  CPNA", "8:12 the cells have no attribute 'vut_sped'"),
     ("  CPNA", "    where: vut_speed > 3 m\n  CPNA", "8:24 vut_speed is length/time, not length"),
     ("  CPNA", "    where: function > 3 m\n  CPNA", "8:23 'aeb' is not a quantity"),
+    ("  CPNA", "    where: function == FCW\n  CPNA", "8:12 no cell of CCRs meets this condition"),
     ("  CPNA", "    where: 1 + 1\n  CPNA", "8:12 this is not a condition on an attribute"),
     ("  CPNA", "    where: vut_speed >\n  CPNA", "8:23 expected a value, found the end"),
     ("  CPNA", "    parameters: {target.speed: 3 m}\n  CPNA", "8:18 'target.speed' is under 'cells', too"),
