@@ -1,6 +1,5 @@
 from .bench.bench import read_setting as read_setting
 from .bench.rating import (
-    CellParameter as CellParameter,
     RatedTest as RatedTest,
     Rating as Rating,
     Written as Written,

@@ -113,7 +113,8 @@ def _matrix(rated: RatedDesign, each: RatedConfiguration, cells: Sequence[Cell],
         name = ", ".join(first.attributes[each] for each in down)
         drawn = "".join(_cell(rated, each, there[c], folder) if c in there else "<td></td>" for c in columns)
         lines.append(f"<tr><th>{escape(name)}</th>{drawn}</tr>")
-    return f'<h3>{escape(cells[0].test)}</h3><table class="matrix">{"".join(lines)}</table>'
+    most = f"at most {rated.protocol.most_points(cells[0].test):g} points"
+    return f'<h3>{escape(cells[0].test)}: {most}</h3><table class="matrix">{"".join(lines)}</table>'
 
 
 def _varying(cells: Sequence[Cell]) -> tuple[str, ...]:
