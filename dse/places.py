@@ -8,6 +8,9 @@ import stat
 OUT = "out"
 """The folder of a workspace for results, unless the user names another."""
 
+STUDY, RATING = ".pet.yaml", ".rating.yaml"
+"""How the names of files in ``testbenches/`` end that are no test benches."""
+
 
 def cache_path() -> str:
     """``$DSE_CACHE``, else the user's cache folder; it need not exist yet."""

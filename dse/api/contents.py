@@ -11,15 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.errors import DseError
-from dse.places import OUT
+from dse.places import OUT, RATING, STUDY
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from dse.formats import Entry
     from dse.loading import Workspace
-
-_STUDY = ".pet.yaml"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,18 +59,21 @@ class Listing:
     benches: tuple[ListedFile, ...]
     studies: tuple[ListedFile, ...]
     results: tuple[ListedResults, ...]
+    ratings: tuple[ListedFile, ...] = ()
 
 
 def listing(workspace: Workspace) -> Listing:
     """What is in *workspace*. A file or folder that cannot be read is listed with its problem."""
     designs, tested = (sorted(workspace.files(folder), key=_name) for folder in ("designs", "testbenches"))
-    studies = [path for path in tested if path.name.endswith(_STUDY)]
-    benches = [path for path in tested if not path.name.endswith(_STUDY)]
+    studies = [path for path in tested if path.name.endswith(STUDY)]
+    ratings = [path for path in tested if path.name.endswith(RATING)]
+    benches = [path for path in tested if path not in {*studies, *ratings}]
     return Listing(
         tuple(_file(path, ".yaml", workspace.root, lambda _: {}) for path in designs),
         tuple(_file(path, ".yaml", workspace.root, _of_bench) for path in benches),
-        tuple(_file(path, _STUDY, workspace.root, _of_study) for path in studies),
+        tuple(_file(path, STUDY, workspace.root, _of_study) for path in studies),
         tuple(_results(path) for path in study_folders(workspace.root)),
+        tuple(_file(path, RATING, workspace.root, _of_rating) for path in ratings),
     )
 
 
@@ -108,6 +109,10 @@ def _file(path: Path, suffix: str, root: Path, facts: Callable[[Entry], dict[str
 
 def _of_bench(top: Entry) -> dict[str, str]:
     return {"design": _text(top, "design")}
+
+
+def _of_rating(top: Entry) -> dict[str, str]:
+    return {"protocol": _text(top, "protocol")}
 
 
 def _of_study(top: Entry) -> dict[str, str]:

@@ -11,14 +11,13 @@ from dse.api.presentation.html import table
 from dse.api.spaces.design import Design
 from dse.api.studies.bench import Bench, Study
 from dse.loading import Workspace as Files
+from dse.places import RATING, STUDY
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from dse.domain.component import Component
     from dse.errors import Problem
-
-_STUDY = ".pet.yaml"
 
 
 def open(path: str | Path = ".") -> Workspace:  # noqa: A001  # dse.open(".") reads as it should
@@ -54,11 +53,11 @@ class Workspace:
         return [path.stem for path in self.files.files("designs")]
 
     def _benches(self) -> Iterable[str]:
-        return [path.stem for path in self.files.files("testbenches") if not path.name.endswith(_STUDY)]
+        return [path.stem for path in self.files.files("testbenches") if not path.name.endswith((STUDY, RATING))]
 
     def _studies(self) -> Iterable[str]:
         found = (path.name for path in self.files.files("testbenches"))
-        return [name.removesuffix(_STUDY) for name in found if name.endswith(_STUDY)]
+        return [name.removesuffix(STUDY) for name in found if name.endswith(STUDY)]
 
     def __repr__(self) -> str:
         return f"<Workspace {self.root}: {', '.join(f'{len(named)} {what}' for what, named in self._kinds())}>"

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-_STUDY = ".pet.yaml"
+from dse.places import RATING, STUDY
 
 
 def words() -> list[str]:
@@ -22,13 +22,21 @@ def designs(incomplete: str) -> list[str]:
 
 def benches(incomplete: str) -> list[str]:
     """Test benches."""
-    return _matching(incomplete, (path.stem for path in _files("testbenches") if not path.name.endswith(_STUDY)))
+    return _matching(
+        incomplete, (path.stem for path in _files("testbenches") if not path.name.endswith((STUDY, RATING)))
+    )
 
 
 def studies(incomplete: str) -> list[str]:
     """Studies."""
     names = (path.name for path in _files("testbenches"))
-    return _matching(incomplete, (name.removesuffix(_STUDY) for name in names if name.endswith(_STUDY)))
+    return _matching(incomplete, (name.removesuffix(STUDY) for name in names if name.endswith(STUDY)))
+
+
+def ratings(incomplete: str) -> list[str]:
+    """Ratings."""
+    names = (path.name for path in _files("testbenches"))
+    return _matching(incomplete, (name.removesuffix(RATING) for name in names if name.endswith(RATING)))
 
 
 def roads(incomplete: str) -> list[str]:

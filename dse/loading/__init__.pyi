@@ -1,4 +1,12 @@
 from .bench.bench import read_setting as read_setting
+from .bench.rating import (
+    RatedTest as RatedTest,
+    Rating as Rating,
+    Written as Written,
+    case_variable as case_variable,
+    parse_condition as parse_condition,
+)
+from .bench.variables import Place as Place
 from .component.kind import (
     KINDS as KINDS,
     ComponentKind as ComponentKind,

@@ -14,15 +14,16 @@ from dse.formats import Entry, remember, shown
 from dse.loading.component.component import read_collection, read_component
 from dse.loading.component.interfaces import read_interfaces, read_stand_ins, read_types
 from dse.loading.paths import find_root
+from dse.places import RATING, STUDY
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
     from dse.domain.design import DesignSpace
     from dse.domain.road import Road
     from dse.domain.study import Study
+    from dse.loading.bench.rating import Rating
 
 _FOLDERS = ("components", "designs", "testbenches")
-_STUDY = ".pet.yaml"
 
 
 class Workspace:
@@ -154,10 +155,19 @@ class Workspace:
         """The study called *name*, or in the file *name*. Raises DseError."""
         from dse.loading.bench.study import read_study
 
-        path = self._file(name, "testbenches", _STUDY, where)
+        path = self._file(name, "testbenches", STUDY, where)
         study = read_study(path, self.bench, self.root)
-        _require_name(study.name, path, _STUDY, study.where)
+        _require_name(study.name, path, STUDY, study.where)
         return study
+
+    def rating(self, name: str, where: Location | None = None) -> Rating:
+        """The rating called *name*, or in the file *name*. Raises DseError."""
+        from dse.loading.bench.rating import read_rating
+
+        path = self._file(name, "testbenches", RATING, where)
+        rating = read_rating(path, self.bench, self.root)
+        _require_name(rating.name, path, RATING, rating.where)
+        return rating
 
     def road(self, name: str, where: Location | None = None) -> Road:
         """The road called *name*, or in the file *name*. Raises DseError."""
@@ -190,7 +200,7 @@ class Workspace:
             return typed.resolve()
         found: dict[str, Path] = {}
         for path in self.files(folder):
-            if not path.name.endswith(suffix) or path.name.endswith(_STUDY) != (suffix == _STUDY):
+            if not path.name.endswith(suffix) or (suffix == ".yaml" and path.name.endswith((STUDY, RATING))):
                 continue
             stem = path.name.removesuffix(suffix)
             if stem in found:
@@ -198,7 +208,7 @@ class Workspace:
                 raise fail(what, Location(shown(path)), f"the other is {shown(found[stem])}; rename one")
             found[stem] = path
         if name not in found:
-            bench = "study" if suffix == _STUDY else "test bench"
+            bench = {STUDY: "study", RATING: "rating"}.get(suffix, "test bench")
             kind = {"designs": "design", "roads": "road", "testbenches": bench}[folder]
             raise fail(f"unknown {kind} '{name}'", where, closest(name, found) or f"there is none in {folder}/")
         return found[name]

@@ -19,6 +19,7 @@ from dse.errors import DseError, Problem, raise_if_any
 from dse.fmu import in_parallel
 from dse.loading import Workspace, kind_of
 from dse.metrics import compile_rule
+from dse.places import RATING, STUDY
 from dse.space import check_space, open_space
 from dse.testbench.multi_bench import shared_settings
 from dse.testbench.prepare import check_bench, prepare_bench
@@ -52,7 +53,7 @@ def check_workspace(
         paths = list(workspace.files(folder))
         for number, path in enumerate(paths, 1):
             tell(what, number, len(paths), path.name)
-            bench = _study if path.name.endswith(".pet.yaml") else _bench
+            bench = next((read for end, read in _OTHERS.items() if path.name.endswith(end)), _bench)
             found += _of(_design if folder == "designs" else bench, workspace, str(path))
     return list(dict.fromkeys(found)), counts
 
@@ -90,14 +91,15 @@ def _of(action: Callable[P, object], *args: P.args, **kwargs: P.kwargs) -> list[
 
 def _survey(workspace: Workspace, counts: dict[str, int]) -> None:
     benches = [path.name for path in workspace.files("testbenches")]
-    studies = sum(name.endswith(".pet.yaml") for name in benches)
+    studies, ratings = (sum(name.endswith(end) for name in benches) for end in (STUDY, RATING))
     counts |= {
         "interface": len(workspace.interfaces),
         "component": len(workspace.component_files),
         "design space": len(list(workspace.files("designs"))),
         **({"road": roads} if (roads := len(_roads(workspace))) else {}),
-        "test bench": len(benches) - studies,
+        "test bench": len(benches) - studies - ratings,
         "study": studies,
+        **({"rating": ratings} if ratings else {}),
     }
 
 
@@ -168,3 +170,12 @@ def _study(workspace: Workspace, path: str) -> None:
         require_variables(study, settings)
     for constraint in study.constraints:
         compile_rule(constraint, types_of(study.variables))
+
+
+def _rating(workspace: Workspace, path: str) -> None:
+    """What can be told without the protocol's package."""
+    workspace.rating(path)
+
+
+_OTHERS = {STUDY: _study, RATING: _rating}
+"""How the files in ``testbenches/`` that are no benches are checked, by the ends of their names."""

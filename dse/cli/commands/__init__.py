@@ -35,6 +35,7 @@ COMMANDS = (
     "results",
     "findings",
     "best",
+    "rate",
     "refine",
     "compare",
     "compare_components",

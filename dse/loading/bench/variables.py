@@ -132,7 +132,7 @@ def read_variable(place: Place, entry: Entry, section: VariableSection, bench: T
     if section.weights is not None:
         if role is not Role.CONDITION or section.values is None:
             raise fail("only a condition with 'values' has weights", entry["weights"].key, "leave them out")
-        written = [_value(place, entry["values"][i], raw) for i, raw in enumerate(section.values)]
+        written = [read_variable_value(place, entry["values"][i], raw) for i, raw in enumerate(section.values)]
         found = read_weights(entry["weights"], section.weights, len(values))
         weights = tuple(weight for _, weight in sorted(zip(written, found, strict=True)))
     labels = tuple(place.type.items[int(value)] for value in values) if place.type.items else ()
@@ -196,7 +196,7 @@ def _values(place: Place, entry: Entry, written: Sequence[Plain | bool]) -> tupl
     found: list[float] = []
     for i, raw in enumerate(written):
         with problems:
-            found.append(_value(place, entry[i], raw))
+            found.append(read_variable_value(place, entry[i], raw))
     if problems:
         raise DseError(*problems)
     values = tuple(sorted(set(found)))
@@ -207,7 +207,8 @@ def _values(place: Place, entry: Entry, written: Sequence[Plain | bool]) -> tupl
     return values
 
 
-def _value(place: Place, entry: Entry, raw: Plain | bool) -> float:
+def read_variable_value(place: Place, entry: Entry, raw: Plain | bool) -> float:
+    """What is written at *entry* as a value of *place*, SI; of an enumeration its number. Raises DseError."""
     if isinstance(raw, bool) or place.type.kind is Kind.BOOLEAN:
         if not (isinstance(raw, bool) and place.type.kind is Kind.BOOLEAN):
             raise fail(f"'{place.name}' is {place.type}, found '{raw}'", entry.where)
@@ -240,7 +241,7 @@ def _nominal(
 ) -> float:
     low, high, values = among
     if section.nominal is not None:
-        nominal = _value(place, entry["nominal"], section.nominal)
+        nominal = read_variable_value(place, entry["nominal"], section.nominal)
         if not low <= nominal <= high or (values and nominal not in values):
             what = f"the nominal value of '{place.name}' is outside {shown}"
             raise fail(what, entry["nominal"].where, "widen the range or change nominal")

@@ -1,0 +1,229 @@
+"""``dse rate``."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.api import new_folder, opened, workspace_of
+from dse.cli.app import app
+from dse.cli.arguments import Configuration, Design, Format, Output, Where, Workers
+from dse.cli.completion import ratings
+from dse.cli.endings import DONE, RUNS_FAILED
+from dse.cli.terminal import console, plain_table, print_json, print_line, print_table, status_line
+from dse.errors import fail
+from dse.places import RATING
+
+if TYPE_CHECKING:
+    from dse.api import Progress
+    from dse.loading import Rating, Workspace
+    from dse.rating import RatedConfiguration, RatedDesign
+
+_MOST = 1000
+"""Configurations that are rated at once."""
+
+
+@app.command()
+def rate(
+    design: Design,
+    rating: Annotated[
+        str | None, typer.Option("--rating", metavar="NAME", autocompletion=ratings, help="Which one, if several fit.")
+    ] = None,
+    configuration: Configuration = None,
+    where: Where = None,
+    best: Annotated[int | None, typer.Option("--best", min=1, metavar="N", help="The N of the least cost.")] = None,
+    folder: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: out/RATING-DESIGN in the workspace.")
+    ] = None,
+    at_least: Annotated[
+        float | None, typer.Option("--at-least", metavar="POINTS", help="Name the cheapest with so many points.")
+    ] = None,
+    workers: Workers = 0,
+    form: Format = Output.TABLE,
+) -> None:
+    """Predict the points of a rating protocol by simulation.
+
+    Simulates the cells of the protocol's matrices that a *.rating.yaml maps to test benches, fills the workbook of the
+    official calculator, and shows its points. No rating is claimed. Without -c, --where or --best, the first valid
+    configuration is rated. Needs the extra 'ncap'.
+    """
+    if sum(given is not None for given in (configuration, where, best)) > 1:
+        raise typer.BadParameter("one of -c, --where and --best", param_hint="--best")
+    from dse.api import ExplorationInterruptedError, ExploreOptions, progress_bar
+    from dse.rating import rate as rate_design, write_page
+
+    space = workspace_of(design)
+    part = opened(design, where=where)
+    wanted = _rating(space, rating, part.space.name)
+    if configuration is not None:
+        chosen = [part.configuration(configuration)]
+    elif best is not None:
+        from dse.space import read_aims
+
+        chosen = [part.configuration(each.id) for each in part.best(read_aims(["sum(cost)"], [])[0], best)]
+    else:
+        chosen = list(part.configurations(_MOST + 1 if where else 1))
+    if len(chosen) > _MOST:
+        raise fail(f"more than {_MOST:,} configurations meet the condition", hint="narrow --where, or take --best N")
+    if not chosen:
+        raise part.nothing()
+    place = folder or new_folder(space, f"{wanted.name}-{part.space.name}")
+    try:
+        with ExitStack() as waiting, progress_bar(console(stderr=True)) as show:
+            tell = waiting.enter_context(status_line())
+
+            def advance(progress: Progress) -> None:
+                waiting.close()
+                show(progress)
+
+            rated = rate_design(
+                wanted, part.space, chosen, place, ExploreOptions(workers), on_progress=advance, tell=tell
+            )
+    except ExplorationInterruptedError as stop:
+        raise KeyboardInterrupt(f"{place}: {stop}") from None
+    files = []
+    for each in rated.rated:
+        files.append(place / f"{wanted.name}-{each.id}.xlsx")
+        each.filled.write(files[-1])
+    write_page(rated, place / "rating.html")
+    if form is Output.JSON:
+        print_json(_data(rated, at_least, files, place))
+    else:
+        _show(rated, at_least)
+        print_line(f"workbooks: {files[0]}{f' and {len(files) - 1} more' if len(files) > 1 else ''}")
+        print_line(f"page: {place / 'rating.html'}")
+    raise typer.Exit(RUNS_FAILED if any(each.failed for each in rated.rated) else DONE)
+
+
+def _rating(space: Workspace, name: str | None, design: str) -> Rating:
+    """The rating of that *name*; without, the only one that is for *design*. Raises DseError."""
+    if name is not None:
+        return space.rating(name)
+    paths = [path for path in space.files("testbenches") if path.name.endswith(RATING)]
+    read = [space.rating(str(path)) for path in paths]
+    found = [each for each in read if any(test.bench.design.name == design for test in each.tests)]
+    if len(found) != 1:
+        names = ", ".join(each.name for each in found or read)
+        what = f"there are {len(found)} ratings of '{design}'" if found else f"there is no rating of '{design}'"
+        raise fail(what, hint=f"--rating, one of {names}" if names else "write testbenches/NAME.rating.yaml")
+    return found[0]
+
+
+def _show(rated: RatedDesign, at_least: float | None) -> None:
+    from dse.rating import HEADING, NOT_ASSESSED
+
+    title = rated.rating.title or rated.rating.name
+    print_line(f"{title}: {rated.design.name}. {HEADING}.", style="bold")
+    if len(rated.rated) == 1:
+        _show_one(rated.rated[0])
+    else:
+        _show_several(rated)
+    for each in rated.rated:
+        for rule in each.filled.rules:
+            print_line(f"{each.id}: rule of the protocol: {rule}")
+        if each.failed:
+            print_line(
+                f"{each.id}: {len(each.failed)} runs failed, their cells have no points: {each.failed[0].problem}"
+            )
+    if rated.gaps:
+        print_line(f"not simulated, 0 points: {rated.gaps}")
+    print_line(f"{NOT_ASSESSED}.")
+    if at_least is not None:
+        print_line(_cheapest(rated, at_least))
+    print_line(f"{rated.simulated} runs simulated now")
+
+
+def _cheapest(rated: RatedDesign, at_least: float) -> str:
+    found = rated.cheapest(at_least)
+    if found is None:
+        return f"no rated configuration with a cost has {at_least:g} points"
+    return (
+        f"cheapest with at least {at_least:g} points: {found.id}, {found.cost_text}, {found.filled.points:.3f} points"
+    )
+
+
+def _show_one(each: RatedConfiguration) -> None:
+    table = plain_table("stage element", "category", "scenario", "points", "of", right=("points", "of"))
+    scores = each.filled.scores
+    scenarios: dict[tuple[str, str, str], tuple[float, float]] = {}
+    for score in scores:
+        if score.layer:
+            key = f"{score.element}: {score.subelement}", score.category, score.scenario
+            points, most = scenarios.get(key, (0.0, 0.0))
+            scenarios[key] = points + score.points, most + score.most
+    for key, (points, most) in scenarios.items():
+        table.add_row(*key, f"{points:.3f}", f"{most:g}")
+    for score in scores:
+        if not score.layer:
+            table.add_row(
+                f"{score.element}: {score.subelement}",
+                score.category or "all",
+                "all",
+                f"{score.points:.3f}",
+                f"{score.most:g}",
+            )
+    table.add_row("all", "all", "all", f"{each.filled.points:.3f}", f"{each.filled.most:g}")
+    print_line(f"configuration {each.id}")
+    print_table(table)
+
+
+def _show_several(rated: RatedDesign) -> None:
+    from dse.rating import described
+
+    totals = rated.rated[0].filled.totals
+    heads = [f"{_short(s.element)} {s.subelement}" for s in totals]
+    table = plain_table("configuration", "points", *heads, "cost", right=("points", *heads, "cost"))
+    for each in sorted(rated.rated, key=lambda each: -each.filled.points):
+        row = [f"{score.points:.3f}" for score in each.filled.totals]
+        table.add_row(each.id, f"{each.filled.points:.3f}", *row, each.cost_text)
+    print_table(table)
+    one, other = rated.rated[:2]
+    flips = list(rated.differences(one, other))
+    print_line(f"cells that differ between {one.id} and {other.id}: {len(flips)}")
+    for cell, mine, theirs in flips[:_SHOWN]:
+        print_line(f"  {cell.test}, {described(cell)}: {mine or 'none'}, {theirs or 'none'}")
+    if len(flips) > _SHOWN:
+        print_line(f"  and {len(flips) - _SHOWN} more, on the page")
+
+
+_SHOWN = 10
+
+
+def _short(element: str) -> str:
+    return "".join(word[0] for word in element.split())
+
+
+def _data(rated: RatedDesign, at_least: float | None, files: list[Path], place: Path) -> dict[str, object]:
+    from dataclasses import asdict
+
+    from dse.rating import HEADING, NOT_ASSESSED
+
+    cheapest = None if at_least is None else rated.cheapest(at_least)
+    return {
+        "note": HEADING,
+        "rating": rated.rating.name,
+        "design": rated.design.name,
+        "protocol": f"{rated.protocol.name} {rated.protocol.version}",
+        "not_assessed": NOT_ASSESSED,
+        "not_simulated": list(rated.missing),
+        "partly_simulated": {test: {"cells": there, "of": of} for test, (there, of) in rated.partly.items()},
+        "simulated": rated.simulated,
+        "page": str(place / "rating.html"),
+        **({"cheapest": cheapest and cheapest.id} if at_least is not None else {}),
+        "configurations": [
+            {
+                "id": each.id,
+                "points": each.filled.points,
+                "of": each.filled.most,
+                "cost": each.cost,
+                "rules": list(each.filled.rules),
+                "failed": len(each.failed),
+                "scores": [asdict(score) for score in each.filled.scores],
+                "workbook": str(file),
+            }
+            for each, file in zip(rated.rated, files, strict=True)
+        ],
+    }

@@ -1,0 +1,10 @@
+from .cases import described as described
+from .designs import (
+    NOT_ASSESSED as NOT_ASSESSED,
+    RatedConfiguration as RatedConfiguration,
+    RatedDesign as RatedDesign,
+    rate as rate,
+)
+from .page import HEADING as HEADING, page_of as page_of, write_page as write_page
+from .protocol import Protocol as Protocol
+from .workbook import Filled as Filled, Prediction as Prediction, Score as Score, fill as fill
