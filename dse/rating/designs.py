@@ -53,6 +53,11 @@ class RatedConfiguration:
         """The configuration's id."""
         return self.configuration.id
 
+    @property
+    def choices_text(self) -> str:
+        """The choices in one line."""
+        return ", ".join(f"{place} {choice}" for place, choice in self.configuration.choices.items() if choice)
+
     @cached_property
     def cost(self) -> float | None:
         """The sum of costs in SI, None if no component states one."""

@@ -82,6 +82,7 @@ def _several(rated: RatedDesign) -> Iterator[str]:
 def _one(rated: RatedDesign, each: RatedConfiguration, folder: Path) -> Iterator[str]:
     filled = each.filled
     yield f"<h2>Configuration {escape(each.id)}: {filled.points:.3f} of {filled.most:g} points</h2>"
+    yield f"<p>{escape(each.choices_text)}. Cost {escape(each.cost_text)}.</p>"
     yield from (f'<p class="note">Rule of the protocol: {escape(rule)}.</p>' for rule in filled.rules)
     if each.failed:
         yield f'<p class="note">Runs that failed, whose cells have no points: {len(each.failed)}.</p>'
@@ -113,7 +114,8 @@ def _matrix(rated: RatedDesign, each: RatedConfiguration, cells: Sequence[Cell],
         name = ", ".join(first.attributes[each] for each in down)
         drawn = "".join(_cell(rated, each, there[c], folder) if c in there else "<td></td>" for c in columns)
         lines.append(f"<tr><th>{escape(name)}</th>{drawn}</tr>")
-    most = f"at most {rated.protocol.most_points(cells[0].test):g} points"
+    values = dict.fromkeys(f"{cell.kpi} in {rated.protocol.unit(cell.kpi)}".removesuffix(" in ") for cell in cells)
+    most = f"{' or '.join(values)}, at most {rated.protocol.most_points(cells[0].test):g} points"
     return f'<h3>{escape(cells[0].test)}: {most}</h3><table class="matrix">{"".join(lines)}</table>'
 
 

@@ -146,27 +146,22 @@ def _cheapest(rated: RatedDesign, at_least: float) -> str:
 
 
 def _show_one(each: RatedConfiguration) -> None:
-    table = plain_table("stage element", "category", "scenario", "points", "of", right=("points", "of"))
+    table = plain_table("stage element", "category", "points", "of", "scenarios", right=("points", "of"))
     scores = each.filled.scores
-    scenarios: dict[tuple[str, str, str], tuple[float, float]] = {}
-    for score in scores:
-        if score.layer:
-            key = f"{score.element}: {score.subelement}", score.category, score.scenario
-            points, most = scenarios.get(key, (0.0, 0.0))
-            scenarios[key] = points + score.points, most + score.most
-    for key, (points, most) in scenarios.items():
-        table.add_row(*key, f"{points:.3f}", f"{most:g}")
-    for score in scores:
-        if not score.layer:
-            table.add_row(
-                f"{score.element}: {score.subelement}",
-                score.category or "all",
-                "all",
-                f"{score.points:.3f}",
-                f"{score.most:g}",
-            )
-    table.add_row("all", "all", "all", f"{each.filled.points:.3f}", f"{each.filled.most:g}")
-    print_line(f"configuration {each.id}")
+    for total in each.filled.totals:
+        stage = total.element, total.subelement
+        table.add_row(f"{total.element}: {total.subelement}", "", f"{total.points:.3f}", f"{total.most:g}", "")
+        for score in scores:
+            if (score.element, score.subelement) == stage and score.category and not score.scenario:
+                scenarios: dict[str, tuple[float, float]] = {}
+                for own in scores:
+                    if own.layer and (own.element, own.subelement, own.category) == (*stage, score.category):
+                        points, most = scenarios.get(own.scenario, (0.0, 0.0))
+                        scenarios[own.scenario] = points + own.points, most + own.most
+                told = ", ".join(f"{name} {points:.3f} of {most:g}" for name, (points, most) in scenarios.items())
+                table.add_row("", score.category, f"{score.points:.3f}", f"{score.most:g}", told)
+    table.add_row("all", "", f"{each.filled.points:.3f}", f"{each.filled.most:g}", "")
+    print_line(f"configuration {each.id}: {each.choices_text}")
     print_table(table)
 
 
