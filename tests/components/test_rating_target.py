@@ -1,0 +1,217 @@
+"""The target of a rating meets the host where the cell says: every test of the rating, over more speeds than its cells."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dse.loading.include import read_document
+from dse.units import parse_quantity
+
+NewPart = Callable[..., Any]
+ROOT = Path(__file__).parents[2]
+H, FRONT, LENGTH, WIDTH, TIME, START = 0.01, 2.3, 4.5, 1.8, 5.0, 100.0
+KMH = 1 / 3.6
+STRAIGHT = ("ncap_rear", "ncap_braking", "ncap_head_on", "ncap_crossing")
+# Length, width and, ahead of the centre, the reference point of ISO 19206's targets (m).
+SHAPES = {
+    "car": (4.023, 1.712, 4.023 / 4), "motorcyclist": (2.08, 0.79, 0.0), "bicyclist": (1.89, 0.5, 0.62 - 0.605),
+    "adult": (0.6, 0.5, 0.3 - 0.36), "child": (0.711, 0.298, 0.711 / 2 - 0.396),
+}  # fmt: skip
+Box = tuple[float, float, float, float, float]  # x, y, heading, length, width
+
+
+def si(value: object) -> int | float | str:
+    text = str(value)
+    if text.isdecimal():
+        return int(text)
+    return float(parse_quantity(text).si) if text[0] in "-0123456789" else text
+
+
+def read(name: str) -> Any:
+    return read_document(ROOT / "testbenches" / name, ROOT).data
+
+
+def rated() -> dict[str, dict[str, Any]]:
+    """The target's parameters in each test of the rating whose host drives straight on: of its bench, and its own."""
+    found = {}
+    for name, test in read("euro_ncap.rating.yaml")["tests"].items():
+        if test["bench"] not in STRAIGHT:
+            continue
+        given = {**read(f"{test['bench']}.yaml").get("parameters", {}), **test["parameters"]}
+        found[name] = {
+            key.removeprefix("traffic."): si(value) for key, value in given.items() if key.startswith("traffic.")
+        }
+    return found
+
+
+def begun(new_part: NewPart, host: float, **parameters: Any) -> Any:
+    part = new_part("rating_target", **{"host_front": FRONT, "host_length": LENGTH, "host_width": WIDTH, **parameters})
+    part["lane.station"], part["motion.speed"] = START, host
+    part.init()
+    return part
+
+
+def place(part: Any, host: float, time: float) -> Box:
+    """The target when the host has driven for *time*."""
+    part["lane.station"] = START + host * time
+    part.step(H)
+    return box(part)
+
+
+def box(part: Any) -> Box:
+    at = "movers[1]."
+    x, y, turn, length, width = (part[at + name] for name in ("station", "offset", "turn", "length", "width"))
+    return x, y, turn, length, width
+
+
+def car(host: float, time: float) -> Box:
+    return START + host * time + FRONT - LENGTH / 2, 0.0, 0.0, LENGTH, WIDTH
+
+
+def apart(a: Box, b: Box) -> float:
+    """The greatest distance between the projections of two boxes on the normals of their sides; < 0: they overlap."""
+    widest = -math.inf
+    for turn in (a[2], a[2] + math.pi / 2, b[2], b[2] + math.pi / 2):
+        normal = np.array([math.cos(turn), math.sin(turn)])
+        reach = 0.0
+        for _, _, heading, length, width in (a, b):
+            reach += abs(math.cos(heading - turn)) * length / 2 + abs(math.sin(heading - turn)) * width / 2
+        widest = max(widest, abs(float(normal @ (np.array(b[:2]) - np.array(a[:2])))) - reach)
+    return widest
+
+
+def grid(many: bool) -> Iterator[tuple[str, dict[str, Any], float, float, float]]:
+    hosts, targets = (range(10, 140, 10), (5, 8, 10, 15, 20, 45, 80, 100)) if many else ((10, 130), (5, 80))
+    for name, given in rated().items():
+        located = "contact" not in given
+        places = (-0.25, 0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0, 1.25) if many and located else (0.25,)
+        for host, speed, where in itertools.product(hosts, targets, places):
+            if given.get("approach", "same") in ("nearside", "farside") and not 0.1 <= where <= 0.9:
+                continue  # no cell has that
+            if given["kind"] not in ("car", "motorcyclist") and speed > 20:
+                continue
+            yield name, {**given, "impact_location": where}, host * KMH, speed * KMH, where
+
+
+def check_contact(new_part: NewPart, given: dict[str, Any], host: float, speed: float, where: float) -> bool:
+    """Whether the case has a contact at all; if so, it is where the cell says, to 1 cm, and when, to a step."""
+    length, width, reference = SHAPES[given["kind"]]
+    approach = given.get("approach", "same")
+    if approach == "same" and speed >= host:
+        return False
+    part = begun(new_part, host, speed=speed, **given)
+    before, at, after = (place(part, host, TIME + d) for d in (-H, 0, H))
+    assert at[3:] == (length, width)
+    ahead, left = reference, 0.0  # of the target, where it is touched
+    if approach in ("same", "oncoming"):
+        ahead = -length / 2 if approach == "same" else length / 2
+    elif given.get("contact") == "side":
+        ahead = length / 2
+    else:
+        left = width / 2 if approach == "nearside" else -width / 2
+    c, s = math.cos(at[2]), math.sin(at[2])
+    point = np.array([at[0] + c * ahead - s * left, at[1] + s * ahead + c * left])
+    front = START + host * TIME + FRONT
+    if given.get("contact") == "side":
+        expected = [front - 0.1 * LENGTH, WIDTH / 2 if approach == "farside" else -WIDTH / 2]
+    else:
+        expected = [front, (where - 0.5) * WIDTH]
+    assert point == pytest.approx(expected, abs=0.01)
+    if abs(expected[1]) > WIDTH / 2 + width / 2 and approach in ("same", "oncoming"):
+        assert apart(car(host, TIME + H), after) > 0
+        return False
+    assert apart(car(host, TIME - H), before) > 0
+    assert apart(car(host, TIME + H), after) < 0
+    return True
+
+
+def test_without_braking_the_contact_is_where_the_cell_says(new_part: NewPart) -> None:
+    hits = [check_contact(new_part, *case[1:]) for case in grid(many=False) if "headway" not in case[1]]
+    assert sum(hits) > 40
+
+
+@pytest.mark.thorough
+def test_without_braking_every_contact_is_where_the_cell_says(new_part: NewPart) -> None:
+    hits = [check_contact(new_part, *case[1:]) for case in grid(many=True) if "headway" not in case[1]]
+    assert sum(hits) > 8000
+
+
+def test_a_target_that_brakes_is_hit_when_the_equations_of_motion_say(new_part: NewPart) -> None:
+    for name, given, host, _, where in grid(many=True):
+        if "headway" not in given or where not in (0.0, 0.5):
+            continue
+        part = begun(new_part, host, speed=host, **given)
+        length = SHAPES[given["kind"]][0]
+        assert box(part)[:2] == pytest.approx((START + FRONT + host + length / 2, (where - 0.5) * WIDTH), abs=1e-9), (
+            name
+        )
+        # The gap of 1 s closes by 2 t^2 after 2 s at 4 m/s2 until the target drives at 2 km/h.
+        slow, rate = 2 * KMH, 4.0
+        least, gap = (host - slow) / rate, host - (host - slow) ** 2 / (2 * rate)
+        hit = 2 + (math.sqrt(2 * host / rate) if gap < 0 else least + gap / (host - slow))
+        steps = math.floor(hit / H - 1e-6)
+        for _ in range(steps):
+            part.step(H)
+        assert apart(car(host, H * steps), box(part)) >= -1e-6
+        part.step(H)
+        part.step(H)
+        assert apart(car(host, H * (steps + 2)), box(part)) < 0
+
+
+def test_it_follows_the_host_until_the_host_brakes_and_then_ignores_it(new_part: NewPart) -> None:
+    part = begun(
+        new_part, 10.0, kind="adult", approach="nearside", speed=2.0, acceleration_distance=1.0, steady_distance=3.0
+    )
+    place(part, 10.0, 4.0)
+    part["motion.speed"] = 9.9  # it sags
+    slow = place(part, 10.0, 4.01)
+    assert part["movers[1].speed"] == pytest.approx(2 * 0.99)
+    assert slow[1] == pytest.approx(2 * (4.01 - TIME) + 0.06, abs=1e-9)
+    part["motion.acceleration"] = -2.0
+    held = place(part, 10.0, 4.01)  # the host no longer counts
+    assert held[1] - slow[1] == pytest.approx(2 * H)
+    part["motion.acceleration"] = 0.0
+    assert place(part, 10.0, 0.0)[1] - held[1] == pytest.approx(2 * H)
+
+
+def test_a_pedestrian_stands_until_it_sets_out(new_part: NewPart) -> None:
+    part = begun(
+        new_part, 10.0, kind="adult", approach="nearside", speed=2.0, acceleration_distance=1.0, steady_distance=3.0
+    )
+    sets_out = TIME - 3 / 2 - 2 * 1 / 2  # v t = 2 G while it accelerates
+    stands = place(part, 10.0, sets_out - 0.1)
+    assert (part["movers[1].speed"], stands[1]) == (0, pytest.approx(-4 + 0.06))
+    at = [place(part, 10.0, sets_out + t)[1] - stands[1] for t in (0.5, 1.0)]
+    assert at == pytest.approx([0.5 * 2 * 0.5**2, 1.0])
+    assert part["movers[1].speed"] == pytest.approx(2)
+
+
+def test_an_oncoming_car_changes_lane_before_the_contact(new_part: NewPart) -> None:
+    part = begun(new_part, 20.0, approach="oncoming", speed=20.0, lane_change_time=3.1)
+    ways = np.array([place(part, 20.0, t) for t in np.arange(0.3, 3.55, 0.05)])
+    assert ways[0, 1] == pytest.approx(3.5)  # the middle of the lane to the left of the host
+    assert ways[-1, 1] == pytest.approx(0, abs=1e-6)  # 1.5 s before
+    slope = np.diff(ways[:, 1]) / np.diff(ways[:, 0])
+    assert np.tan(ways[:, 2])[1:-1] == pytest.approx((slope[1:] + slope[:-1]) / 2, abs=2e-3)
+
+
+def test_cars_are_parked_only_up_to_their_speed(new_part: NewPart) -> None:
+    given = {
+        "approach": "farside",
+        "parked": 2,
+        "parked_ahead[1]": -20.0,
+        "parked_offset[1]": 6.0,
+        "unobstructed_speed": 60 * KMH,
+    }
+    assert begun(new_part, 80 * KMH, speed=20 * KMH, **given)["movers[2].class"] == 0
+    assert begun(new_part, 20 * KMH, speed=80 * KMH, **given)["movers[3].class"] == 0
+    part = begun(new_part, 60 * KMH, speed=60 * KMH, **given)
+    assert part["movers[2].station"] == pytest.approx(START + FRONT + 60 * KMH * TIME - 20)
+    assert (part["movers[2].offset"], part["movers[3].class"], part["movers[4].class"]) == (6, 1, 0)
