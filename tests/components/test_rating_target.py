@@ -1,4 +1,4 @@
-"""The target of a rating meets the host where the cell says: every test of the rating, over more speeds than its cells."""
+"""The target of a rating meets the host where the cell says, in all tests, over more speeds than the cells have."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ static void cross(int32_t class, double width, double length, const emergency_pl
                   double *right, double *left) {
     double slope = fabs(place->across) / hypot(place->across, place->speed), ahead = 0.5 * slope * length_of(class);
     meeting->gap = fmax(meeting->gap - 0.5 * slope * width_of(class), 0);
-    double passing = place->across * (length + slope * width_of(class)) / place->closing;
+    double passing = place->across * (length + 1.5 * slope * width_of(class)) / place->closing;
     double more = fmax(ahead - (place->touching - 0.5 * width), 0);
     *right += place->across > 0 ? -more - ahead : passing - more;
     *left += place->across > 0 ? passing + more : more + ahead;

@@ -64,7 +64,7 @@ typedef struct {
  * and meets the car if the way of that box across the path, from the arrival of the car's front until its rear has left,
  * overlaps the car's width: the closest approach of two boxes at constant velocities. The tracked point may be the middle
  * of its front or of its flank, so the box reaches half its length ahead of the point and its length behind it, and the
- * gap ends half its width before the point. */
+ * gap ends half its width before the point, and the car has passed one width behind it. */
 emergency_meeting emergency_meet(const emergency_in *in, int index, double front, double width, double length);
 
 /* From *last*, changed by no more than the jerk limits allow in one step. */
