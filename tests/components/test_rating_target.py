@@ -38,11 +38,11 @@ def read(name: str) -> Any:
     return read_document(ROOT / "testbenches" / name, ROOT).data
 
 
-def rated() -> dict[str, dict[str, Any]]:
-    """The target's parameters in each test of the rating whose host drives straight on: of its bench, and its own."""
+def rated(benches: tuple[str, ...] = STRAIGHT) -> dict[str, dict[str, Any]]:
+    """The target's parameters in each test of the rating on these *benches*: those of its bench, and its own."""
     found = {}
     for name, test in read("euro_ncap.rating.yaml")["tests"].items():
-        if test["bench"] not in STRAIGHT:
+        if test["bench"] not in benches:
             continue
         given = {**read(f"{test['bench']}.yaml").get("parameters", {}), **test["parameters"]}
         found[name] = {
@@ -110,7 +110,7 @@ def check_contact(new_part: NewPart, given: dict[str, Any], host: float, speed: 
     before, at, after = (place(part, host, TIME + d) for d in (-H, 0, H))
     assert at[3:] == (length, width)
     ahead, left = reference, 0.0  # of the target, where it is touched
-    if approach in ("same", "oncoming"):
+    if approach in ("same", "opposite"):
         ahead = -length / 2 if approach == "same" else length / 2
     elif given.get("contact") == "side":
         ahead = length / 2
@@ -124,7 +124,7 @@ def check_contact(new_part: NewPart, given: dict[str, Any], host: float, speed: 
     else:
         expected = [front, (where - 0.5) * WIDTH]
     assert point == pytest.approx(expected, abs=0.01)
-    if abs(expected[1]) > WIDTH / 2 + width / 2 and approach in ("same", "oncoming"):
+    if abs(expected[1]) > WIDTH / 2 + width / 2 and approach in ("same", "opposite"):
         assert apart(car(host, TIME + H), after) > 0
         return False
     assert apart(car(host, TIME - H), before) > 0
@@ -194,7 +194,7 @@ def test_a_pedestrian_stands_until_it_sets_out(new_part: NewPart) -> None:
 
 
 def test_an_oncoming_car_changes_lane_before_the_contact(new_part: NewPart) -> None:
-    part = begun(new_part, 20.0, approach="oncoming", speed=20.0, lane_change_time=3.1)
+    part = begun(new_part, 20.0, approach="opposite", speed=20.0, lane_change_time=3.1)
     ways = np.array([place(part, 20.0, t) for t in np.arange(0.3, 3.55, 0.05)])
     assert ways[0, 1] == pytest.approx(3.5)  # the middle of the lane to the left of the host
     assert ways[-1, 1] == pytest.approx(0, abs=1e-6)  # 1.5 s before
@@ -215,3 +215,79 @@ def test_cars_are_parked_only_up_to_their_speed(new_part: NewPart) -> None:
     part = begun(new_part, 60 * KMH, speed=60 * KMH, **given)
     assert part["movers[2].station"] == pytest.approx(START + FRONT + 60 * KMH * TIME - 20)
     assert (part["movers[2].offset"], part["movers[3].class"], part["movers[4].class"]) == (6, 1, 0)
+
+
+def turning(speed: float, side: int) -> np.ndarray:
+    """Rows x, y, heading of the rear axle each millimetre from the start; *speed* in km/h, 4 s straight on."""
+    radius, alpha, beta = (
+        (8, 22.85, 44.3)
+        if side < 0
+        else {10: (9, 20.62, 48.76), 15: (11.75, 20.93, 48.14)}.get(round(speed), (14.75, 21.79, 46.42))
+    )
+    h, wide, tight = 1e-3, 1 / 1500, 1 / radius
+    clothoid = 2 * math.radians(alpha) / (wide + tight)
+    corners = np.cumsum([0, speed / 3.6 * 4, 0, clothoid, math.radians(beta) * radius, clothoid, 0, 90])
+    along = np.arange(0, corners[-1], h) + h / 2
+    curvature = np.interp(along, corners + np.arange(8) * 1e-12, [0, 0, wide, tight, tight, wide, 0, 0])
+    heading = side * (np.cumsum(curvature) - curvature / 2) * h
+    return np.column_stack([np.cumsum(np.cos(heading)) * h, np.cumsum(np.sin(heading)) * h, heading])
+
+
+def test_a_host_that_turns_meets_the_target_where_the_cell_says(new_part: NewPart) -> None:
+    rear, met = 1.485, 0
+    for name, given in rated(("ncap_turning",)).items():
+        is_vehicle = given["kind"] in ("car", "motorcyclist")
+        length, width, reference = SHAPES[given["kind"]]
+        directions = ("opposite",) if is_vehicle else ("same", "opposite")
+        sides = (1,) if is_vehicle else (1, -1)
+        wheres = (0.5,) if is_vehicle else (0.0, 0.5, 1.0)
+        for direction, side, where, host in itertools.product(directions, sides, wheres, (10, 15, 20, 25)):
+            across, speed = (where - 0.5) * WIDTH, (40 if is_vehicle else 5) * KMH
+            line = 3.5 if is_vehicle else side * 9.5 + 1.75
+            path = turning(host, side)
+            ahead = np.column_stack([np.cos(path[:, 2]), np.sin(path[:, 2])])
+            front = path[:, :2] + (rear + FRONT) * ahead + across * np.column_stack([-ahead[:, 1], ahead[:, 0]])
+            index = int(np.argmax(side * front[:, 1] >= side * line - width / 2))
+            time = (index + 1) * 1e-3 / (host * KMH)
+            turn = "farside" if side > 0 else "nearside"
+            part = begun(
+                new_part,
+                host * KMH,
+                speed=speed,
+                **{**given, "approach": direction, "turn": turn, "impact_location": where},
+            )
+            steps = math.floor(time / H)
+            for _ in range(steps):
+                part.step(H)
+            before = box(part)
+            part.step(H)
+            x, y = (a + (time / H - steps) * (b - a) for a, b in zip(before[:2], box(part)[:2], strict=True))
+            way = 1 if direction == "same" else -1
+            touched = x + way * (length / 2 if is_vehicle else reference), y - side * width / 2
+            assert touched == pytest.approx((START - rear + front[index, 0], front[index, 1]), abs=0.01), name
+            met += 1
+    assert met == 2 * 4 + 4 * 2 * 2 * 3 * 4
+
+
+def test_the_steering_robot_keeps_its_path(new_part: NewPart) -> None:
+    """With the kinematics of a car: the rear axle follows its front wheels."""
+    for host, side in ((10, 1), (15, 1), (25, 1), (10, -1)):
+        part = new_part("steering_robot", turn="farside" if side > 0 else "nearside")
+        x, y, heading, speed, rear = 0.0, 0.0, 0.3, host * KMH, 1.485
+        path = turning(host, side)
+        c, s = math.cos(0.3), math.sin(0.3)
+        path = np.column_stack([path[:, 0] * c - path[:, 1] * s, path[:, 0] * s + path[:, 1] * c])
+        part["motion.speed"] = speed
+        widest = 0.0
+        for k in range(int(12 / 0.02)):
+            part["motion.x"], part["motion.y"] = x + rear * math.cos(heading), y + rear * math.sin(heading)
+            part["motion.heading"] = heading
+            (part.step if k else part.init)()
+            turn = speed * 0.02 * math.tan(part["steering"]) / 2.7
+            x += speed * 0.02 * math.cos(heading + turn / 2)
+            y += speed * 0.02 * math.sin(heading + turn / 2)
+            heading += turn
+            if k % 10 == 0:
+                widest = max(widest, float(np.min(np.hypot(path[:, 0] - x, path[:, 1] - y))))
+        assert widest < 0.03
+        assert heading - 0.3 == pytest.approx(side * math.pi / 2, abs=0.01)

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #define SAME 0 /* of approach */
-#define ONCOMING 1
+#define OPPOSITE 1
 #define NEARSIDE 2
 #define SIDE 1          /* of contact */
 #define BRAKES 1.0      /* m/s2 */
@@ -30,7 +30,7 @@ static speed_profile_motion motion_of(const rating_target *self) {
         speed_profile braking = {speed, self->par.brake_time, self->par.deceleration, fmin(self->par.final_speed, speed)};
         return speed_profile_at(&braking, self->clock);
     }
-    double steady = speed * (self->clock - self->par.approach_time), begin = -self->par.steady_distance;
+    double steady = speed * (self->clock - self->meeting), begin = -self->par.steady_distance;
     if (!(run_up > 0 && speed > 0) || steady >= begin) return (speed_profile_motion){steady, speed, 0};
     double rate = speed * speed / (2 * run_up), since = (steady - begin) / speed + speed / rate;
     if (since <= 0) return (speed_profile_motion){begin - run_up, 0, 0};
@@ -40,7 +40,7 @@ static speed_profile_motion motion_of(const rating_target *self) {
 static lane_shift_pose pose_of(const rating_target *self, double speed) {
     double time = self->par.lane_change_time;
     if (!(time > 0)) return (lane_shift_pose){0, 0, speed};
-    double left = self->par.approach_time - self->par.lane_change_end - self->clock;
+    double left = self->meeting - self->par.lane_change_end - self->clock;
     lane_shift change = {self->turn == 0 ? self->par.lane_width : -self->par.lane_width, 0, time, fmin(fmax(1 - left / time, 0), 1)};
     return lane_shift_at(&change, speed);
 }
@@ -70,7 +70,7 @@ static void aim(rating_target *self) {
     const target_kind *kind = &KINDS[self->par.kind];
     double place = (self->par.impact_location - 0.5) * self->par.host_width;
     double way = self->par.approach == NEARSIDE ? 1 : -1; /* of a crossing target, to the left */
-    if (self->par.approach == SAME || self->par.approach == ONCOMING) {
+    if (self->par.approach == SAME || self->par.approach == OPPOSITE) {
         self->turn = self->par.approach == SAME ? 0 : 2 * TRAFFIC_QUARTER_TURN;
         self->x = 0.5 * kind->length;
         self->y = place;
@@ -79,6 +79,35 @@ static void aim(rating_target *self) {
         self->x = self->par.contact == SIDE ? -self->par.impact_depth * self->par.host_length : 0.5 * kind->width;
         self->y = self->par.contact == SIDE ? -way * 0.5 * (self->par.host_width + kind->length) : place - way * kind->reference;
     }
+}
+
+/* The place of the host's front at *across* m left of its middle when the rear axle has driven *along* the path. */
+static turn_pose front_at(const rating_target *self, const turn_path *path, double along, double across) {
+    turn_pose pose = turn_path_at(path, along);
+    double c = cos(pose.heading), s = sin(pose.heading), ahead = self->par.host_rear_axle + self->par.host_front;
+    pose.x += c * ahead - s * across;
+    pose.y += s * ahead + c * across;
+    return pose;
+}
+
+/* The same for a host that turns: where on its path the place of its front is as far aside as that of the target. */
+static void aim_at_turn(rating_target *self) {
+    const target_kind *kind = &KINDS[self->par.kind];
+    double side = self->par.turn == TURN_FARSIDE ? 1 : -1, way = self->par.approach == SAME ? 1 : -1;
+    bool is_vehicle = kind->class == TRAFFIC_CAR || kind->class == TRAFFIC_MOTORCYCLE;
+    double across = is_vehicle ? 0 : (self->par.impact_location - 0.5) * self->par.host_width;
+    double axis = side * self->par.path_offset + 0.5 * self->par.lane_width, touched = side * axis - 0.5 * kind->width;
+    turn_path path = turn_path_of(self->par.turn, self->host_speed, self->host_speed * self->par.turn_after);
+    double before = 0, after = path.length + fabs(axis);
+    for (int32_t i = 0; i < 60; ++i) {
+        double middle = 0.5 * (before + after);
+        *(side * front_at(self, &path, middle, across).y < touched ? &before : &after) = middle;
+    }
+    self->meeting = after / self->host_speed;
+    self->station = self->in.lane.station - self->par.host_rear_axle;
+    self->turn = way > 0 ? 0 : 2 * TRAFFIC_QUARTER_TURN;
+    self->x = front_at(self, &path, after, across).x - way * (is_vehicle ? 0.5 * kind->length : kind->reference);
+    self->y = axis;
 }
 
 static void park(rating_target *self) {
@@ -105,7 +134,12 @@ void rating_target_init(rating_target *self) {
     self->is_free = !(self->host_speed > 0);
     double time = self->par.headway > 0 ? self->par.headway : self->par.approach_time;
     self->station = self->in.lane.station + self->par.host_front + self->host_speed * time;
-    aim(self);
+    self->meeting = self->par.approach_time;
+    if (self->par.turn == TURN_NONE) {
+        aim(self);
+    } else {
+        aim_at_turn(self);
+    }
     park(self);
     output(self);
 }
@@ -115,9 +149,11 @@ void rating_target_step(rating_target *self, double h) {
     if (self->in.motion.acceleration < -BRAKES || speed < self->host_speed - SLOWER) self->is_free = true;
     if (self->is_free || self->par.headway > 0) {
         self->clock += h;
+    } else if (self->par.turn != TURN_NONE) {
+        self->clock += h * speed / self->host_speed;
     } else {
         double ahead = self->station - self->in.lane.station - self->par.host_front;
-        self->clock = self->par.approach_time - ahead / self->host_speed;
+        self->clock = self->meeting - ahead / self->host_speed;
     }
     output(self);
 }
