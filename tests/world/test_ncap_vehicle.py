@@ -91,14 +91,17 @@ def test_a_better_brake_never_costs_impact_speed(folder: Path, bench: str, more:
 @pytest.mark.thorough
 @pytest.mark.parametrize(("bench", "more"), [("ncap_rear", STANDING), ("ncap_crossing", PEDESTRIAN)])
 def test_a_sensor_without_faults_is_never_worse(folder: Path, bench: str, more: str) -> None:
-    perfect = explored(
-        folder, f"{bench}_perfect", PERFECT + " and brake is esc_pump", bench, "20 30 40 50 60 70 80", more
-    )
-    lame = PERFECT.replace("object_perfect", "object_camera") + " and brake is esc_pump"
-    faulty = explored(folder, f"{bench}_faulty", lame, bench, "20 30 40 50 60 70 80", more)
-    a, b = (rows.set_index(CELL)["impact_speed"].sort_index() for rows in (perfect, faulty))
-    assert (a <= b + 0.1).all()
-    assert b.max() > a.max()
+    """Without errors that a run keeps: a camera that sees all objects too near brakes earlier."""
+    where = PERFECT.replace("crossing_aeb", "aeb_late") + " and brake is esc_pump"
+    impacts = []
+    unbiased = "".join(f"  sensor.{name}: {{values: [0]}}\n" for name in ("scale_bias", "scale_drift"))
+    for sensor, errors in (("object_perfect", ""), ("object_camera", unbiased)):
+        chosen = where.replace("object_perfect", sensor)
+        rows = explored(folder, f"{bench}_{sensor}", chosen, bench, "20 30 40 50 60 70 80", more + errors)
+        impacts.append(rows.set_index(CELL)["impact_speed"].sort_index())
+    perfect, faulty = impacts
+    assert (perfect <= faulty + 0.1).all()
+    assert faulty.max() > perfect.max()
 
 
 @pytest.mark.thorough
@@ -167,6 +170,6 @@ def test_a_simulated_car_that_does_not_brake_hits_as_fast_as_it_drives_and_when_
         rows = explored(folder, f"unbraked{number}", where, bench, "20 50 80", more)
         assert len(rows) >= 3
         # One step late at most: 5 s from the start, to within the sag of the speed that the cruise control leaves.
-        assert rows["contact_time"].between(5 - 0.011, 5 + 0.031).all(), bench
+        assert rows["contact_time"].between(5 - 0.011, 5 + 0.021).all(), bench
         assert (rows["host_impact_speed"] - rows["chassis.initial_speed"]).abs().max() < 0.1 * KMH
         assert rows["warned"].max() == 0

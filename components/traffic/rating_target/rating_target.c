@@ -152,7 +152,7 @@ void rating_target_step(rating_target *self, double h) {
     } else if (self->par.turn != TURN_NONE) {
         self->clock += h * speed / self->host_speed;
     } else {
-        double ahead = self->station - self->in.lane.station - self->par.host_front;
+        double ahead = self->station - self->in.lane.station - self->par.host_front - h * speed; /* at the end of the step */
         self->clock = self->meeting - ahead / self->host_speed;
     }
     output(self);
