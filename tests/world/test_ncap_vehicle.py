@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 KMH = 1 / 3.6
 CAR = (
     "controller is pd_acc and powertrain is combustion_ideal and chassis is longitudinal"
-    " and slip is absent and computer is computer_large and tracker is kalman_tracker"
+    " and computer is computer_large and tracker is kalman_tracker"
 )
 MIDDLE = CAR + " and sensor is object_radar_mid and second_sensor is object_camera and aeb is crossing_aeb"
 PERFECT = CAR + " and sensor is object_perfect and second_sensor is absent and aeb is crossing_aeb"

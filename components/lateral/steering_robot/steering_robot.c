@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#define LEFT 1 /* of drift_to */
+
 static double wrapped(double angle) {
     return atan2(sin(angle), cos(angle));
 }
@@ -20,8 +22,9 @@ static double wanted(steering_robot *self) {
     double offset = y * cos(pose.heading) - x * sin(pose.heading);
     double turned = wrapped(motion->heading - self->heading - pose.heading);
     double slope = fabs(turned) > 1e-6 ? sin(turned) / turned : 1;
-    double curvature = pose.curvature * cos(turned) / (1 - pose.curvature * offset) - self->par.heading_gain * turned -
-                       self->par.offset_gain * offset * slope;
+    double decay = fmax(self->par.decay_distance, self->par.decay_time * motion->speed);
+    double curvature = pose.curvature * cos(turned) / (1 - pose.curvature * offset) - 2 * turned / decay -
+                       offset * slope / (decay * decay);
     return atan(self->par.wheelbase * curvature);
 }
 
@@ -30,7 +33,9 @@ void steering_robot_init(steering_robot *self) {
     self->heading = motion->heading;
     self->x = motion->x - self->par.rear_axle * cos(motion->heading);
     self->y = motion->y - self->par.rear_axle * sin(motion->heading);
-    self->path = turn_path_of(self->par.turn, motion->speed, motion->speed * self->par.turn_after);
+    double straight = motion->speed * self->par.turn_after, drift = self->par.drift;
+    self->path = drift > 0 ? turn_path_drifting(self->par.drift_to == LEFT ? drift : -drift, motion->speed, straight)
+                           : turn_path_of(self->par.turn, motion->speed, straight);
     self->along = 0;
     self->out.steering = 0;
 }

@@ -1,11 +1,12 @@
-/* The steering robot of a test track: it drives the rear axle along a path that the test prescribes, straight on or
- * through a turn, and does not see the road. The turn begins turn_after seconds after the start.
+/* The steering robot of a test track: it drives the rear axle along a path that the test prescribes, straight on,
+ * through a turn, or across the lane; it does not see the road. Turn or drift begin turn_after seconds after the start.
  *
  * Rear wheel feedback (Samson: Control of chained systems, IEEE Trans. Automatic Control 40:64, 1995, as in Paden, Cap,
  * Yong, Yershov, Frazzoli: A survey of motion planning and control techniques for self-driving urban vehicles, IEEE
  * Trans. Intelligent Vehicles 1:33, 2016, eq. 17): with the curvature k of the path, the car's distance e to its left and
  * its heading a relative to it,
- *   curvature = k cos(a) / (1 - k e) - heading_gain a - offset_gain e sin(a) / a. */
+ *   curvature = k cos(a) / (1 - k e) - 2 a / l - e sin(a) / (a l^2),
+ * so that small errors fall to 1/e of their size over l, of at least decay_distance and decay_time. */
 #ifndef STEERING_ROBOT_H
 #define STEERING_ROBOT_H
 
@@ -13,9 +14,9 @@
 #include "turn_path.h"
 
 typedef struct {
-    int32_t turn;
-    double turn_after;
-    double offset_gain, heading_gain;
+    int32_t turn, drift_to;
+    double turn_after, drift;
+    double decay_distance, decay_time;
     double wheelbase, rear_axle, max_steering, max_steering_rate;
 } steering_robot_par;
 

@@ -4,6 +4,7 @@
 
 #define DEGREE 0.017453292519943295
 #define WIDE 1500.0 /* m: radius at which a clothoid begins */
+#define BENT 400.0  /* m: radius before a lane departure */
 #define PARTS 8     /* of a section that is integrated */
 
 typedef struct {
@@ -38,20 +39,8 @@ static turn_pose within(const turn_section *section, double way) {
     return pose;
 }
 
-turn_path turn_path_of(int32_t turn, double speed, double straight) {
-    int32_t row = 0;
-    while (3.6 * speed > FARSIDE[row].below) ++row;
-    turn_data data = turn == TURN_NEARSIDE ? NEARSIDE : FARSIDE[row];
-    double sense = turn == TURN_NONE ? 0 : turn == TURN_FARSIDE ? 1 : -1, wide = sense / WIDE, tight = sense / data.radius;
-    double clothoid = turn == TURN_NONE ? 0 : 2 * data.alpha * DEGREE / (1 / WIDE + 1 / data.radius);
-    double slope = turn == TURN_NONE ? 0 : (tight - wide) / clothoid;
-    double arc = turn == TURN_NONE ? 0 : data.beta * DEGREE * data.radius;
-    turn_path path = {{{0, straight, 0, 0, {0, 0, 0, 0}},
-                       {0, clothoid, wide, slope, {0, 0, 0, 0}},
-                       {0, arc, tight, 0, {0, 0, 0, 0}},
-                       {0, clothoid, tight, -slope, {0, 0, 0, 0}}},
-                      {0, 0, 0, 0},
-                      0};
+/* From the lengths and curvatures of the sections to their places. */
+static turn_path joined(turn_path path) {
     for (int i = 0; i < TURN_PATH_SECTIONS; ++i) {
         path.sections[i].from = path.length;
         path.sections[i].begin = path.end;
@@ -60,6 +49,27 @@ turn_path turn_path_of(int32_t turn, double speed, double straight) {
     }
     path.end.curvature = 0;
     return path;
+}
+
+turn_path turn_path_of(int32_t turn, double speed, double straight) {
+    turn_path path = {.sections[0].length = straight};
+    if (turn == TURN_NONE) return joined(path);
+    int32_t row = 0;
+    while (3.6 * speed > FARSIDE[row].below) ++row;
+    turn_data data = turn == TURN_NEARSIDE ? NEARSIDE : FARSIDE[row];
+    double sense = turn == TURN_FARSIDE ? 1 : -1, wide = sense / WIDE, tight = sense / data.radius;
+    double clothoid = 2 * data.alpha * DEGREE / (1 / WIDE + 1 / data.radius), slope = (tight - wide) / clothoid;
+    path.sections[1] = (turn_section){.length = clothoid, .curvature = wide, .slope = slope};
+    path.sections[2] = (turn_section){.length = data.beta * DEGREE * data.radius, .curvature = tight};
+    path.sections[3] = (turn_section){.length = clothoid, .curvature = tight, .slope = -slope};
+    return joined(path);
+}
+
+turn_path turn_path_drifting(double lateral, double speed, double straight) {
+    turn_path path = {.sections[0].length = straight};
+    double turned = asin(lateral / speed);
+    path.sections[1] = (turn_section){.length = fabs(turned) * BENT, .curvature = copysign(1 / BENT, lateral)};
+    return joined(path);
 }
 
 turn_pose turn_path_at(const turn_path *path, double along) {
