@@ -291,3 +291,72 @@ def test_the_steering_robot_keeps_its_path(new_part: NewPart) -> None:
                 widest = max(widest, float(np.min(np.hypot(path[:, 0] - x, path[:, 1] - y))))
         assert widest < 0.03
         assert heading - 0.3 == pytest.approx(side * math.pi / 2, abs=0.01)
+
+
+def test_a_host_that_drifts_overlaps_the_target_by_a_tenth_of_its_width(new_part: NewPart) -> None:
+    for kind, direction, host, drift in itertools.product(
+        ("car", "motorcyclist"), ("same", "opposite"), (15.0, 30.0), (0.2, 0.8)
+    ):
+        length, width, _ = SHAPES[kind]
+        part = begun(new_part, host, kind=kind, approach=direction, speed=host + 3, drift=drift)
+        # An arc of 400 m after 4 s; then the front's left corner moves aside on a straight line.
+        turned, rear = math.asin(drift / host), 1.485
+        x, y = 4 * host + 400 * math.sin(turned), 400 * (1 - math.cos(turned))
+        corner = y + (rear + FRONT) * math.sin(turned) + 0.9 * math.cos(turned)
+        way = (3.5 - width / 2 + 0.1 * WIDTH - corner) / math.sin(turned)
+        time = (4 * host + 400 * turned + way) / host
+        front = START - rear + x + way * math.cos(turned) + (rear + FRONT) * math.cos(turned) - 0.9 * math.sin(turned)
+        for _ in range(math.floor(time / H)):
+            part.step(H)
+        before = box(part)
+        part.step(H)
+        at = [a + (time / H - math.floor(time / H)) * (b - a) for a, b in zip(before, box(part), strict=True)]
+        ahead = at[0] - length / 2 if direction == "opposite" else at[0] + length / 2
+        assert ahead == pytest.approx(front if direction == "opposite" else front - LENGTH / 2, abs=0.01)
+        assert at[1] == 3.5
+
+
+def test_lane_keeping_steers_back_at_the_distance_and_time_of_its_parameters(new_part: NewPart) -> None:
+    """The kinematics of a car, and what it sees without errors."""
+    for speed, drift in ((15.0, 0.3), (28.0, 0.7)):
+        part = new_part("emergency_lane_keeping")
+        part["lane.width"], part["motion.speed"] = 3.5, speed
+        y, heading, steers_at, least, lateral = -0.2, -math.asin(drift / speed), math.nan, math.inf, 0.0
+        for k in range(400):
+            part["lane.offset"], part["lane.heading"] = y, heading
+            distance = 1.75 - 0.9 + y + 1.215 * math.sin(heading)
+            least = min(least, distance)
+            (part.step if k else part.init)()
+            if part["active"] and math.isnan(steers_at):
+                steers_at = distance
+            curvature = math.tan(part["steering"]) / 2.7
+            lateral = max(lateral, abs(curvature) * speed * speed)
+            y += speed * math.sin(heading) * 0.02
+            heading += speed * curvature * 0.02
+        assert steers_at == pytest.approx(0.1 + 0.5 * drift, abs=0.02 * drift)
+        # Its jerk of 5 m/s3 alone would need u^1.5 (2/3) sqrt(2/5) m to stop the drift.
+        assert steers_at - least < drift**1.5 * 2 / 3 * math.sqrt(2 / 5) * 2
+        assert least > 0
+        assert lateral < 3.01
+        assert 1.75 - 0.9 + y == pytest.approx(0.3, abs=0.02)
+
+
+def test_lane_keeping_leaves_the_lane_to_the_left_free_without_another_vehicle(new_part: NewPart) -> None:
+    def acts(**track: float) -> bool:
+        part = new_part("emergency_lane_keeping")
+        part["lane.width"], part["motion.speed"], part["lane.offset"], part["lane.heading"] = 3.5, 20.0, 0.8, 0.02
+        if track:
+            part["tracks[1].id"] = 1
+        for name, value in track.items():
+            part[f"tracks[1].{name}"] = value
+        part.init()
+        part.step()
+        return bool(part["active"])
+
+    assert not acts()
+    assert acts(x=60.0, y=2.7, vx=-20.0)  # oncoming, in 1.5 s
+    assert not acts(x=160.0, y=2.7, vx=-20.0)
+    assert acts(x=-15.0, y=2.7, vx=26.0)  # it overtakes in 2.5 s
+    assert not acts(x=-15.0, y=2.7, vx=18.0)  # it falls behind
+    assert not acts(x=60.0, y=-0.8, vx=-20.0)  # on the own lane: that is for the emergency brake
+    assert acts(x=1.0, y=2.7, vx=20.0)

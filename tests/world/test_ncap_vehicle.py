@@ -15,8 +15,8 @@ pytestmark = pytest.mark.usefixtures("kept_cache")
 ROOT = Path(__file__).parents[2]
 KMH = 1 / 3.6
 CAR = (
-    "controller is pd_acc and powertrain is combustion_ideal and chassis is longitudinal"
-    " and computer is computer_large and tracker is kalman_tracker"
+    "lane_sensor is lane_camera and lane_support is no_lane_support and controller is pd_acc"
+    " and powertrain is combustion_ideal and chassis is longitudinal and computer is computer_large and tracker is kalman_tracker"
 )
 MIDDLE = CAR + " and sensor is object_radar_mid and second_sensor is object_camera and aeb is crossing_aeb"
 PERFECT = CAR + " and sensor is object_perfect and second_sensor is absent and aeb is crossing_aeb"
@@ -63,7 +63,7 @@ keep_waveforms: none
 
 def test_the_design_space_has_more_than_a_million_raw_configurations() -> None:
     design = dse.open(ROOT).designs["ncap_vehicle"]
-    assert design.total == 5 * (5 + 1) * 2 * 6 * 3 * 4 * 3 * (3 + 1) * 5 * 5
+    assert design.total == 5 * (6 + 1) * 2 * 6 * 3 * 4 * 3 * 5 * 5 * 2 * 2
     assert 100_000 < design.count() < design.total
     assert design.count(where=MIDDLE + " and brake is hydraulic_booster") == 1
 
@@ -173,3 +173,23 @@ def test_a_simulated_car_that_does_not_brake_hits_as_fast_as_it_drives_and_when_
         assert rows["contact_time"].between(5 - 0.011, 5 + 0.021).all(), bench
         assert (rows["host_impact_speed"] - rows["chassis.initial_speed"]).abs().max() < 0.1 * KMH
         assert rows["warned"].max() == 0
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("bench", ["ncap_departure", "ncap_adjacent"])
+def test_lane_support_keeps_the_car_on_its_lane(folder: Path, bench: str) -> None:
+    where = MIDDLE.replace("object_camera", "object_surround_radars").replace("longitudinal", "two_track")
+    where = where.replace("lane_support is no_lane_support and ", "") + " and brake is hydraulic_booster"
+    drifts = "  lateral.drift: {values: [0.2 m/s, 0.4 m/s, 0.7 m/s]}\n"
+    if bench == "ncap_adjacent":
+        drifts = "  traffic.approach: {values: [same, opposite]}\n  traffic.speed: {values: [110 km/h]}\n"
+    rows = explored(folder, bench, where, bench, "50 70 100", drifts)
+    metric = "edge_distance" if bench == "ncap_departure" else "impact"
+    without, with_it = (
+        rows[rows["lane_support"] == name][metric] for name in ("no_lane_support", "emergency_lane_keeping")
+    )
+    assert len(without) == len(with_it) >= 6
+    if metric == "impact":
+        assert (without.min(), with_it.max()) == (1, 0)
+    else:
+        assert without.max() < 0 < with_it.min()

@@ -90,6 +90,23 @@ static turn_pose front_at(const rating_target *self, const turn_path *path, doub
     return pose;
 }
 
+/* The same for a host that drifts to the left: where the corner of its front is over the side of a target on the lane to
+ * the left. That target then meets its front, or is beside it, half a length behind. */
+static void aim_at_drift(rating_target *self) {
+    const target_kind *kind = &KINDS[self->par.kind];
+    bool is_behind = self->par.approach == SAME;
+    double axis = self->par.lane_width;
+    double touched = axis - 0.5 * kind->width + self->par.overlap * self->par.host_width - self->in.lane.offset;
+    turn_path path = turn_path_drifting(self->par.drift, self->host_speed, self->host_speed * self->par.turn_after);
+    double along = path.length + (touched - front_at(self, &path, path.length, 0.5 * self->par.host_width).y) / sin(path.end.heading);
+    double front = front_at(self, &path, along, 0.5 * self->par.host_width).x;
+    self->meeting = along / self->host_speed;
+    self->station = self->in.lane.station - self->par.host_rear_axle;
+    self->turn = is_behind ? 0 : 2 * TRAFFIC_QUARTER_TURN;
+    self->x = is_behind ? front - 0.5 * (self->par.host_length + kind->length) : front + 0.5 * kind->length;
+    self->y = axis;
+}
+
 /* The same for a host that turns: where on its path the place of its front is as far aside as that of the target. */
 static void aim_at_turn(rating_target *self) {
     const target_kind *kind = &KINDS[self->par.kind];
@@ -135,7 +152,9 @@ void rating_target_init(rating_target *self) {
     double time = self->par.headway > 0 ? self->par.headway : self->par.approach_time;
     self->station = self->in.lane.station + self->par.host_front + self->host_speed * time;
     self->meeting = self->par.approach_time;
-    if (self->par.turn == TURN_NONE) {
+    if (self->par.drift > 0 && self->host_speed > 0) {
+        aim_at_drift(self);
+    } else if (self->par.turn == TURN_NONE) {
         aim(self);
     } else {
         aim_at_turn(self);
@@ -149,7 +168,7 @@ void rating_target_step(rating_target *self, double h) {
     if (self->in.motion.acceleration < -BRAKES || speed < self->host_speed - SLOWER) self->is_free = true;
     if (self->is_free || self->par.headway > 0) {
         self->clock += h;
-    } else if (self->par.turn != TURN_NONE) {
+    } else if (self->par.turn != TURN_NONE || self->par.drift > 0) {
         self->clock += h * speed / self->host_speed;
     } else {
         double ahead = self->station - self->in.lane.station - self->par.host_front - h * speed; /* at the end of the step */

@@ -6,11 +6,14 @@
  * impact_depth of the length of the side from which the target comes. On the target it is the middle of the face towards
  * the host; of a target that crosses in front of the host, the place of its flank beside its reference point (the hip of a
  * pedestrian, the crank of a bicycle, a quarter of the length of a car behind its front). At the start, the host's front
- * is approach_time away from the contact, or turn_after away from its turn.
+ * is approach_time away from the contact, or turn_after away from its
+ * turn or drift.
  *
  * A host that turns meets the target on a line along the road that it leaves. A vehicle touches the middle of the host's
  * front with the corner of its own front that is nearer to the host; the reference point of a pedestrian or a bicyclist is
  * at impact_location when that part of the front reaches its side.
+ * A host that drifts to the left meets a target on the middle of that lane, of which it overlaps *overlap* of its own
+ * width: the front of an oncoming one, the side of one that overtakes.
  *
  * Timing. As the robots of test tracks do, the target follows the host: its clock is the time from the start to the
  * contact, less the time that the host still needs to the contact at its first speed. From the moment the host brakes (1 m/s2) or is 2 km/h slower than at
@@ -38,7 +41,7 @@ typedef struct {
         double headway, brake_time, deceleration, final_speed;
         double lane_change_time, lane_change_end, lane_width;
         int32_t turn;
-        double turn_after, path_offset;
+        double turn_after, path_offset, drift, overlap;
         int32_t parked;
         double parked_ahead[RATING_TARGET_PARKED], parked_offset[RATING_TARGET_PARKED], parked_turn[RATING_TARGET_PARKED];
         double parked_length[RATING_TARGET_PARKED], parked_width[RATING_TARGET_PARKED], parked_height[RATING_TARGET_PARKED];
