@@ -1,23 +1,21 @@
-/* The target of a rating: it meets the host at a given place of the host and of itself, if nobody
- * brakes. So the place where both start, and the time at which a pedestrian sets out, follow from the speeds and the
- * place of the contact.
+/* The target of a rating: it meets the host at a given place of the host and of itself, if nobody brakes. So the place
+ * where both start, and the time at which a pedestrian sets out, follow from the speeds and the place of the contact.
  *
  * Contact. Its place on the host is impact_location of the width of the front (0 the right corner, 1 the left one), or
- * impact_depth of the length of the side from which the target comes. On the target it is the middle of the face towards
- * the host; of a target that crosses in front of the host, the place of its flank beside its reference point (the hip of a
- * pedestrian, the crank of a bicycle, a quarter of the length of a car behind its front). At the start, the host's front
- * is approach_time away from the contact, or turn_after away from its
- * turn or drift.
+ * impact_depth of the length of the side from which the target comes. On the target it is the middle of the face
+ * towards the host; of a target that crosses in front of the host, the place of its flank beside its reference point
+ * (the hip of a pedestrian, the crank of a bicycle, a quarter of the length of a car behind its front). At the start,
+ * the host's front is approach_time away from the contact, or turn_after away from its turn or drift.
  *
- * A host that turns meets the target on a line along the road that it leaves. A vehicle touches the middle of the host's
- * front with the corner of its own front that is nearer to the host; the reference point of a pedestrian or a bicyclist is
- * at impact_location when that part of the front reaches its side.
- * A host that drifts to the left meets a target on the middle of that lane, of which it overlaps *overlap* of its own
- * width: the front of an oncoming one, the side of one that overtakes.
+ * A host that turns meets the target on a line along the road that it leaves. A vehicle touches the middle of the
+ * host's front with the corner of its own front that is nearer to the host; the reference point of a pedestrian or a
+ * bicyclist is at impact_location when that part of the front reaches its side. A host that drifts to the left meets a
+ * target on the middle of that lane, of which it overlaps *overlap* of its own width: the front of an oncoming one, the
+ * side of one that overtakes.
  *
  * Timing. As the robots of test tracks do, the target follows the host: its clock is the time from the start to the
- * contact, less the time that the host still needs to the contact at its first speed. From the moment the host brakes (1 m/s2) or is 2 km/h slower than at
- * the start, the clock is that of the run, and the target ignores the host.
+ * contact, less the time that the host still needs to the contact at its first speed. From the moment the host brakes
+ * (1 m/s2) or is 2 km/h slower than at the start, the clock is that of the run, and the target ignores the host.
  *
  * Motion. At constant speed; or at rest, then acceleration_distance at constant acceleration, then steady_distance at
  * speed to the contact. With a headway, the target begins that far ahead of the host's front and brakes at brake_time. */
