@@ -1,4 +1,4 @@
-/* The target of a rating: it meets the host at a given place of the host and of itself, if nobody brakes. So the place
+/* The target of a rating: it meets the host at a given place of the host and of itself if the host does not brake. The place
  * where both start, and the time at which a pedestrian sets out, follow from the speeds and the place of the contact.
  *
  * Contact. Its place on the host is impact_location of the width of the front (0 the right corner, 1 the left one), or
