@@ -1,5 +1,5 @@
-/* The target of a rating: it meets the host at a given place of the host and of itself if the host does not brake. The place
- * where both start, and the time at which a pedestrian sets out, follow from the speeds and the place of the contact.
+/* The target of a rating: it meets the host at a given place of the host and of itself if the host does not brake. The
+ * places where both start, and the time at which a pedestrian sets out, follow from the speeds and the contact.
  *
  * Contact. Its place on the host is impact_location of the width of the front (0 the right corner, 1 the left one), or
  * impact_depth of the length of the side from which the target comes. On the target it is the middle of the face
