@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -217,12 +218,13 @@ def test_cars_are_parked_only_up_to_their_speed(new_part: NewPart) -> None:
     assert (part["movers[2].offset"], part["movers[3].class"], part["movers[4].class"]) == (6, 1, 0)
 
 
-def turning(speed: float, side: int) -> np.ndarray:
+@cache
+def turning(speed: int, side: int) -> np.ndarray:
     """Rows x, y, heading of the rear axle each millimetre from the start; *speed* in km/h, 4 s straight on."""
     radius, alpha, beta = (
         (8, 22.85, 44.3)
         if side < 0
-        else {10: (9, 20.62, 48.76), 15: (11.75, 20.93, 48.14)}.get(round(speed), (14.75, 21.79, 46.42))
+        else {10: (9, 20.62, 48.76), 15: (11.75, 20.93, 48.14)}.get(speed, (14.75, 21.79, 46.42))
     )
     h, wide, tight = 1e-3, 1 / 1500, 1 / radius
     clothoid = 2 * math.radians(alpha) / (wide + tight)
