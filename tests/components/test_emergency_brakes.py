@@ -389,3 +389,36 @@ def test_the_warning_has_its_own_number_of_deviations(new_part: NewPart) -> None
         see(part, 3.0, 1.5)
         doubt(part, covariance)
         assert stage(part, 20) == expected
+
+
+def meets(lead: float, host: float, speed: float, ahead: float = 0.0, behind: float = 4.5, more: float = 0.0) -> bool:
+    """Whether the boxes of a car (1.8 m by 4.5 m) and of a vehicle of that size that crosses its path overlap: step by
+    step from the arrival of the car's front. The vehicle's front is at the middle of the path *lead* seconds later;
+    *ahead* and *behind* its front are its ends, *more* the way of the car before and after."""
+    times = np.arange(-more / host, (1.8 + 4.5 + more) / host, 1e-3)
+    front = (times - lead) * speed
+    return bool(np.any((front + ahead > -0.9) & (front - behind < 0.9)))
+
+
+def test_a_crossing_vehicle_counts_if_the_boxes_would_meet(new_part: NewPart) -> None:
+    """The tracked point is the middle of its front, or of its flank: each counts as if it were both."""
+    host, speed, length = 12.0, 10.0, 4.5
+    counted = 0
+    for sense in (1, -1):
+        for lead in np.arange(-1.5, 1.5, 0.05):
+            for behind, near in ((0.0, 0.9), (length / 2, 0.0)):
+                part = begin(new_part("crossing_aeb", deviations=0.0, warning_deviations=0.0), host)
+                see(part, 12.0 + near, sense * (-(1.0 + lead) * speed - behind), 0.0, sense * speed)
+                counts = stage(part) > NONE
+                counted += counts
+                assert counts or not meets(lead, host, speed), (lead, behind)
+                # It may count half its length too early and too late, with a margin of 0.1 m beside the car.
+                assert not counts or meets(lead, host, speed, length / 2 + 0.1, 1.5 * length + 0.1, 0.9), (lead, behind)
+    assert 100 < counted < 200
+
+
+def test_without_its_length_only_the_front_counts(new_part: NewPart) -> None:
+    for name, expected in (("two_stage_aeb", NONE), ("crossing_aeb", FULL)):
+        part = begin(new_part(name, deviations=0.0, warning_deviations=0.0), 12.0)
+        see(part, 7.0, 10.0, 0.0, -10.0)  # it is beside the path when the front arrives, and hits the side
+        assert stage(part) == expected

@@ -4,6 +4,8 @@
 
 #define SLOW 1.0        /* m/s: below it the yaw rate gives no curvature */
 #define STRAIGHT 1e-9   /* 1/m */
+#define CROSSES 1.0     /* m/s across the path: a vehicle that crosses it */
+#define RUNS 3.0        /* m/s: an object without a class that crosses faster is a car */
 #define NEAR_CENTRE 0.1 /* of the radius: an object nearer to the circle's centre is not on the car's path */
 
 static double width_of(int32_t class) {
@@ -14,6 +16,16 @@ static double width_of(int32_t class) {
     case CLASS_BICYCLE: return 0.6;
     case CLASS_PEDESTRIAN: return 0.5;
     default: return 1.0;
+    }
+}
+
+static double length_of(int32_t class) {
+    switch (class) {
+    case CLASS_CAR: return 4.5;
+    case CLASS_TRUCK: return 12;
+    case CLASS_MOTORCYCLE: return 2.1;
+    case CLASS_BICYCLE: return 1.9;
+    default: return 0;
     }
 }
 
@@ -55,12 +67,29 @@ static double covariance_of(const emergency_in *in, int index, const double a[4]
     return sum;
 }
 
-emergency_meeting emergency_meet(const emergency_in *in, int index, double front, double width) {
+/* Of a vehicle that crosses: the way across the path, to the left, on which any part of it meets any part of the car. */
+static void cross(int32_t class, double width, double length, const emergency_place *place, emergency_meeting *meeting,
+                  double *right, double *left) {
+    double slope = fabs(place->across) / hypot(place->across, place->speed), ahead = 0.5 * slope * length_of(class);
+    meeting->gap = fmax(meeting->gap - 0.5 * slope * width_of(class), 0);
+    double passing = place->across * (length + 1.5 * slope * width_of(class)) / place->closing;
+    double more = fmax(ahead - (place->touching - 0.5 * width), 0);
+    *right += place->across > 0 ? -more - ahead : passing - more;
+    *left += place->across > 0 ? passing + more : more + ahead;
+}
+
+emergency_meeting emergency_meet(const emergency_in *in, int index, double front, double width, double length) {
     emergency_place place = emergency_place_of(in, index, front, width);
     emergency_meeting meeting = {place.is_ahead && place.closing > 0, place.gap, place.closing, 0, 0, 0, 0, 0};
     if (!meeting.is_ahead) return meeting;
-    double time = place.gap / place.closing, bent = place.across / place.closing;
-    meeting.clearance = fabs(place.aside + place.across * time) - place.touching;
+    double right = 0, left = 0;
+    int32_t class = in->tracks[index].class;
+    if (class == CLASS_NONE && fabs(place.across) > RUNS) class = CLASS_CAR;
+    if (length > 0 && fabs(place.across) > CROSSES && length_of(class) > 0) {
+        cross(class, width, length, &place, &meeting, &right, &left);
+    }
+    double time = meeting.gap / place.closing, bent = place.across / place.closing, aside = place.aside + place.across * time;
+    meeting.clearance = fmax(aside + right, -aside - left) - place.touching;
     double ahead[2] = {place.cosine / place.radius, place.sine / place.radius};
     double miss[2] = {bent * ahead[0] - place.sine, bent * ahead[1] + place.cosine};
     double aheads[4] = {ahead[0], ahead[1], 0, 0}, speeds[4] = {0, 0, -ahead[0], -ahead[1]};

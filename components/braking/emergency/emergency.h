@@ -57,8 +57,15 @@ typedef struct {
 } emergency_meeting;
 
 /* The car keeps its path and speed, the object its velocities along and across that path. Deviations are linear in the
- * errors of the track; those of the car's motion and of widths are not known. */
-emergency_meeting emergency_meet(const emergency_in *in, int index, double front, double width);
+ * errors of the track; those of the car's motion and of widths are not known.
+ *
+ * With the *length* of the car > 0, a vehicle that crosses the path (faster than 1 m/s) is a box of the size of its class
+ * (without a class: of a car if it is faster than 3 m/s, else it is none),
+ * and meets the car if the way of that box across the path, from the arrival of the car's front until its rear has left,
+ * overlaps the car's width: the closest approach of two boxes at constant velocities. The tracked point may be the middle
+ * of its front or of its flank, so the box reaches half its length ahead of the point and its length behind it, and the
+ * gap ends half its width before the point, and the car has passed one width behind it. */
+emergency_meeting emergency_meet(const emergency_in *in, int index, double front, double width, double length);
 
 /* From *last*, changed by no more than the jerk limits allow in one step. */
 double emergency_build_up(double wanted, double last, double build_up_jerk, double release_jerk);

@@ -48,7 +48,7 @@ static demand demand_of(const two_stage_aeb *self) {
     const two_stage_aeb_par *par = &self->par;
     demand all = {STAGE_NONE, STAGE_NONE};
     for (int i = 0; i < EMERGENCY_TRACKS; ++i) {
-        emergency_meeting meeting = emergency_meet(&self->in, i, par->front_length, par->width);
+        emergency_meeting meeting = emergency_meet(&self->in, i, par->front_length, par->width, par->length);
         if (!meeting.is_ahead || self->in.tracks[i].age < par->min_age) continue;
         int32_t class = self->in.tracks[i].class;
         bool is_vulnerable = class == CLASS_PEDESTRIAN || class == CLASS_BICYCLE;

@@ -40,7 +40,7 @@ typedef struct {
     double vehicle_margin, vulnerable_margin, margin_hysteresis;
     double deviations, warning_deviations, least_existence;
     int32_t unknown_class; /* the highest stage for objects without a class */
-    double front_length, width, nominal_mass, wheel_radius;
+    double front_length, width, length, nominal_mass, wheel_radius;
 } two_stage_aeb_par;
 
 typedef struct {
