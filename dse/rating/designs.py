@@ -103,6 +103,11 @@ class RatedDesign:
         parts = [f"{test} ({there} of {of} cells simulated)" for test, (there, of) in self.partly.items()]
         return ", ".join([*self.missing, *parts])
 
+    @property
+    def undeclared(self) -> str:
+        """The inputs that the package asks for and the rating does not declare, in words; "" if there is none."""
+        return ", ".join(self.rated[0].filled.undeclared)
+
     def cheapest(self, at_least: float) -> RatedConfiguration | None:
         """The configuration of the least cost with that many points, None if there is none."""
         enough = [each for each in self.rated if each.filled.points >= at_least and each.cost is not None]

@@ -54,6 +54,8 @@ def _body(rated: RatedDesign, title: str, folder: Path) -> Iterator[str]:
     yield f'<p class="note">{escape(NOT_ASSESSED)}.'
     if rated.gaps:
         yield f"Not simulated, 0 points: {escape(rated.gaps)}."
+    if rated.undeclared:
+        yield f"0 points, as the rating does not declare: {escape(rated.undeclared)}."
     yield "</p><p>Numbers are values of the protocol's KPIs. A dashed line marks the extended range.</p>"
     if len(rated.rated) > 1:
         yield from _several(rated)

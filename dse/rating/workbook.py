@@ -49,11 +49,13 @@ class Score:
 class Filled:
     """A filled workbook with its *scores*: by layer of each scenario, by category, and by stage element.
 
-    *rules* are the protocol's rules that took points away, in the words of its package.
+    *rules* are the protocol's rules that took points away, in the words of its package. *undeclared* are inputs that
+    the package asks for in simulated scenarios, and that the rating does not declare: such a scenario has no points.
     """
 
     scores: tuple[Score, ...]
     rules: tuple[str, ...]
+    undeclared: tuple[str, ...]
     protocol: Protocol = field(repr=False)
     _book: Any = field(repr=False)
     _frames: Mapping[str, Any] = field(repr=False)
@@ -119,7 +121,7 @@ def fill(protocol: Protocol, prediction: Prediction, warned: frozenset[str], see
         if colour := prediction.colours.get(cell.key):
             book[cell.sheet].cell(cell.row, cell.column).value = colour.capitalize()
     claimed = {protocol.scenario(test) for test, _ in prediction.colours}
-    _declare(book, protocol, prediction, claimed)
+    undeclared = _declare(book, protocol, prediction, claimed)
     for layer, scenario, cell in layer_cells(book):
         cell.value = "YES" if (layer, scenario) in prediction.layers else "NO"
     common = protocol.common
@@ -132,11 +134,15 @@ def fill(protocol: Protocol, prediction: Prediction, warned: frozenset[str], see
             frames[f"{name} (bg)"] = painted.where(painted.notna(), None)
         scored = protocol.module("compute_score").calculate_score(frames)
     frames |= {name: scored[name] for name in _TABLES}
-    return Filled(tuple(_scores(scored)), tuple(dict.fromkeys(rules)), protocol, book, frames)
+    return Filled(tuple(_scores(scored)), tuple(dict.fromkeys(rules)), undeclared, protocol, book, frames)
 
 
-def _declare(book: Any, protocol: Protocol, prediction: Prediction, claimed: set[str]) -> None:
-    """Fill the input parameters: simulated scenarios are claimed by the manufacturer itself, others are not."""
+def _declare(book: Any, protocol: Protocol, prediction: Prediction, claimed: set[str]) -> tuple[str, ...]:
+    """Fill the input parameters: simulated scenarios are claimed by the manufacturer itself, others are not.
+
+    Returns what is not declared, with its scenario.
+    """
+    undeclared = []
     sheet = book["Input parameters"]
     heads = {cell.value: cell.column for cell in sheet[1]}
     scenario = ""
@@ -150,8 +156,11 @@ def _declare(book: Any, protocol: Protocol, prediction: Prediction, claimed: set
             value = "Self claimed"
         else:
             value = prediction.inputs.get(str(parameter), protocol.common.NOT_APPLICABLE)
+            if parameter not in prediction.inputs:
+                undeclared.append(f"{parameter} ({scenario})")
         if value in allowed:
             sheet.cell(row, heads["Value"]).value = value
+    return tuple(undeclared)
 
 
 def _allowed(sheet: Any, row: int, column: int) -> list[str]:

@@ -50,6 +50,15 @@ def test_a_design_that_avoids_everything_has_all_points_of_the_matrices(filled):
         assert score.points == pytest.approx(share * score.most, abs=1e-3), (scenario, layer)
 
 
+def test_what_is_not_declared_is_named_and_has_no_points(protocol, filled):
+    assert filled["perfect"].undeclared == ()
+    perfect = predicted(protocol, "perfect")
+    given = {name: text for name, text in perfect.inputs.items() if name != "Extended range performance"}
+    bare = fill(protocol, replace(perfect, inputs=given), WARNED)
+    assert bare.undeclared == ("Extended range performance (ELK RE)",)
+    assert {score.points for (scenario, _), score in by_layer(bare).items() if scenario == "ELK RE"} == {0.0}
+
+
 def test_points_of_a_middling_design_by_hand(filled):
     # CCRs: 35 km/h are taken off. Of 8 speeds 10, 20 and 30 km/h are green. 5 km/h remain at 40 and 15 at 50 (orange, a
     # half each), 25 at 60 (brown, a quarter); 35 and 45 at 70 and 80 are red. Extended: 6 of 8 rows are not red, which

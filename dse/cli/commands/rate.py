@@ -130,6 +130,8 @@ def _show(rated: RatedDesign, at_least: float | None) -> None:
             )
     if rated.gaps:
         print_line(f"not simulated, 0 points: {rated.gaps}")
+    if rated.undeclared:
+        print_line(f"0 points, as 'inputs' of the rating does not declare: {rated.undeclared}")
     print_line(f"{NOT_ASSESSED}.")
     if at_least is not None:
         print_line(_cheapest(rated, at_least))
@@ -204,6 +206,7 @@ def _data(rated: RatedDesign, at_least: float | None, files: list[Path], place: 
         "protocol": f"{rated.protocol.name} {rated.protocol.version}",
         "not_assessed": NOT_ASSESSED,
         "not_simulated": list(rated.missing),
+        "not_declared": list(rated.rated[0].filled.undeclared),
         "partly_simulated": {test: {"cells": there, "of": of} for test, (there, of) in rated.partly.items()},
         "simulated": rated.simulated,
         "page": str(place / "rating.html"),
