@@ -50,7 +50,7 @@ def simulate(
     from dse.interchange import prepare_ssp
 
     file = Path(path)
-    settings = {name: value if isinstance(value, str) else repr(value) for name, value in (set or {}).items()}
+    settings = {name: value if isinstance(value, str) else str(value).lower() for name, value in (set or {}).items()}
     prepared = prepare_ssp(
         file, stop=stop, step=step, settings=settings, record=record, tolerance=tolerance, timeout=timeout
     )

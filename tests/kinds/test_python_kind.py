@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from kinds.examples import CLASS, written
 
@@ -87,7 +88,7 @@ def test_keys_are_checked(tmp_path, source):
 @pytest.mark.thorough
 @pytest.mark.parametrize("version", [2, 3])
 def test_values_of_all_kinds_go_in_and_out(tmp_path, version):
-    found = run(tmp_path, ALL, version=version, factor=3, on="true", mode="fast", count=7)
+    found = run(tmp_path, ALL, version=version, factor=np.float64(3), on=True, mode="fast", count=7)
     # Euler's method: 1 - (1 - 3 h)^n.
     assert found["y"].tolist() == pytest.approx([1 - 0.97**n for n in range(101)], abs=1e-12)
     assert [set(found[name].tolist()) for name in ("off", "other", "next")] == [{0.0}, {0.0}, {8.0}]
