@@ -111,6 +111,7 @@ READING = {
     "dse/modelica/frontend/answer_cache.py": "our cache",
     "dse/modelica/frontend/child.py": "a request of dse, in a process without it",
     "dse/modelica/frontend/process.py": "an expression is as deep as the user's model; anything wrong is FrontEndDied",
+    "dse/partners/python_class.py": "a resource of an FMU, in a process of it",
     "dse/simulink/declarations.py": "our cache",
     "dse/simulink/parsing.py": "a request of dse, in a process without it",
     "dse/storage/run_store.py": "our cache",

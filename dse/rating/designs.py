@@ -90,6 +90,17 @@ class RatedDesign:
     """How many runs were made now; the others were there."""
 
     @property
+    def best_first(self) -> list[RatedConfiguration]:
+        """The configurations, most points first, of as many the cheapest."""
+        return sorted(self.rated, key=lambda each: (-each.filled.points, each.cost or 0.0, each.id))
+
+    @property
+    def differing(self) -> list[str]:
+        """The places at which not all configurations have the same choice, in the order of the design."""
+        places = dict.fromkeys(path for each in self.rated for path in each.configuration.choices)
+        return [p for p in places if len({each.configuration.choices.get(p, "") for each in self.rated}) > 1]
+
+    @property
     def partly(self) -> dict[str, tuple[int, int]]:
         """Tests of which some cells alone have a run: how many, of how many."""
         there: dict[str, list[bool]] = {}
@@ -123,16 +134,14 @@ class RatedDesign:
     def effects(self) -> list[tuple[str, str, int, float]]:
         """What each choice is worth: place, alternative ("" for none), number of rated configurations that have it, and
         their mean points less those of all. Largest range of a place first; only places where they differ."""
-        places = {path for each in self.rated for path in each.configuration.choices}
         mean = sum(each.filled.points for each in self.rated) / len(self.rated)
         found: list[list[tuple[str, str, int, float]]] = []
-        for path in sorted(places):
+        for path in self.differing:
             by_choice: dict[str, list[float]] = {}
             for each in self.rated:
                 by_choice.setdefault(each.configuration.choices.get(path, ""), []).append(each.filled.points)
-            if len(by_choice) > 1:
-                rows = [(path, name, len(of), sum(of) / len(of) - mean) for name, of in by_choice.items()]
-                found.append(sorted(rows, key=lambda row: (-row[3], row[1])))
+            rows = [(path, name, len(of), sum(of) / len(of) - mean) for name, of in by_choice.items()]
+            found.append(sorted(rows, key=lambda row: (-row[3], row[1])))
         return [row for rows in sorted(found, key=lambda rows: rows[-1][3] - rows[0][3]) for row in rows]
 
 

@@ -20,9 +20,9 @@ _STYLE = """
 :root{color-scheme:light dark}
 body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;max-width:75rem;padding:0 1rem}
 h1{font-size:1.5rem}h2{font-size:1.2rem;margin-top:2.5rem}h3{font-size:1rem;margin:1.5rem 0 .4rem}
-table{border-collapse:collapse;margin:.5rem 0}
+table{border-collapse:collapse;margin:.5rem 0;display:block;overflow-x:auto;max-width:100%}
 th,td{padding:.2rem .5rem;border:1px solid #8886;text-align:right;font-variant-numeric:tabular-nums}
-th{font-weight:600}th:first-child,td:first-child{text-align:left}
+td{white-space:nowrap}th{font-weight:600}th:first-child,td:first-child{text-align:left}
 .matrix td{min-width:3rem;text-align:center}.matrix td.cell{color:#fff}
 .matrix td.yellow,.matrix td.orange{color:#000}.matrix td.extended{outline:2px dashed #fff9;outline-offset:-4px}
 .matrix a{color:inherit;text-decoration:none;display:block}.matrix a:focus,.matrix a:hover{outline:2px solid}
@@ -59,15 +59,23 @@ def _body(rated: RatedDesign, title: str, folder: Path) -> Iterator[str]:
     yield "</p><p>Numbers are values of the protocol's KPIs. A dashed line marks the extended range.</p>"
     if len(rated.rated) > 1:
         yield from _several(rated)
-    for each in rated.rated:
+    for each in rated.best_first:
         yield from _one(rated, each, folder)
 
 
 def _several(rated: RatedDesign) -> Iterator[str]:
     """Points of all configurations, over cost, and what the choices are worth."""
-    best = sorted(rated.rated, key=lambda each: (-each.filled.points, each.cost or 0.0, each.id))
-    heads = ["Configuration", "Points", *(f"{s.element}: {s.subelement}" for s in best[0].filled.totals), "Cost"]
-    rows = [[e.id, f"{e.filled.points:.3f}", *(f"{s.points:.3f}" for s in e.filled.totals), e.cost_text] for e in best]
+    best = rated.best_first
+    places = rated.differing
+    totals = [f"{s.element}: {s.subelement}" for s in best[0].filled.totals]
+    heads = ["Configuration", *places, "Cost", "Points", *totals]
+    rows = [
+        [
+            *(each.id, *(each.configuration.choices.get(place) or "–" for place in places)),
+            *(each.cost_text, f"{each.filled.points:.3f}", *(f"{s.points:.3f}" for s in each.filled.totals)),
+        ]
+        for each in best
+    ]
     yield "<h2>Configurations</h2>" + _table(heads, rows)
     if all(each.cost is not None for each in rated.rated):
         yield "<h2>Points over cost</h2>" + _plot(best)
@@ -75,7 +83,7 @@ def _several(rated: RatedDesign) -> Iterator[str]:
         yield f"<h2>Points by choice (means over {len(best)} configurations)</h2>"
         shown = [[path, name or "absent", str(n), f"{effect:+.3f}"] for path, name, n, effect in effects]
         yield _table(["Place", "Choice", "Configurations", "Mean points less the mean of all"], shown)
-    first, second = rated.rated[:2]
+    first, second = best[:2]
     flips = [[c.test, described(c), a or "–", b or "–"] for c, a, b in rated.differences(first, second)]
     yield f"<h2>Cells that differ: {escape(first.id)} and {escape(second.id)}</h2>"
     yield _table(["Test", "Cell", first.id, second.id], flips) if flips else "<p>None.</p>"

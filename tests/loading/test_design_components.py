@@ -80,7 +80,7 @@ def test_what_has_no_source_is_refused_by_name_when_it_is_built(files):
     ((where, what, hint),) = problems(build, Workspace(files.root).component("slick"))
     assert where == "components/tyres.yaml:1:14"
     assert what == "component 'slick' has no source, so there is nothing to build"
-    assert "kind c, fmu, modelica, road, scenario, simulink, sumo, time_series or udp" in hint
+    assert "kind c, fmu, modelica, python, road, scenario, simulink, sumo, time_series or udp" in hint
 
 
 def test_a_bench_that_wants_to_simulate_a_component_without_source_names_it(files):

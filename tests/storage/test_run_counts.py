@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from dse.api.studies.status import status, statuses
+from dse.cli.arguments import Output
 from dse.cli.commands.status import status as command
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest
@@ -99,7 +100,7 @@ def test_tries_without_a_result_are_told_by_their_cause(
     assert (found.tally.repeated, found.tally.again) == (2, 1)
     text = shown(stored, capsys)
     assert "  2 × no answer for 2 s in head: fmi2DoStep\n  1 × crashed (signal 11)\n" in text
-    command(stored, as_json=True)
+    command(stored, Output.JSON)
     data = json.loads(capsys.readouterr().out)
     assert data["without_result"]["runs"] == 2
     assert [worker["without_result"] for worker in data["workers"] if worker["host"] == "far"] == [1, 2]

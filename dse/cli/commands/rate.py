@@ -172,12 +172,14 @@ def _show_several(rated: RatedDesign) -> None:
 
     totals = rated.rated[0].filled.totals
     heads = [f"{_short(s.element)} {s.subelement}" for s in totals]
-    table = plain_table("configuration", "points", *heads, "cost", right=("points", *heads, "cost"))
-    for each in sorted(rated.rated, key=lambda each: -each.filled.points):
+    places = rated.differing
+    table = plain_table("configuration", *places, "cost", "points", *heads, right=("cost", "points", *heads))
+    for each in rated.best_first:
         row = [f"{score.points:.3f}" for score in each.filled.totals]
-        table.add_row(each.id, f"{each.filled.points:.3f}", *row, each.cost_text)
+        choices = [each.configuration.choices.get(place) or "–" for place in places]
+        table.add_row(each.id, *choices, each.cost_text, f"{each.filled.points:.3f}", *row)
     print_table(table)
-    one, other = rated.rated[:2]
+    one, other = rated.best_first[:2]
     flips = list(rated.differences(one, other))
     print_line(f"cells that differ between {one.id} and {other.id}: {len(flips)}")
     for cell, mine, theirs in flips[:_SHOWN]:

@@ -10,6 +10,7 @@ import {
   type Judgement,
   judge,
   margin,
+  NOT_APPLICABLE,
   NOT_EXERCISED,
   PASS,
   type Threshold,
@@ -101,6 +102,7 @@ export function standingOf(
       const one = marks[design]!;
       const share = margins[design]! / scale;
       if (mark[design] !== FAILED && one === FAIL) mark[design] = FAIL;
+      if (one === NOT_APPLICABLE) continue;
       if (mark[design] === PASS && one !== PASS) mark[design] = NOT_EXERCISED;
       if (one !== PASS && one !== FAIL) isKnown[design] = 0;
       else if (isBounded && mark[design] !== FAILED && !Number.isNaN(slack[design]!) && !(share >= slack[design]!)) {
@@ -128,7 +130,8 @@ function judgeOne(
   const [each, margins, worst] = [standing.each[index]!, standing.margins[index]!, standing.worst[index]!];
   const [judged, certain, doubtful] = [standing.judged[index]!, standing.certain[index]!, standing.doubtful[index]!];
   for (let design = 0; design < size; design++) {
-    let found: number = NOT_EXERCISED;
+    // Where the points have one bench each, a requirement of other benches is none of theirs.
+    let found: number = start[design]! < start[design + 1]! ? NOT_APPLICABLE : NOT_EXERCISED;
     let least = Infinity;
     let at = -1;
     for (let i = start[design]!; i < start[design + 1]!; i++) {
@@ -141,7 +144,8 @@ function judgeOne(
       } else if (mark === PASS) judged[design]!++;
       if (mark === FAIL) found = FAIL;
       else if (mark === PASS && found !== FAIL) found = PASS;
-      else if (mark === FAILED && found === NOT_EXERCISED) found = FAILED;
+      else if (mark === FAILED && found !== PASS && found !== FAIL) found = FAILED;
+      else if (mark === NOT_EXERCISED && found === NOT_APPLICABLE) found = NOT_EXERCISED;
       if (mark !== PASS && mark !== FAIL) continue;
       const by = margin(values[run]!, threshold);
       // An undefined metric fails, and leaves the margin undefined.
@@ -151,7 +155,7 @@ function judgeOne(
       }
     }
     // What no run exercises is not met.
-    if (!judged[design]) judged[design] = doubtful[design] = 1;
+    if (!judged[design] && found !== NOT_APPLICABLE) judged[design] = doubtful[design] = 1;
     each[design] = found;
     margins[design] = Number.isFinite(least) ? least : NaN;
     worst[design] = at;

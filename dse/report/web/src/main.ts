@@ -8,6 +8,7 @@ import { el } from "./dom";
 import { count } from "./format";
 import { groupingOf, variablesOf } from "./grouping";
 import { startLive } from "./live";
+import { orderAt } from "./order";
 import { startingPoint } from "./plane/plane";
 import { createStore, type State, type Store, studyThresholds } from "./store";
 import { readStudy, rowNoun, type Study, type Variable } from "./study";
@@ -28,7 +29,7 @@ async function start(): Promise<void> {
     const { overall } = store.designs().judgement;
     // A configuration without a design that passes is no place to begin at if another has one.
     const anywhere = overall[here] === PASS ? here : startingRun(store, study.number.keys());
-    const selected = overall[anywhere] === PASS ? anywhere : here;
+    const selected = overall[anywhere] === PASS || here < 0 ? anywhere : firstInOrder(store);
     store.set({ selected, configuration: selected < 0 ? 0 : study.configuration[selected]! });
     const start = store.state;
     store.set(readFragment(study, location.hash.slice(1), start));
@@ -46,6 +47,12 @@ async function start(): Promise<void> {
     page.replaceChildren(el("p", { class: "card problem" }, `The report cannot be shown: ${String(error)}.${hint}`));
     throw error;
   }
+}
+
+/** The run that decides on the design to take; where none passes, the page begins there. */
+function firstInOrder(store: Store): number {
+  const design = orderAt(store).ranked[0]!;
+  return store.designs().deciding(groupingOf(store.study).first[design]!);
 }
 
 function isCondition({ variables }: Study, index: number): boolean {

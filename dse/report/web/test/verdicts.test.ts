@@ -271,6 +271,21 @@ test("a requirement that does not apply to a run is not counted", () => {
   deepEqual(tally(study, each[0]!, -1), [0, 1, 0, 0, 1]);
 });
 
+test("a point is not judged by requirements of other benches", () => {
+  const elsewhere = { ...requirement(4, { atMost: 1 }), applies: Uint8Array.of(0, 1, 0, 1) };
+  const study = studyOf(4, {
+    variables: [variable("x", [0, 0, 1, 1]), variable("testbench", [0, 1, 0, 1], { role: "condition" })],
+    metrics: [metric("m", [5, 0, 5, 5])],
+    requirements: [elsewhere, requirement(4, { atMost: 9 })],
+  });
+  const store = storeOf(study, { x: 0, y: 1 });
+  const { noun, judgement } = store.points();
+  deepEqual([noun, [...judgement.overall]], ["point", [0, 0, 0, 1]]);
+  deepEqual([...judgement.each[0]!], [4, 0, 4, 1]);
+  // Over both benches it is a requirement of the design.
+  deepEqual([...store.designs().judgement.each[0]!], [0, 0, 1, 1]);
+});
+
 test("a margin has its share in brackets, but none of a bound at 0", () => {
   const study = studyOf(2, {
     metrics: [metric("speed", [-3, 0])],
