@@ -41,8 +41,13 @@ def file_schema(kind: str) -> Schema:
         "type": "array",
         "items": {"type": "string"},
     }
-    # What an included file says need not be said again.
-    schema["anyOf"] = [{"required": required}, {"required": ["include"]}]
+    # What an included file says need not be said again, nor any part of a section.
+    whole: Schema = {"required": required}
+    for key, value in schema["properties"].items():
+        section = schema.get("$defs", {}).get(value.get("$ref", "").rpartition("/")[2], {})
+        if needed := section.pop("required", []):
+            whole.setdefault("properties", {})[key] = {"required": needed}
+    schema["anyOf"] = [whole, {"required": ["include"]}]
     return {"$schema": _DRAFT, "title": title, **{key: schema[key] for key in sorted(schema)}}
 
 
