@@ -11,15 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from definitions import metrics, stored_definition
+from pair_cases import defined_configurations
 
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.definition import (
-    DefinedConfiguration,
     DefinedDesign,
     DefinedObjective,
     DefinedReplicates,
     DefinedRequirement,
-    DefinedTotal,
     DefinedVariable,
     StudyDefinition,
 )
@@ -32,18 +31,7 @@ ORDER_CASES: dict[str, Any] = json.loads(Path(__file__).with_suffix(".json").rea
 
 def order_study(case: dict[str, Any]) -> StudyDefinition:
     """The designs of a *case* under its objectives; with other requirements or runs if it has some."""
-    configurations = tuple(
-        DefinedConfiguration(
-            name,
-            {"part": name},
-            {"part": f"part_{name}"},
-            {"cost": DefinedTotal(cost, "EUR")},
-            {DRAW: 0.0} if random else {},
-            streams=("part.seed",) if random else (),
-        )
-        for name, cost, random in ORDER_CASES["configurations"]
-        if name in case["designs"]
-    )
+    configurations = defined_configurations(row for row in ORDER_CASES["configurations"] if row[0] in case["designs"])
     requirements = (
         DefinedRequirement(name, title, metric, "", met_in=ORDER_CASES["met_in"], severity=severity, **bounds)
         for name, title, metric, bounds, severity in case.get("requirements", ORDER_CASES["requirements"])

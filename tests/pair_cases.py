@@ -26,9 +26,9 @@ from dse.storage import Measures, RunTable, StudyFolder, block_of
 PAIR_CASES: dict[str, Any] = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
 
 
-def pair_study() -> StudyDefinition:
-    """A gap of at least 2 m in 80 % of the draws; a gain is decided, a speed is imposed."""
-    configurations = tuple(
+def defined_configurations(rows: Iterable[tuple[str, float, bool]]) -> tuple[DefinedConfiguration, ...]:
+    """A configuration for each name, with its cost, and whether it is random."""
+    return tuple(
         DefinedConfiguration(
             name,
             {"part": name},
@@ -37,8 +37,13 @@ def pair_study() -> StudyDefinition:
             {DRAW: 0.0} if random else {},
             streams=("part.seed",) if random else (),
         )
-        for name, cost, random in PAIR_CASES["configurations"]
+        for name, cost, random in rows
     )
+
+
+def pair_study() -> StudyDefinition:
+    """A gap of at least 2 m in 80 % of the draws; a gain is decided, a speed is imposed."""
+    configurations = defined_configurations(PAIR_CASES["configurations"])
     return stored_definition(
         configurations,
         variables=(
