@@ -60,7 +60,7 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
     results = Results(options.folder(folder), explored)
     summary = results.summary
     _show_outcome(study, results, summary, explored, f"dse merge {folder}" if options.shard else f"dse report {folder}")
-    failed = summary.failed or (gate and not summary.is_passed)
+    failed = summary.unsettled or (gate and not summary.is_passed)
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
 
@@ -147,7 +147,7 @@ def _show_outcome(study: Study, results: Results, summary: Summary, explored: Ex
             print_findings(results.essentials())
     if not following.startswith("dse merge") and summary.finished <= _MOST_LOOKED_AT:
         show_choice(results.choice(), results.definition, briefly=True)
-    if summary.failures:
+    if summary.unsettled:
         screen.print("to try failed runs again: the same command with --retry-failed", soft_wrap=True)
     screen.print(f"next: {following}", soft_wrap=True)
 

@@ -12,7 +12,12 @@ from .designs import (
 )
 from .executor import Executor as Executor, Pool as Pool, load_executor as load_executor
 from .failures import in_words as in_words
-from .known_runs import KnownRuns as KnownRuns, give as give, unsettled as unsettled
+from .known_runs import (
+    NOT_REPRODUCIBLE as NOT_REPRODUCIBLE,
+    KnownRuns as KnownRuns,
+    give as give,
+    unsettled as unsettled,
+)
 from .loop import ExplorationInterruptedError as ExplorationInterruptedError, Explored as Explored, explore as explore
 from .one_shot_sampler import OneShotSampler as OneShotSampler
 from .optimization.front import hypervolume as hypervolume, knee as knee

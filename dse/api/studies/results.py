@@ -70,6 +70,13 @@ class Summary:
         }
 
     @property
+    def unsettled(self) -> frozenset[int]:
+        """Numbers of the runs that failed to run, or failed or gave another result when they were made again."""
+        from dse.exploration import NOT_REPRODUCIBLE
+
+        return self.failures | {number for number, said in self.problems.items() if said.startswith(NOT_REPRODUCIBLE)}
+
+    @property
     def is_passed(self) -> bool:
         """Whether no run failed to run, no requirement failed and none is doubtful."""
         failed = any(counts["fail"] for counts in self.verdicts.values())
