@@ -1,3 +1,5 @@
+from .authoring.components import Component as Component, Interface as Interface
+from .authoring.defined import copy_example as copy_example
 from .contents import (
     ListedFile as ListedFile,
     ListedResults as ListedResults,

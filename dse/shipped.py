@@ -9,7 +9,7 @@ from dse.errors import fail
 
 def content(*folders: str) -> Path:
     """Where *folders* lie: in the installed package, or in the clone it is run from. Raises DseError if nowhere."""
-    package = Path(__file__).resolve().parents[1]
+    package = Path(__file__).resolve().parent
     for candidate in (package / "content", package.parent):
         if all((candidate / name).is_dir() for name in folders):
             return candidate
