@@ -120,7 +120,7 @@ class Design(Defined[DesignSpace]):
         from dse.errors import fail
         from dse.space import read_aims
 
-        wanted = read_aims(_several(minimize), _several(maximize))
+        wanted = read_aims(several(minimize), several(maximize))
         if len(wanted) < 2:
             raise fail("two objectives or more are needed", None, "for one ask for 'best'")
         part = self._part(**narrowing)
@@ -204,7 +204,8 @@ def _texts(choose: Mapping[str, str]) -> tuple[str, ...]:
     return tuple(f"{path}={name}" for path, name in choose.items())
 
 
-def _several(texts: str | Sequence[str]) -> Sequence[str]:
+def several(texts: str | Sequence[str]) -> Sequence[str]:
+    """*texts*, or the only one."""
     return (texts,) if isinstance(texts, str) else texts
 
 
