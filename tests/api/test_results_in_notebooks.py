@@ -5,11 +5,13 @@ from __future__ import annotations
 import subprocess
 import sys
 from dataclasses import replace
+from html import escape
 
 import numpy as np
 import pytest
 
 import dse
+from dse.api import choice_lines
 
 
 def test_an_objective_may_be_a_plain_text(results):
@@ -60,6 +62,13 @@ def test_notebooks_show_best_designs_findings_and_summaries(results):
     assert "&lt;b&gt;x&lt;/b&gt;" in evil._repr_html_()
     counts = results.summary.counts("R2")
     assert "".join(f"<td>{count}</td>" for count in counts.values()) in results.summary._repr_html_()
+
+
+def test_notebooks_show_which_design_to_take_in_the_words_of_the_report(results):
+    choice = results.choice(results.best(minimize="final_gap"))
+    name, lines = choice_lines(choice, results.definition)
+    assert repr(choice).splitlines()[0] == name
+    assert all(f"<tr><td>{label}</td><td>{escape(text)}</td></tr>" in choice._repr_html_() for label, text in lines)
 
 
 def test_a_frame_has_titles_and_the_verdict_on_all_requirements(results):

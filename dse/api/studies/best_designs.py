@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, TypeVar
 
-from dse.analysis import Finding, Ranking, claim
+from dse.analysis import Choice, Finding, Ranking, claim
+from dse.api.presentation.choice_text import choice_lines
 from dse.api.presentation.definition_rows import ranking_as_data
 from dse.api.presentation.html import table
 from dse.storage import headed, titles_of
@@ -16,6 +17,15 @@ if TYPE_CHECKING:
     from dse.domain.definition import StudyDefinition
 
 
+T = TypeVar("T")
+
+
+def _with_definition(class_: type[T], plain: Choice | Ranking, definition: StudyDefinition) -> T:
+    made = class_(*(getattr(plain, field.name) for field in fields(plain)))
+    object.__setattr__(made, "definition", definition)  # what is frozen is set once
+    return made
+
+
 class BestDesigns(Ranking):
     """A ranking of designs of the study *definition*: see `dse.analysis.Ranking`. Notebooks show it as a table."""
 
@@ -23,11 +33,9 @@ class BestDesigns(Ranking):
     definition: StudyDefinition
 
     @classmethod
-    def of(cls, ranking: Ranking, definition: StudyDefinition) -> Self:
+    def of(cls, ranking: Ranking, definition: StudyDefinition) -> BestDesigns:
         """*ranking*, whose numbers have the units of *definition*."""
-        made = cls(*(getattr(ranking, field.name) for field in fields(ranking)))
-        object.__setattr__(made, "definition", definition)
-        return made
+        return _with_definition(cls, ranking, definition)
 
     def to_pandas(self, units: str = "shown") -> pd.DataFrame:
         """A row for each of the best designs by its place: its configuration with choices, design variables, objectives
@@ -67,6 +75,25 @@ class BestDesigns(Ranking):
 
     def _words(self) -> str:
         return f"{claim(self)}; {' and '.join(map(str, self.objectives)) or 'by their least margin'}"
+
+
+class DesignChoice(Choice):
+    """Which design of the study *definition* to take: see `dse.analysis.Choice`. Notebooks show it in sentences."""
+
+    __slots__ = ("definition",)
+    definition: StudyDefinition
+
+    @classmethod
+    def of(cls, choice: Choice, definition: StudyDefinition) -> DesignChoice:
+        """*choice*, whose numbers have the units of *definition*."""
+        return _with_definition(cls, choice, definition)
+
+    def __repr__(self) -> str:
+        name, lines = choice_lines(self, self.definition)
+        return "\n".join([name, *(f"{label}: {text}" for label, text in lines)])
+
+    def _repr_html_(self) -> str:
+        return table(choice_lines(self, self.definition)[0], (), choice_lines(self, self.definition)[1])
 
 
 def _cell(value: object) -> str:

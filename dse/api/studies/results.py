@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from dse.analysis import Choice, Decision, Ranking
-    from dse.api.studies.best_designs import BestDesigns, Findings
+    from dse.analysis import Decision, Ranking
+    from dse.api.studies.best_designs import BestDesigns, DesignChoice, Findings
     from dse.api.studies.replay import Replay
     from dse.api.studies.single_run import Tell
     from dse.domain import study as nouns
@@ -392,14 +392,16 @@ class Results:
 
         return self._read(answer)
 
-    def choice(self, ranking: Ranking | None = None) -> Choice | None:
+    def choice(self, ranking: Ranking | None = None) -> DesignChoice | None:
         """The design to take, the next one, and what decides between them; under the objectives of *ranking*, else the
         study's. None for a study without requirements or with one design, and if none was run at all conditions."""
         from dse.analysis import choice_of
+        from dse.api.studies.best_designs import DesignChoice
 
-        def answer(folder: StudyFolder) -> Choice | None:
-            notes = folder.notes()
-            return choice_of(folder.table(), notes.assumed if notes else None, ranking.objectives if ranking else None)
+        def answer(folder: StudyFolder) -> DesignChoice | None:
+            notes, objectives = folder.notes(), ranking.objectives if ranking else None
+            found = choice_of(folder.table(), notes.assumed if notes else None, objectives)
+            return DesignChoice.of(found, folder.header.definition) if found else None
 
         return self._read(answer)
 
