@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import linecache
 import math
 import textwrap
 from collections.abc import Mapping
@@ -394,9 +395,49 @@ def test_values_of_numpy_and_pathlib_are_written_as_what_they_are(made):
     assert study.definitions is made.definitions
 
 
-def test_what_was_changed_after_it_was_read_has_no_yaml(ws):
-    with pytest.raises(dse.DseError, match="'acc_vehicle' is not as in a file"):
-        ws.designs["acc_vehicle"].refine({"sensor": ["lidar_905nm"]}).to_yaml()
+def test_a_refined_design_has_yaml_of_its_own(ws, made):
+    refined = ws.designs["acc_vehicle"].refine({"sensor": ["lidar_905nm"]})
+    file = made.root / "designs" / "refined.yaml"
+    refined.to_yaml(file)
+    file.write_text(file.read_text(encoding="utf-8").replace("acc_vehicle", "refined"), encoding="utf-8")
+    assert dse.open(made.root).designs["refined"].count() == refined.count() > 0
+
+
+def test_what_was_changed_after_it_was_read_has_no_data(ws):
+    study = ws.studies["acc_gains"]
+    with pytest.raises(dse.DseError, match="'acc_gains' is not as in a file"):
+        _ = dse.Study.of(dataclasses.replace(study.noun, seed=2)).data
+
+
+def test_a_class_of_a_notebook_is_found_by_its_cell(made, cart_control):
+    cell = "import numpy as np\nclass Celled:\n    def step(self, inputs, h):\n        return {'demand': np.pi}\n"
+    name = "ipykernel_1/1234.py"
+    linecache.cache[name] = (len(cell), None, cell.splitlines(keepends=True), name)
+    scope: dict[str, Any] = {"__name__": "__main__"}
+    exec(compile(cell, name, "exec"), scope)  # noqa: S102  # as IPython does
+    dse.Component("celled", implements=cart_control, source=scope["Celled"], workspace=made)
+    text = (made.root / "components" / "celled" / "celled.py").read_text(encoding="utf-8")
+    assert text == "import numpy as np\n\n\n" + cell.partition("\n")[2]
+
+
+@pytest.mark.thorough
+def test_components_made_in_python_run(made, cart_control):
+    source = {"kind": "c", "files": {"halving.c": C, "halving.h": HEADER}, "struct": "halving"}
+    parts = [
+        dse.Component("run_in_python", **CART, source=Proportional, workspace=made),
+        dse.Component("run_in_c", implements=cart_control, source=source, workspace=made),
+    ]
+    design = dse.Design("running", root={"compound": {"control": {"alternatives": parts}}})
+    bench = dse.Bench(
+        "running",
+        design=design,
+        parameters={"control.speed": "3.6 km/h", "control.set_speed": 3},
+        simulation={"stop": 1, "step": 0.1},
+        metrics={"demand": "final(control.demand)"},
+    )
+    found = {run.choices["control"]: run.metrics["demand"] for run in map(bench.simulate, design)}
+    # LIMIT + 800 kg/s tanh(3 m/s - 1 m/s), and half the speed.
+    assert found == {"run_in_python": pytest.approx(800 * math.tanh(2.0) + LIMIT, rel=1e-15), "run_in_c": 0.5}
 
 
 def test_a_workspace_is_kept_in_a_folder_that_is_named(tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Required, TypedDict, overload
 
 from dse.api.authoring.defined import Defined, FileKind, InWorkspace
@@ -70,6 +71,21 @@ class Design(Defined[DesignSpace]):
     def space(self) -> DesignSpace:
         """Its data."""
         return self.noun
+
+    def to_yaml(self, target: str | Path | None = None) -> str:
+        """As YAML, also of a design that was refined or read from UVL; written to the file *target* if that is given.
+
+        Raises DseError if *target* cannot be written.
+        """
+        if self.definitions is not None:
+            return super().to_yaml(target)
+        from dse.loading import write_design
+        from dse.scratch import write_whole
+
+        text = write_design(self.space)
+        if target is not None:
+            write_whole(Path(target), text)
+        return text
 
     @property
     def total(self) -> int:
