@@ -248,6 +248,14 @@ def test_c_is_given_as_text_or_as_files(made, cart_control, tmp_path, monkeypatc
         assert {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.[ch]")} == texts
 
 
+def test_types_of_an_interface_are_for_its_arrays(made):
+    interface = dse.Interface(
+        "sightings", types={"sighting": {"id": "int", "at": "m[2]"}}, outputs={"seen": "sighting[2]"}, workspace=made
+    )
+    assert [port.name for port in interface.noun.ports][:3] == ["seen[1].id", "seen[1].at[1]", "seen[1].at[2]"]
+    assert dse.Component("tracker", implements=interface, workspace=made).noun.interface == interface.noun
+
+
 def test_a_file_that_is_not_there_is_named(made, cart_control):
     with pytest.raises(dse.DseError) as error:
         dse.Component("nowhere", **CART, source={"kind": "c", "files": ["nowhere.c"]}, workspace=made)
@@ -329,6 +337,11 @@ ERRORS = {
         "dse.Component('e9'): implements",
         "unknown interface 'acc_controler'",
     ),
+    "a unit in a type": (
+        lambda ws: dse.Interface("e11", types={"speeds": {"first": "km/h"}}, outputs={"all": "speeds"}, workspace=ws),
+        "dse.Interface('e11'): types['speeds']['first']",
+        "",
+    ),
     "a unit of a port": (
         lambda ws: dse.Interface("e10", inputs={"speed": "km/h"}, workspace=ws),
         "dse.Interface('e10'): inputs['speed']",
@@ -370,10 +383,13 @@ def test_what_is_defined_anew_takes_the_place_of_what_was(made):
 
 
 def test_a_definition_that_fails_leaves_the_one_before(made):
-    dse.Design("kept", root=sensor("radar_77ghz_mid"), workspace=made)
+    design = dse.Design("kept", root=sensor("radar_77ghz_mid"), workspace=made)
     with pytest.raises(dse.DseError):
         dse.Design("kept", root=sensor("radr"), workspace=made)
     assert made.designs["kept"].count() == 1
+    assert made.designs["kept"].data == design.data
+    for same in (design, made.designs["kept"]):
+        assert dse.Bench("of_kept", design=same, simulation={"stop": 1, "step": 0.1}).design.count() == 1
 
 
 def test_things_of_two_workspaces_are_not_mixed(made, ws):
