@@ -39,11 +39,14 @@ class _Entry:
     """The document as JSON."""
 
 
-def remember(root: Path) -> None:
-    """From now on `read_kept` looks up what it reads in *root*; what is new is kept when this process ends."""
+def remember(root: Path, *, for_good: bool = True) -> None:
+    """From now on `read_kept` looks up what it reads in *root*; what is new is kept when this process ends, unless
+    *for_good* is false."""
     if root not in _OPEN:
-        _exit_hook()
         _OPEN[root] = _Kept(root)
+        if for_good:
+            _exit_hook()
+            _FOR_GOOD.append(_OPEN[root])
 
 
 def read_kept(path: Path, inside: Path) -> Document:
@@ -129,6 +132,7 @@ WRITTEN: dict[Path, Call] = {}
 """The calls in Python that files were written from in this process, by paths without links."""
 
 _OPEN: dict[Path, _Kept] = {}
+_FOR_GOOD: list[_Kept] = []
 _is_posix = os.name == "posix"
 
 
@@ -138,7 +142,7 @@ def _exit_hook() -> None:
 
     @atexit.register
     def save() -> None:
-        for found in _OPEN.values():
+        for found in _FOR_GOOD:
             found.save()
 
 

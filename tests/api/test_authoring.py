@@ -5,6 +5,9 @@ from __future__ import annotations
 import dataclasses
 import linecache
 import math
+import os
+import subprocess
+import sys
 import textwrap
 from collections.abc import Mapping
 from pathlib import Path, PurePath
@@ -469,3 +472,17 @@ def test_errors_in_files_are_told_by_file_and_line(made):
     with pytest.raises(dse.DseError, match=r"by_hand\.yaml:2:"):
         dse.open(made.root).designs["by_hand"]
     file.unlink()
+
+
+@pytest.mark.thorough
+def test_a_temporary_workspace_leaves_nothing_behind(tmp_path):
+    code = (
+        "import dse\n"
+        "ws = dse.Workspace.new()\n"
+        "dse.Design('one', root={'compound': {'sensor': 'radar_77ghz_mid'}}, workspace=ws)\n"
+        "print(ws.root)\n"
+    )
+    environment = {**os.environ, "DSE_CACHE": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert not Path(done.stdout.strip()).exists()
+    assert not list((tmp_path / "documents").glob("*"))

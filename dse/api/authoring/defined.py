@@ -61,7 +61,7 @@ class Definitions:
         if folder is None:
             finalize(made, shutil.rmtree, root, ignore_errors=True)
         copy_example(root, _FOLDERS)
-        remember(root)
+        remember(root, for_good=folder is not None)
         return made
 
     @contextmanager
