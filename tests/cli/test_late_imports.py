@@ -31,6 +31,7 @@ MAY_IMPORT = {
     "init {o}": set(),
     "docs": set(),
     "udp --help": set(),
+    "mcp --help": set(),
     "udp layout idm_acc": set(),
     "schema design": {"numpy", "pint", "ruamel.yaml", "scipy"},
     "list": {"numpy", "ruamel.yaml"},  # the first to read the benches

@@ -41,6 +41,7 @@ COMMANDS = (
     "compare_components",
     "report",
     "serve",
+    "mcp",
     "trust",
     "drive",
     "udp",
