@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -200,18 +201,56 @@ class Workspace:
             return typed.resolve()
         found: dict[str, Path] = {}
         for path in self.files(folder):
-            if not path.name.endswith(suffix) or (suffix == ".yaml" and path.name.endswith((STUDY, RATING))):
-                continue
             stem = path.name.removesuffix(suffix)
+            if _suffix(path) != suffix:
+                continue
             if stem in found:
                 what = f"two files are called '{path.name}'"
                 raise fail(what, Location(shown(path)), f"the other is {shown(found[stem])}; rename one")
             found[stem] = path
         if name not in found:
-            bench = {STUDY: "study", RATING: "rating"}.get(suffix, "test bench")
-            kind = {"designs": "design", "roads": "road", "testbenches": bench}[folder]
+            wanted = next(kind for kind in _KINDS if (kind.folder, kind.suffix) == (folder, suffix))
+            other = self.kind_of(name)
+            if other is not None and where is None:
+                hint = f"{other.command} {name} {other.does}"
+                raise fail(f"'{name}' is {other.words}, not {wanted.words}", where, hint)
+            kind = wanted.words.partition(" ")[2]
             raise fail(f"unknown {kind} '{name}'", where, closest(name, found) or f"there is none in {folder}/")
         return found[name]
+
+    def kind_of(self, name: str) -> FileKind | None:
+        """What kind of file is called *name*; None if there is no such file."""
+        for kind in _KINDS:
+            for path in self.files(kind.folder):
+                if path.name == f"{name}{kind.suffix}" and _suffix(path) == kind.suffix:
+                    return kind
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class FileKind:
+    """Files in *folder* whose names end in *suffix*; *command* *does* something with one."""
+
+    words: str
+    folder: str
+    suffix: str
+    command: str
+    does: str
+
+
+STUDY_FILE = FileKind("a study", "testbenches", STUDY, "dse explore", "simulates it")
+BENCH_FILE = FileKind("a test bench", "testbenches", ".yaml", "dse run", "simulates it")
+_KINDS = (
+    STUDY_FILE,
+    BENCH_FILE,
+    FileKind("a rating", "testbenches", RATING, "dse rate DESIGN --rating", "predicts its points"),
+    FileKind("a design space", "designs", ".yaml", "dse enumerate", "lists its configurations"),
+    FileKind("a road", "roads", ".yaml", "dse figure", "draws it"),
+)
+
+
+def _suffix(path: Path) -> str:
+    return next((suffix for suffix in (STUDY, RATING) if path.name.endswith(suffix)), ".yaml")
 
 
 def _yaml_below(folder: Path | str) -> Iterator[Path]:

@@ -123,12 +123,6 @@ class Results:
 
         return findings(self._read(judged), tell or (lambda _: None))
 
-    def essentials(self) -> tuple[Finding, ...]:
-        """The findings about requirements that are computed quickly."""
-        from dse.analysis import essentials
-
-        return essentials(self._read(judged))
-
     def export(self, kind: str, units: str = "shown") -> bytes:
         """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``, or that of the requirements as
         ``requirements`` (CSV) or ``reqif``; *units* as in `to_pandas`."""
