@@ -43,7 +43,7 @@ def test_the_unbroken_workspace_loads(files):
 
 CASES = [
     # what is broken: file, old text, new text, place, message, part of the hint
-    ("a comma in braces", "testbenches/gains.pet.yaml", "testbench: following", "testbench: following\nconfigurations: {where: max(1, 2) > 1}", "testbenches/gains.pet.yaml:3:31", "unexpected '2) > 1'", "quote an expression"),
+    ("a comma in braces", "testbenches/gains.pet.yaml", "testbench: following", "testbench: following\nconfigurations: {where: max(1, 2) > 1}", "testbenches/gains.pet.yaml:3:32", "unexpected '2) > 1'", "quote an expression"),
     ("unknown key", "components/pd/component.yaml", "unit: 1/s", "units: 1/s", "components/pd/component.yaml:5:36", "unknown key 'units'", "unit"),
     ("unknown key at the top", "testbenches/following.yaml", "design: car", "design: car\nscenario: x", "testbenches/following.yaml:3:1", "unknown key 'scenario'", "possible"),
     ("wrong unit", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: 40 kg}", "testbenches/following.yaml:8:34", "wrong unit in '40 kg': expected length, found mass", "write it in m"),
