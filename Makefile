@@ -20,7 +20,7 @@ INSTALL = UV_DEFAULT_INDEX="$${UV_DEFAULT_INDEX:-$$($(BIN)/python -m pip config 
 # A machine without a C compiler gets one as a wheel.
 COMPILER := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo ",toolchain")
 
-.PHONY: demo drive test thorough rest check nightly bench faults setup clean lint types layers web plugin lock sbom audit
+.PHONY: demo drive test thorough rest check nightly bench faults setup clean lint types layers web plugin wheels lock sbom audit
 
 SOURCES := $(wildcard dse/cosim/kernel/*.c dse/cosim/kernel/*.h dse/csolve/*.h dse/report/web/src/* dse/report/web/src/*/*)
 MADE_OF := pyproject.toml hatch_build.py dse/report/web/package-lock.json $(SOURCES)
@@ -108,6 +108,14 @@ layers: setup
 
 web: setup
 	$(BIN)/python hatch_build.py
+
+# For each platform in hatch_build.py a wheel, with the report that `dse demo` opens, and the sources; docs/releases.md.
+wheels: setup web
+	$(DSE) explore acc_gains -o build/demo --workers $(WORKERS)
+	$(DSE) report build/demo
+	$(BIN)/python -m hatchling build -t sdist
+	$(BIN)/python -c 'import hatch_build; print(*hatch_build.PLATFORMS)' | xargs -n 1 | while read platform; do \
+	  DSE_DEMO=build/demo/report.html DSE_PLATFORM=$$platform $(BIN)/python -m hatchling build -t wheel || exit 1; done
 
 bench: setup
 	$(BIN)/python benchmarks/bench_kernel.py

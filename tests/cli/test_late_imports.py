@@ -29,6 +29,7 @@ MAY_IMPORT = {
     "--version": set(),
     "space --help": set(),
     "init {o}": set(),
+    "demo --help": set(),
     "docs": set(),
     "udp --help": set(),
     "mcp --help": set(),
