@@ -16,7 +16,7 @@ from .known_runs import (
     NOT_REPRODUCIBLE as NOT_REPRODUCIBLE,
     KnownRuns as KnownRuns,
     give as give,
-    unsettled as unsettled,
+    forget_unsettled as forget_unsettled,
 )
 from .loop import ExplorationInterruptedError as ExplorationInterruptedError, Explored as Explored, explore as explore
 from .one_shot_sampler import OneShotSampler as OneShotSampler

@@ -35,7 +35,7 @@ from dse.exploration import (
     explore,
     give,
     load_executor,
-    unsettled,
+    forget_unsettled,
 )
 from dse.storage import Merged, StudyFolder, merge_studies, shards_in
 from dse.testbench import (
@@ -130,7 +130,7 @@ def explore_into(
         require_checkable(planned, planned.benches)
     with StudyFolder.resume(folder, planned.definition) as store:
         if options.retry_failed:
-            store.forget(unsettled(store))
+            forget_unsettled(store, study)
         store.note_addresses(known.addresses)
         note_sources(study, store)
         explored = explore(
