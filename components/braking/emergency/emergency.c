@@ -78,15 +78,21 @@ static void cross(int32_t class, double width, double length, const emergency_pl
     *left += place->across > 0 ? passing + more : more + ahead;
 }
 
-emergency_meeting emergency_meet(const emergency_in *in, int index, double front, double width, double length) {
-    emergency_place place = emergency_place_of(in, index, front, width);
-    emergency_meeting meeting = {place.is_ahead && place.closing > 0, place.gap, place.closing, 0, 0, 0, 0, 0};
+emergency_meeting emergency_meet(const emergency_in *in, int index, const emergency_car *car) {
+    emergency_place place = emergency_place_of(in, index, car->front, car->width);
+    emergency_meeting meeting = {.is_ahead = place.is_ahead && place.closing > 0, .gap = place.gap, .closing = place.closing};
     if (!meeting.is_ahead) return meeting;
+    bool is_unknown = !(in->tracks[index].width > 0) && in->tracks[index].class == CLASS_NONE;
+    if (is_unknown && car->unknown_width > 0) place.touching = 0.5 * (car->width + car->unknown_width);
+    double share = place.cosine / place.radius; /* of the car's axis along the path */
+    meeting.speed = place.speed;
+    meeting.braking = -share * in->tracks[index].ax;
+    meeting.braking_deviation = share * in->tracks[index].ax_deviation;
     double right = 0, left = 0;
     int32_t class = in->tracks[index].class;
     if (class == CLASS_NONE && fabs(place.across) > RUNS) class = CLASS_CAR;
-    if (length > 0 && fabs(place.across) > CROSSES && length_of(class) > 0) {
-        cross(class, width, length, &place, &meeting, &right, &left);
+    if (car->length > 0 && fabs(place.across) > CROSSES && length_of(class) > 0) {
+        cross(class, car->width, car->length, &place, &meeting, &right, &left);
     }
     double time = meeting.gap / place.closing, bent = place.across / place.closing, aside = place.aside + place.across * time;
     meeting.clearance = fmax(aside + right, -aside - left) - place.touching;
