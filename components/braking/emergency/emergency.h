@@ -42,6 +42,10 @@ typedef struct {
     double cosine, sine, radius; /* direction of the path beside it, relative to the car; in radii of the circle */
 } emergency_place;
 
+/* m: of a road user of that class; 1 m and 0 without one. */
+double emergency_width_of(int32_t class);
+double emergency_length_of(int32_t class);
+
 /* *front* is from the centre of gravity to the bumper, *width* that of the car. An object of unknown width gets
  * that of its class: 0.5 m for a pedestrian (Euro NCAP's target), 0.6 m for a bicycle, 1.8 m for a car; 1 m without one. */
 emergency_place emergency_place_of(const emergency_in *in, int index, double front, double width);
