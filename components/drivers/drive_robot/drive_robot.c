@@ -1,0 +1,36 @@
+#include "drive_robot.h"
+
+#include "../../traffic/profile/speed_profile.h"
+
+#include <math.h>
+
+#define BRAKES 1.0       /* m/s2 */
+#define SLOWER (2 / 3.6) /* m/s */
+
+static void output(drive_robot *self, double torque) {
+    for (int32_t i = 0; i < 4; ++i) self->out.wheel_torque[i] = 0.25 * torque;
+    self->out.set_speed = self->in.motion.speed;
+}
+
+void drive_robot_init(drive_robot *self) {
+    self->ticks = 0;
+    self->way = 0;
+    self->has_stopped = false;
+    self->last = self->in.motion.speed;
+    output(self, 0);
+}
+
+void drive_robot_step(drive_robot *self) {
+    const double sense = self->par.reverses ? -1 : 1, speed = self->in.motion.speed;
+    ++self->ticks;
+    self->way += 0.5 * (self->last + speed) * DRIVE_ROBOT_STEP;
+    self->last = speed;
+    speed_profile prescribed = {0, self->par.start_after, self->par.acceleration, self->par.speed};
+    speed_profile_motion wanted = speed_profile_at(&prescribed, self->ticks * DRIVE_ROBOT_STEP);
+    double late = wanted.travelled - sense * self->way, slow = wanted.speed - sense * speed;
+    if (sense * self->in.motion.acceleration < -BRAKES || slow > SLOWER) self->has_stopped = true;
+    bool drives = wanted.speed > 0 && !self->has_stopped;
+    double correction = self->par.place_gain * late + self->par.speed_gain * slow, most = self->par.max_correction;
+    double acceleration = wanted.acceleration + fmax(fmin(correction, most), -most);
+    output(self, drives ? sense * self->par.nominal_mass * acceleration * self->par.wheel_radius : 0);
+}
