@@ -14,13 +14,14 @@ from dse.formats import Entry, remember, shown
 from dse.loading.component.component import read_collection, read_component
 from dse.loading.component.interfaces import read_interfaces, read_stand_ins, read_types
 from dse.loading.paths import find_root
-from dse.places import RATING, STUDY
+from dse.places import NO_BENCHES, PROCEDURE, RATING, STUDY
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
     from dse.domain.design import DesignSpace
     from dse.domain.road import Road
     from dse.domain.study import Study
+    from dse.loading.bench.procedure import Procedure
     from dse.loading.bench.rating import Rating
 
 _FOLDERS = ("components", "designs", "testbenches")
@@ -169,6 +170,15 @@ class Workspace:
         _require_name(rating.name, path, RATING, rating.where)
         return rating
 
+    def procedure(self, name: str, where: Location | None = None) -> Procedure:
+        """The test procedure called *name*, or in the file *name*. Raises DseError."""
+        from dse.loading.bench.procedure import read_procedure
+
+        path = self._file(name, "testbenches", PROCEDURE, where)
+        procedure = read_procedure(path, self.bench, self.root)
+        _require_name(procedure.name, path, PROCEDURE, procedure.where)
+        return procedure
+
     def road(self, name: str, where: Location | None = None) -> Road:
         """The road called *name*, or in the file *name*. Raises DseError."""
         from dse.loading.road.road import read_road
@@ -200,7 +210,7 @@ class Workspace:
             return typed.resolve()
         found: dict[str, Path] = {}
         for path in self.files(folder):
-            if not path.name.endswith(suffix) or (suffix == ".yaml" and path.name.endswith((STUDY, RATING))):
+            if not path.name.endswith(suffix) or (suffix == ".yaml" and path.name.endswith(NO_BENCHES)):
                 continue
             stem = path.name.removesuffix(suffix)
             if stem in found:
@@ -208,7 +218,7 @@ class Workspace:
                 raise fail(what, Location(shown(path)), f"the other is {shown(found[stem])}; rename one")
             found[stem] = path
         if name not in found:
-            bench = {STUDY: "study", RATING: "rating"}.get(suffix, "test bench")
+            bench = {STUDY: "study", RATING: "rating", PROCEDURE: "procedure"}.get(suffix, "test bench")
             kind = {"designs": "design", "roads": "road", "testbenches": bench}[folder]
             raise fail(f"unknown {kind} '{name}'", where, closest(name, found) or f"there is none in {folder}/")
         return found[name]

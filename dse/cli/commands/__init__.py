@@ -36,6 +36,7 @@ COMMANDS = (
     "findings",
     "best",
     "rate",
+    "verify",
     "refine",
     "compare",
     "compare_components",
