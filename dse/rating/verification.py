@@ -120,12 +120,18 @@ def verify(
         with StudyFolder.open(place) as store:
             found += _verdicts(study, place, store.table())
     left_out = tuple(test.name for test in procedure.tests if test not in mine)
-    return Verification(procedure, design, tuple(sorted(found, key=_badness)), left_out, simulated)
+    return Verification(procedure, design, worst_first(found), left_out, simulated)
 
 
-def _badness(each: CaseVerdict) -> tuple[int, float, int]:
-    share = each.share
-    return _RANKS.index(each.verdict), -math.inf if math.isnan(share) else share, each.number
+def worst_first(verdicts: Sequence[CaseVerdict]) -> tuple[CaseVerdict, ...]:
+    """Runs that failed, then verdicts fail, not exercised and pass; of each the least share first, undefined ones
+    before all."""
+
+    def badness(each: CaseVerdict) -> tuple[int, float, int]:
+        share = each.share
+        return _RANKS.index(each.verdict), -math.inf if math.isnan(share) else share, each.number
+
+    return tuple(sorted(verdicts, key=badness))
 
 
 def _verdicts(study: Study, folder: Path, table: RunTable) -> Iterator[CaseVerdict]:
