@@ -11,7 +11,7 @@ from dse.api.presentation.html import table
 from dse.api.spaces.design import Design
 from dse.api.studies.bench import Bench, Study
 from dse.loading import Workspace as Files
-from dse.places import RATING, STUDY
+from dse.places import NO_BENCHES, STUDY
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -53,7 +53,7 @@ class Workspace:
         return [path.stem for path in self.files.files("designs")]
 
     def _benches(self) -> Iterable[str]:
-        return [path.stem for path in self.files.files("testbenches") if not path.name.endswith((STUDY, RATING))]
+        return [path.stem for path in self.files.files("testbenches") if not path.name.endswith(NO_BENCHES)]
 
     def _studies(self) -> Iterable[str]:
         found = (path.name for path in self.files.files("testbenches"))

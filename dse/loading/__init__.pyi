@@ -1,4 +1,5 @@
 from .bench.bench import read_setting as read_setting
+from .bench.procedure import Procedure as Procedure
 from .bench.rating import (
     RatedTest as RatedTest,
     Rating as Rating,

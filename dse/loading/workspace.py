@@ -15,13 +15,14 @@ from dse.formats import Entry, remember, shown
 from dse.loading.component.component import read_collection, read_component
 from dse.loading.component.interfaces import read_interfaces, read_stand_ins, read_types
 from dse.loading.paths import find_root
-from dse.places import RATING, STUDY
+from dse.places import NO_BENCHES, PROCEDURE, RATING, STUDY
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
     from dse.domain.design import DesignSpace
     from dse.domain.road import Road
     from dse.domain.study import Study
+    from dse.loading.bench.procedure import Procedure
     from dse.loading.bench.rating import Rating
 
 _FOLDERS = ("components", "designs", "testbenches")
@@ -170,6 +171,15 @@ class Workspace:
         _require_name(rating.name, path, RATING, rating.where)
         return rating
 
+    def procedure(self, name: str, where: Location | None = None) -> Procedure:
+        """The test procedure called *name*, or in the file *name*. Raises DseError."""
+        from dse.loading.bench.procedure import read_procedure
+
+        path = self._file(name, "testbenches", PROCEDURE, where)
+        procedure = read_procedure(path, self.bench, self.root)
+        _require_name(procedure.name, path, PROCEDURE, procedure.where)
+        return procedure
+
     def road(self, name: str, where: Location | None = None) -> Road:
         """The road called *name*, or in the file *name*. Raises DseError."""
         from dse.loading.road.road import read_road
@@ -244,13 +254,14 @@ _KINDS = (
     STUDY_FILE,
     BENCH_FILE,
     FileKind("a rating", "testbenches", RATING, "dse rate DESIGN --rating", "predicts its points"),
+    FileKind("a procedure", "testbenches", PROCEDURE, "dse verify", "checks it"),
     FileKind("a design space", "designs", ".yaml", "dse enumerate", "lists its configurations"),
     FileKind("a road", "roads", ".yaml", "dse figure", "draws it"),
 )
 
 
 def _suffix(path: Path) -> str:
-    return next((suffix for suffix in (STUDY, RATING) if path.name.endswith(suffix)), ".yaml")
+    return next((suffix for suffix in NO_BENCHES if path.name.endswith(suffix)), ".yaml")
 
 
 def _yaml_below(folder: Path | str) -> Iterator[Path]:

@@ -173,6 +173,7 @@ def test_every_command_is_in_the_table():
         "export ssp",
         "merge",
         "rate",  # simulates for a minute; tests/docs/test_rating.py runs it
+        "verify",  # as rate; tests/rating/test_verification.py runs it
         "serve",  # goes on for ever; tests/cli/test_serve.py starts it
         "new design",
         "new bench",

@@ -11,6 +11,10 @@ import pandas as pd
 import pytest
 
 import dse
+from dse.expression import parse_expression
+from dse.loading import Workspace
+from dse.rating import verify
+from dse.space import open_space
 
 pytestmark = pytest.mark.usefixtures("kept_cache")
 ROOT = Path(__file__).parents[2]
@@ -218,3 +222,31 @@ def test_lane_support_keeps_the_car_on_its_lane(folder: Path, bench: str) -> Non
         assert (without.min(), with_it.max()) == (1, 0)
     else:
         assert without.max() < 0 < with_it.min()
+
+
+@pytest.mark.thorough
+def test_no_case_of_un_r152_is_passed_without_a_brake_and_all_are_with_an_ideal_sensor(
+    folder: Path, tmp_path: Path
+) -> None:
+    space = Workspace(folder)
+    procedure, design = space.procedure("un_r152"), space.design("ncap_vehicle")
+    found = {}
+    for name, where in (
+        (
+            "none",
+            CAR.replace("tracker is kalman_tracker", "tracker is no_tracker and aeb is no_aeb")
+            + " and sensor is object_perfect",
+        ),
+        ("ideal", PERFECT.replace("crossing_aeb", "crossing_aeb_early") + " and brake is brake_by_wire"),
+    ):
+        opened = open_space(design, where=parse_expression(where))
+        found[name] = verify(procedure, design, [next(opened.configurations())], tmp_path / name)
+    cases = {(each.test, each.case) for each in found["none"].verdicts}
+    assert len(cases) == 9 + 4
+    assert {(each.test, each.case) for each in found["none"].verdicts if each.verdict == "fail"} == cases
+    impacts = [each for each in found["none"].verdicts if each.requirement == "impact"]
+    for each in impacts:  # nothing brakes: the impact is at the closing speed; a step of 10 ms, tyres that roll
+        speed = float(each.case.split()[1]) - (20.0 if each.test == "moving" else 0.0)
+        assert each.value / KMH == pytest.approx(speed, abs=0.1)
+    assert {each.verdict for each in impacts} == {"fail"}
+    assert {each.verdict for each in found["ideal"].verdicts} == {"pass"}

@@ -37,6 +37,7 @@ COMMANDS = (
     "findings",
     "best",
     "rate",
+    "verify",
     "refine",
     "compare",
     "compare_components",
