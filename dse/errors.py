@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import errno
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Location:
-    """A place in a file the user wrote; *line* and *column* count from 1, 0 means unknown."""
+    """A place in a file the user wrote; *line* and *column* count from 1, 0 means unknown.
+
+    If the file was written from Python, *argument* is the argument that the place was written from.
+    """
 
     file: str
     line: int = 0
     column: int = 0
+    argument: str = field(default="", compare=False)
 
     def __str__(self) -> str:
+        if self.argument:
+            return self.argument
         if not self.line:
             return self.file
         return f"{self.file}:{self.line}:{self.column}"

@@ -1,3 +1,4 @@
+from .authoring.components import Component as Component, Interface as Interface
 from .contents import (
     ListedFile as ListedFile,
     ListedResults as ListedResults,

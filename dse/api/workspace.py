@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from dse.api.authoring.defined import Definitions
 from dse.api.lookup import space_of
 from dse.api.presentation.html import table
 from dse.api.spaces.design import Design
@@ -31,12 +32,28 @@ def open(path: str | Path = ".") -> Workspace:  # noqa: A001  # dse.open(".") re
 class Workspace:
     """The files of a product family. A name may also be the path of a file, as on the command line."""
 
-    def __init__(self, files: Files) -> None:
-        self.files = files
-        self.components: Named[Component] = Named("components", lambda: files.component_files, files.component)
-        self.designs = Named("designs", self._designs, lambda name: Design(space_of(name, workspace=files)))
-        self.benches = Named("benches", self._benches, lambda name: Bench(files.bench(name)))
-        self.studies = Named("studies", self._studies, lambda name: Study(files.study(name)))
+    def __init__(self, files: Files | Definitions) -> None:
+        self.definitions = files if isinstance(files, Definitions) else Definitions(files)
+        here = self.definitions
+        self.components: Named[Component] = Named(
+            "components", here, lambda files: files.component_files, Files.component
+        )
+        self.designs = Named(
+            "designs", here, _designs, lambda files, name: Design.of(space_of(name, workspace=files), here)
+        )
+        self.benches = Named("benches", here, _benches, lambda files, name: Bench.of(files.bench(name), here))
+        self.studies = Named("studies", here, _studies, lambda files, name: Study.of(files.study(name), here))
+
+    @staticmethod
+    def new(folder: str | Path | None = None) -> Workspace:
+        """A copy of the example workspace, to define things in: in a new or empty *folder*, which is kept, or by
+        default in a temporary one, which is removed with this. Raises DseError."""
+        return Workspace(Definitions.new(folder))
+
+    @property
+    def files(self) -> Files:
+        """What reads its files."""
+        return self.definitions.files
 
     @property
     def root(self) -> Path:
@@ -48,16 +65,6 @@ class Workspace:
         from dse.testbench import check_workspace
 
         return tuple(check_workspace(Files(self.root))[0])
-
-    def _designs(self) -> Iterable[str]:
-        return [path.stem for path in self.files.files("designs")]
-
-    def _benches(self) -> Iterable[str]:
-        return [path.stem for path in self.files.files("testbenches") if not path.name.endswith(NO_BENCHES)]
-
-    def _studies(self) -> Iterable[str]:
-        found = (path.name for path in self.files.files("testbenches"))
-        return [name.removesuffix(STUDY) for name in found if name.endswith(STUDY)]
 
     def __repr__(self) -> str:
         return f"<Workspace {self.root}: {', '.join(f'{len(named)} {what}' for what, named in self._kinds())}>"
@@ -75,22 +82,48 @@ class Workspace:
 # What a workspace has of one kind, by name.
 
 
+def _designs(files: Files) -> Iterable[str]:
+    return [path.stem for path in files.files("designs")]
+
+
+def _benches(files: Files) -> Iterable[str]:
+    return [path.stem for path in files.files("testbenches") if not path.name.endswith(NO_BENCHES)]
+
+
+def _studies(files: Files) -> Iterable[str]:
+    found = (path.name for path in files.files("testbenches"))
+    return [name.removesuffix(STUDY) for name in found if name.endswith(STUDY)]
+
+
 T = TypeVar("T")
 
 
 class Named(Mapping[str, T]):
     """Things by name, each read when it is first asked for. An unknown name is a DseError that hints at the nearest."""
 
-    def __init__(self, what: str, names: Callable[[], Iterable[str]], read: Callable[[str], T]) -> None:
+    def __init__(
+        self,
+        what: str,
+        definitions: Definitions,
+        names: Callable[[Files], Iterable[str]],
+        read: Callable[[Files, str], T],
+    ) -> None:
         self._what = what
-        self._names = names
+        self._definitions = definitions
+        self._list = names
         self._read = read
         self._known: dict[str, T] = {}
+        self._files = definitions.files
 
     def __getitem__(self, name: str) -> T:
+        if self._files is not self._definitions.files:  # something was defined
+            self._files, self._known = self._definitions.files, {}
         if name not in self._known:
-            self._known[name] = self._read(name)
+            self._known[name] = self._read(self._files, name)
         return self._known[name]
+
+    def _names(self) -> Iterable[str]:
+        return self._list(self._definitions.files)
 
     def __contains__(self, name: object) -> bool:
         return name in set(self._names())

@@ -71,7 +71,7 @@ def folders(incomplete: str) -> list[str]:
 
 def pages(incomplete: str) -> list[str]:
     """Pages of ``dse docs``."""
-    from dse.cli.content import content
+    from dse.shipped import content
 
     folder = content("docs") / "docs"
     return _matching(incomplete, (path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.md")))
@@ -79,7 +79,7 @@ def pages(incomplete: str) -> list[str]:
 
 def kinds_of_files(incomplete: str) -> list[str]:
     """Kinds of files that there is a schema of."""
-    from dse.cli.content import content
+    from dse.shipped import content
 
     return _matching(incomplete, (path.stem for path in (content("schemas") / "schemas").glob("*.json")))
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import typer
 
 from dse.cli.arguments import Output
-from dse.cli.content import content
 from dse.cli.diagnostics import Checked
 from dse.cli.endings import DONE
 from dse.cli.terminal import plain, plain_table, print_json, print_line, print_some, print_table, status_line
 from dse.errors import raise_if_any
+from dse.shipped import content
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

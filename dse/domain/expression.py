@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from dse.errors import Location
@@ -45,7 +45,7 @@ def locate(text: str, origin: Origin, offset: int) -> Location | None:
 
 
 def _along(where: Location, characters: int) -> Location:
-    return Location(where.file, where.line, where.column + characters)
+    return replace(where, column=where.column + characters)
 
 
 @dataclass(frozen=True, slots=True)

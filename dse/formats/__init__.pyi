@@ -1,5 +1,5 @@
-from .compose import UNSAFE as UNSAFE
-from .parse_cache import read_kept as read_kept, remember as remember
+from .compose import MOST_LEVELS as MOST_LEVELS, UNSAFE as UNSAFE, unsafe as unsafe
+from .parse_cache import WRITTEN as WRITTEN, read_kept as read_kept, remember as remember
 from .xml import (
     UNBOUND as UNBOUND,
     XmlElement as XmlElement,
@@ -12,6 +12,7 @@ from .xml import (
     xml_content as xml_content,
 )
 from .yaml import (
+    Call as Call,
     Document as Document,
     Entry as Entry,
     KeyPath as KeyPath,
@@ -20,6 +21,7 @@ from .yaml import (
     shown as shown,
 )
 from .yaml_text import (
+    dump_yaml as dump_yaml,
     write_file as write_file,
     write_flow as write_flow,
     write_name as write_name,

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from hashlib import sha256
 from pathlib import Path
@@ -18,7 +18,7 @@ from typing import Any
 from dse.cache import cache_folder, keep, kept
 from dse.domain.expression import Piece
 from dse.errors import Location
-from dse.formats.yaml import Document, parse_yaml, read_content, read_yaml, shown
+from dse.formats.yaml import Call, Document, parse_yaml, read_content, read_yaml, shown
 
 _SETTLED = 2_000_000_000
 """Nanoseconds: file systems tell the times of two changes apart if they are further apart than that."""
@@ -49,7 +49,9 @@ def remember(root: Path) -> None:
 def read_kept(path: Path, inside: Path) -> Document:
     """As `read_yaml` of *path* with its links followed, from what is kept of the workspace *inside* if that may be."""
     found = _OPEN.get(inside)
-    return found.read(path) if found else read_yaml(path.resolve())
+    document = found.read(path) if found else read_yaml(path.resolve())
+    call = WRITTEN.get(document.path)
+    return replace(document, call=call) if call else document
 
 
 class _Kept:
@@ -122,6 +124,9 @@ class _Kept:
         except (TypeError, ValueError, RecursionError):
             return None
 
+
+WRITTEN: dict[Path, Call] = {}
+"""The calls in Python that files were written from in this process, by paths without links."""
 
 _OPEN: dict[Path, _Kept] = {}
 _is_posix = os.name == "posix"

@@ -34,10 +34,26 @@ not the document's. In a mapping, keys have their line and column and the mark o
 
 
 @dataclass(frozen=True, slots=True)
+class Call:
+    """The call in Python whose arguments a file was written from, as ``dse.Study('gains')``.
+
+    The arguments are the keys of the mapping at *path* of the file.
+    """
+
+    text: str
+    path: KeyPath = ()
+
+    def argument(self, path: KeyPath) -> str:
+        """The argument at *path* of the file, as ``dse.Study('gains'): conditions['wind.speed']['range']``."""
+        own = path[len(self.path) :]
+        return f"{self.text}: {own[0]}{''.join(f'[{step!r}]' for step in own[1:])}" if own else self.text
+
+
+@dataclass(frozen=True, slots=True)
 class Document:
     """The data of one file, and where each value and each mapping key stands (*mark*) in *file*, as it is shown.
 
-    Texts over several lines, or with escapes, have *pieces*.
+    Texts over several lines, or with escapes, have *pieces*. A file written from Python has a *call*.
     """
 
     path: Path
@@ -45,6 +61,7 @@ class Document:
     file: str
     mark: Mark
     pieces: Mapping[KeyPath, tuple[Piece, ...]] = field(default_factory=dict)
+    call: Call | None = None
 
     @property
     def top(self) -> Entry:
@@ -91,13 +108,13 @@ class Entry:
     def where(self) -> Location:
         """Where the value stands; the nearest value around it if it is absent."""
         file, _, mark, _ = self.document.along(self.path)
-        return Location(file, mark[0], mark[1])
+        return self._at(file, mark)
 
     @property
     def key(self) -> Location:
         """Where the key stands; the nearest value around it if it is absent."""
         file, mark, _, _ = self.document.along(self.path)
-        return Location(file, mark[0], mark[1])
+        return self._at(file, mark)
 
     @property
     def is_there(self) -> bool:
@@ -107,7 +124,12 @@ class Entry:
     @property
     def origin(self) -> Location | tuple[Piece, ...]:
         """Where the text stands, character by character."""
-        return self.document.pieces.get(self.path) or self.where
+        pieces = self.document.pieces.get(self.path)
+        return pieces if pieces and not self.document.call else self.where
+
+    def _at(self, file: str, mark: Mark) -> Location:
+        call = self.document.call
+        return Location(file, mark[0], mark[1], call.argument(self.path) if call else "")
 
 
 def shown(path: Path) -> str:

@@ -21,6 +21,21 @@ _OTHERS = frozenset({"null", "true", "false"})
 _ENDS_OF_LINES = {0x85: "\\N", 0x2028: "\\L", 0x2029: "\\P", 0xFEFF: "\\uFEFF"}
 
 
+def dump_yaml(data: Mapping[str, Any]) -> str:
+    """A file with plain *data*: mappings, lists, texts, numbers, truth values and None, which read back as the same."""
+    from io import StringIO
+
+    from ruamel.yaml import YAML
+
+    yaml: Any = YAML(typ="safe", pure=True)  # whose types are narrower than what it takes
+    yaml.default_flow_style = None  # what holds no mapping or list is written in one line
+    yaml.sort_base_mapping_type_on_output = False
+    yaml.width = 120
+    text = StringIO()
+    yaml.dump(data, text)
+    return text.getvalue()
+
+
 def write_file(data: Mapping[str, Any]) -> str:
     """A file with *data*: mappings and lists of what is written already, one entry a line."""
     return "\n".join(_block(data, 0)) + "\n"

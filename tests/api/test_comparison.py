@@ -64,7 +64,7 @@ def test_a_value_that_is_fixed_in_one_study_and_varied_in_the_other_is_the_same_
     from dse.testbench import bench_study, with_values
 
     fixed = bench_study(with_values(alone, run.point), Selection((run.configuration,)))
-    Study(replace(fixed, name="fixed")).explore(tmp_path / "fixed", workers=1)
+    Study.of(replace(fixed, name="fixed")).explore(tmp_path / "fixed", workers=1)
     _, other = compare([results.folder, tmp_path / "fixed"])
     assert (other.finished, other.shared, other.flips) == (1, 1, ())
     assert any(change.startswith("design variable") for change in other.changed)
@@ -81,7 +81,7 @@ def test_a_requirement_that_changed_is_told_with_its_bounds(
     study = ws.studies["small"].noun
     looser = tuple(replace(each, at_most=10.0) if each.name == "R1" else each for each in study.bench.requirements)
     changed = replace(study, bench=replace(study.bench, requirements=looser))
-    Study(changed).explore(tmp_path / "looser", workers=1)
+    Study.of(changed).explore(tmp_path / "looser", workers=1)
     _, other = compare([results.folder, tmp_path / "looser"])
     (change,) = other.changed
     assert change.startswith("requirement R1: speed_overshoot ≤ 0.1 %")

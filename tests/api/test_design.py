@@ -140,5 +140,5 @@ def test_configurations_are_a_frame_with_units(design):
 def test_names_from_files_are_escaped_in_tables():
     part = Part(Component("<b>x</b>", Interface("i", ()), None, {}, ()))
     space = DesignSpace("<i>", Compound("<i>", {"a": Alternative((part, part))}))
-    assert "&lt;b&gt;x&lt;/b&gt;" in dse.Design(space)._repr_html_()
-    assert "<b>" not in dse.Design(space)._repr_html_()
+    assert "&lt;b&gt;x&lt;/b&gt;" in dse.Design.of(space)._repr_html_()
+    assert "<b>" not in dse.Design.of(space)._repr_html_()

@@ -100,7 +100,7 @@ def test_half_of_the_workers_of_a_dask_cluster_are_killed(study, local, tmp_path
     ):
         half = [psutil.Process(number) for number in [*client.run(os.getpid).values()][:2]]
         chosen = ExecutorChoice("dask", {"address": cluster.scheduler_address})
-        over_dask = dse.Study(replace(study.noun, executor=chosen))
+        over_dask = dse.Study.of(replace(study.noun, executor=chosen))
         kill = once_there_are(20, lambda: [process.kill() for process in half])
         made = over_dask.explore(tmp_path / "out", fresh=True, progress=kill)
         assert psutil.wait_procs(half, LIMIT)[1] == []

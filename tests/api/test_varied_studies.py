@@ -66,7 +66,7 @@ def test_a_derived_parameter_is_what_it_would_be_if_it_were_given(varied):
     point = {name: row[name] for name in (each.name for each in study.noun.variables)}
     given = {**point, "controller.kd_gap": 5 * point["controller.kp_gap"]}
     bench = with_values(replace(study.bench.noun, derived=()), {name: float(value) for name, value in given.items()})
-    run = Bench(bench).simulate(row["configuration"])
+    run = Bench.of(bench).simulate(row["configuration"])
     assert run.metrics["gap_undershoot"] == row["gap_undershoot"]
     assert run.metrics["consumption"] == row["consumption"]
 

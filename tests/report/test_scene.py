@@ -33,7 +33,7 @@ def studied(tmp_path_factory: pytest.TempPathFactory) -> dse.Results:
     """One run of a bench on a road."""
     bench = dse.open(ROOT).benches["road_braking"]
     first = bench.design.list(1)[0]
-    return dse.Study(bench_study(bench.noun, Selection((first.id,)))).explore(
+    return dse.Study.of(bench_study(bench.noun, Selection((first.id,)))).explore(
         tmp_path_factory.mktemp("scene") / "study"
     )
 

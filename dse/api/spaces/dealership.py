@@ -21,7 +21,7 @@ class Dealership:
     """
 
     def __init__(self, design: Design | DesignSpace) -> None:
-        self._opened = (design if isinstance(design, Design) else Design(design)).opened
+        self._opened = (design if isinstance(design, Design) else Design.of(design)).opened
 
     def offer(self, chosen: Mapping[str, str] | None = None) -> Offer:
         """What is left under what is *chosen* by path (``absent``: left out); see `Offer`.

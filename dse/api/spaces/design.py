@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, TypedDict, overload
+from typing import TYPE_CHECKING, Any, Literal, Required, TypedDict, overload
 
-from dse.api.lookup import condition_of
+from dse.api.authoring.defined import Defined, FileKind, InWorkspace
+from dse.api.lookup import condition_of, space_of
 from dse.api.presentation.html import table
+from dse.domain.design import DesignSpace
 
 if TYPE_CHECKING:
     from typing import Unpack
 
     import pandas as pd
 
-    from dse.domain.design import Configuration, Constraint, DesignSpace
+    from dse.domain.design import Configuration, Constraint
     from dse.space import Aim, Difference, Explanation, Impact, Occurrence, OpenedSpace, Ranked, Tally
     from dse.units import Unit
 
@@ -31,20 +33,43 @@ class Narrowing(TypedDict, total=False):
     off: Sequence[str]
 
 
-class Design:
+class DesignKeys(TypedDict, total=False):
+    """The arguments of `Design`: the keys of a file in ``designs/``."""
+
+    title: str
+    root: Required[Mapping[str, Any]]
+    constraints: Mapping[str, Any]
+    constraint_sets: Mapping[str, Any]
+
+
+_FILE: FileKind[DesignSpace] = FileKind(
+    "Design", "design", "designs", ".yaml", lambda files, name: space_of(name, workspace=files)
+)
+
+
+class Design(Defined[DesignSpace]):
     """A design space; *space* is its data. What a question compiles is kept for the next one.
 
     Iterating gives every valid configuration, one at a time, in the order of the file.
     """
 
-    def __init__(self, space: DesignSpace) -> None:
-        self.space = space
-        self._opened: dict[tuple[tuple[str, ...], tuple[str, ...]], OpenedSpace] = {}
+    def __init__(self, design: str, *, workspace: InWorkspace | None = None, **keys: Unpack[DesignKeys]) -> None:
+        """Define the design space called *design*; the other arguments are the keys of its file.
+
+        In ``root={"compound": {"sensor": {"alternatives": [radar, "lidar_905nm"]}}}``, components are named or given.
+        The file is written to *workspace*, by default that of the components. Raises DseError, which names the
+        argument.
+        """
+        super().__init__(*_FILE.define(design, keys, workspace))
+
+    @cached_property
+    def _opened(self) -> dict[tuple[tuple[str, ...], tuple[str, ...]], OpenedSpace]:
+        return {}
 
     @property
-    def name(self) -> str:
-        """Its name."""
-        return self.space.name
+    def space(self) -> DesignSpace:
+        """Its data."""
+        return self.noun
 
     @property
     def total(self) -> int:
@@ -132,7 +157,7 @@ class Design:
 
     def refine(self, keep: Mapping[str, Iterable[str]]) -> Design:
         """The design with only these alternatives at these places (``absent``: left out); ids stay the same."""
-        return Design(self._opening().refined(f"{path}={','.join(names)}" for path, names in keep.items()))
+        return Design.of(self._opening().refined(f"{path}={','.join(names)}" for path, names in keep.items()))
 
     def to_pandas(self, limit: int | None = None, **narrowing: Unpack[Narrowing]) -> pd.DataFrame:
         """A row for each valid configuration, the first *limit*: its choices and the sums that constraints use.

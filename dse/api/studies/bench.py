@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, Protocol, TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, Required, TypedDict
 
+from dse.api.authoring.defined import Defined, FileKind, InWorkspace
 from dse.api.presentation.html import table
 from dse.domain import study as nouns
 from dse.domain.bench import TestBench
+from dse.places import STUDY
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor as FuturesPool
@@ -36,35 +38,44 @@ class Exploring(TypedDict, total=False):
     progress: Callable[[Progress], None] | bool | None
 
 
-class _HasName(Protocol):
-    @property
-    def name(self) -> str: ...
+class BenchKeys(TypedDict, total=False):
+    """The arguments of `Bench`: the keys of a bench in ``testbenches/``."""
+
+    title: str
+    design: Required[str | Design]
+    test_components: Mapping[str, Any]
+    connections: Sequence[str]
+    parameters: Mapping[str, Any]
+    inputs: Mapping[str, Any]
+    simulation: Required[Mapping[str, Any]]
+    metrics: Mapping[str, Any]
+    requirements: Mapping[str, Any]
+    figures: Mapping[str, Any]
 
 
-N = TypeVar("N", bound=_HasName)
+_BENCH: FileKind[TestBench] = FileKind(
+    "Bench", "testbench", "testbenches", ".yaml", lambda files, name: files.bench(name)
+)
 
 
-class _Named(Generic[N]):
-    """What has a file of its own; *noun* is what this says."""
-
-    def __init__(self, noun: N) -> None:
-        self.noun = noun
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-        return self.noun.name
-
-
-class Bench(_Named[TestBench]):
+class Bench(Defined[TestBench]):
     """A test bench; *noun* is the content of its file."""
+
+    def __init__(self, testbench: str, *, workspace: InWorkspace | None = None, **keys: Unpack[BenchKeys]) -> None:
+        """Define the bench called *testbench*; the other arguments are the keys of its file.
+
+        Quantities, expressions and connections are written as in YAML (``"70 km/h"``, ``"max(car.speed)"``); numbers
+        without a unit are in that of the parameter, times in s. The file is written to *workspace*, by default that of
+        the *design*. Raises DseError, which names the argument.
+        """
+        super().__init__(*_BENCH.define(testbench, keys, workspace))
 
     @property
     def design(self) -> Design:
         """The design space it tests."""
         from dse.api.spaces.design import Design
 
-        return Design(self.noun.design)
+        return Design.of(self.noun.design, self.definitions)
 
     def simulate(
         self,
@@ -95,7 +106,7 @@ class Bench(_Named[TestBench]):
         """Run the bench on every valid configuration, into a study folder; see `Study.explore`."""
         from dse.testbench import bench_study
 
-        return Study(bench_study(self.noun)).explore(folder, **options)
+        return Study.of(bench_study(self.noun), self.definitions).explore(folder, **options)
 
     def __repr__(self) -> str:
         noun = self.noun
@@ -110,13 +121,46 @@ class Bench(_Named[TestBench]):
         return table(f"{self.name}: {noun.title or noun.design.name}", headings, rows)
 
 
-class Study(_Named[nouns.Study]):
+class StudyKeys(TypedDict, total=False):
+    """The arguments of `Study`: the keys of a ``.pet.yaml``."""
+
+    title: str
+    testbench: Required[str | Bench | Sequence[str | Bench]]
+    configurations: str | Sequence[str] | Mapping[str, str]
+    design_variables: Mapping[str, Any]
+    constraints: Sequence[str]
+    conditions: Mapping[str, Any]
+    uncertain: Mapping[str, Any]
+    correlations: Sequence[Sequence[str | float]]
+    objectives: Sequence[str]
+    sampler: str | Mapping[str, Any]
+    executor: str | Mapping[str, Any]
+    keep_waveforms: str
+    check_step: str
+    bench_weights: Sequence[str | float]
+    seed: int
+    replicates: int | Mapping[str, Any]
+
+
+_STUDY: FileKind[nouns.Study] = FileKind("Study", "study", "testbenches", STUDY, lambda files, name: files.study(name))
+
+
+class Study(Defined[nouns.Study]):
     """Design variables explored on a test bench (PET); *noun* is the content of its file."""
+
+    def __init__(self, study: str, *, workspace: InWorkspace | None = None, **keys: Unpack[StudyKeys]) -> None:
+        """Define the study called *study*; the other arguments are the keys of its file.
+
+        Ranges are written as in YAML: ``design_variables={"controller.kp": {"range": [0.1, "3 1/s"]}}``; numbers
+        without a unit are in that of the parameter. The file is written to *workspace*, by default that of the bench.
+        Raises DseError, which names the argument.
+        """
+        super().__init__(*_STUDY.define(study, keys, workspace))
 
     @property
     def bench(self) -> Bench:
         """The test bench it runs on."""
-        return Bench(self.noun.bench)
+        return Bench.of(self.noun.bench, self.definitions)
 
     def explore(
         self,
@@ -152,7 +196,8 @@ class Study(_Named[nouns.Study]):
         options = ExploreOptions(workers, threads, fuse, fresh, fmi, sandbox, retry_failed, executor)
         with progress_shown(progress) as tell:
             explored = explore_into(self.noun, Path(folder), options, on_progress=tell)
-        return Results(Path(folder), explored)
+        source = self.noun.where.file if self.definitions and self.noun.where else None
+        return Results(Path(folder), explored, source)
 
     def plan(
         self, folder: str | Path, *, workers: int = 0, fuse: bool = False, fresh: bool = False, fmi: int = 2

@@ -84,11 +84,15 @@ class Summary:
 
 
 class Results:
-    """The runs in *folder*; each question reads the folder again. *explored*: the exploration, if it was done here."""
+    """The runs in *folder*; each question reads the folder again. *explored*: the exploration, if it was done here.
 
-    def __init__(self, folder: str | Path, explored: Explored | None = None) -> None:
+    *source* is the file of the study, if it is known: what is simulated again is read from there.
+    """
+
+    def __init__(self, folder: str | Path, explored: Explored | None = None, source: str | Path | None = None) -> None:
         self.folder = Path(folder)
         self.explored = explored
+        self.source = source
         self.definition: StudyDefinition = self._read(lambda store: store.require_definition())
 
     @property
@@ -147,7 +151,7 @@ class Results:
         from dse.scratch import make_folder
 
         page = Path(target) if target is not None else replay_file(self.folder, run)
-        scene = scene_of(self.run(run), source=source, near=self.folder, tell=tell)
+        scene = scene_of(self.run(run), source=source or self.source, near=self.folder, tell=tell)
         make_folder(page.parent)
         write_scene(scene, page)
         return page
@@ -212,7 +216,9 @@ class Results:
         stored, page = self.run(run), replay_file(self.folder, run)
         if scene_mark(page) == mark_of(stored):
             return page.read_text(encoding="utf-8")
-        return scene_page(scene_of(stored, source=source, near=self.folder, workspace=workspace, tell=tell))
+        return scene_page(
+            scene_of(stored, source=source or self.source, near=self.folder, workspace=workspace, tell=tell)
+        )
 
     def scene_mark(self, run: int) -> str:
         """A digest of what a *run*'s page in three dimensions is made of: as long as it is the same, so is the page."""
@@ -352,7 +358,7 @@ class Results:
         """Simulate a run again and compare; its study is found in the workspace here, or in the file *source*."""
         from dse.api.studies.replay import replay
 
-        return replay(self.run(number), source=source, fmi=fmi)
+        return replay(self.run(number), source=source or self.source, fmi=fmi)
 
     def __len__(self) -> int:
         return len(self._read(lambda store: store.finished()))

@@ -9,9 +9,9 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
-from dse.cli.content import content, lay_out
 from dse.cli.terminal import print_line, show_page
 from dse.errors import DseError, fail
+from dse.shipped import content, lay_out
 
 _STUDY = "acc_gains"
 

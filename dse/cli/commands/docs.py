@@ -10,9 +10,9 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.completion import pages as known_pages
-from dse.cli.content import content
 from dse.cli.terminal import console, plain_table, print_table
 from dse.errors import closest, fail
+from dse.shipped import content
 
 
 @app.command()

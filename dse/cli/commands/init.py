@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
-from dse.cli.content import lay_out
 from dse.cli.terminal import console, print_line
+from dse.shipped import lay_out
 
 
 @app.command()

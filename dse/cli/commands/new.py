@@ -11,8 +11,8 @@ import typer
 
 from dse.cli.app import group
 from dse.cli.completion import benches, components as components_of, designs
-from dse.cli.content import content
 from dse.cli.terminal import print_line
+from dse.shipped import content
 
 if TYPE_CHECKING:
     from dse.loading import Workspace

@@ -61,7 +61,7 @@ def part(passage: Passage, start: int, end: int) -> Passage:
     before = [piece for piece in passage.pieces if piece.start <= start]
     first = before[-1]
     skipped = 0 if first.inserted else start - first.start
-    where = Location(first.where.file, first.where.line, first.where.column + skipped)
+    where = replace(first.where, column=first.where.column + skipped)
     inside = [replace(piece, start=piece.start - start) for piece in passage.pieces if start < piece.start < end]
     return Passage(passage.text[start:end], (replace(first, start=0, where=where), *inside))
 
