@@ -29,6 +29,7 @@ MAY_IMPORT = {
     "--version": set(),
     "space --help": set(),
     "init {o}": set(),
+    "init {o} --example fmus": {"fmpy", "numpy", "pint", "ruamel.yaml", "scipy"},
     "docs": set(),
     "udp --help": set(),
     "udp layout idm_acc": set(),
