@@ -1,4 +1,4 @@
-"""Sphinx's settings, for `docs/site/build.py`."""
+"""Sphinx's settings, for `docs/site/make.py`."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ nb_execution_timeout = 120
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
+toc_object_entries = False
 autodoc_preserve_defaults = True
 python_maximum_signature_line_length = 80
 

@@ -13,7 +13,7 @@ import typer
 import dse
 from dse.cli.app import app
 from dse.cli.commands import register
-from dse.domain.component import Component, Port
+from dse.domain.component import Component
 from dse.loading import FILE_KINDS, Workspace, file_schema
 from dse.pictures import draw_component, pictured
 
@@ -88,9 +88,9 @@ def files() -> str:
 
 def keys_of(schema: Mapping[str, Any]) -> str:
     """The keys of a kind of file, section by section."""
-    text = f"# {schema['title']}\n\n{schema.get('description', '')}\n" + _keys(schema, schema["anyOf"][0]["required"])
+    text = f"# {schema['title']}\n" + _keys(schema, schema["anyOf"][0]["required"])
     for name, section in sorted(schema.get("$defs", {}).items()):
-        text += f"\n## {_label(name)}\n\n{_escaped(section.get('description', ''))}\n"
+        text += f"\n## {_label(name)}\n\n{section.get('description', '')}\n"
         text += _keys(section, section.get("required", ())) or f"\n{_values(section)}\n"
     return text
 
@@ -156,36 +156,44 @@ def library(folder: Path) -> None:
         links = ", ".join(f"[{each.name}]({family}.md#{each.name.replace('_', '-')})" for each in group)
         rows.append((f"[{family}]({family}.md)", links))
         names.append(family)
-    text = "# Component library\n\n`dse init` copies these components into a workspace. [Their files](../files/component.md) have these keys.\n"
+    text = "# Component library\n\n`dse init` copies these components into a workspace. "
+    text += "[Component](../files/component.md) has the keys of their files.\n"
     _write(folder / "index.md", text + _table(("Family", "Components"), rows) + _contents(names))
 
 
 def _component(component: Component) -> str:
-    kind = component.source.label if component.source is not None else "none"
-    properties = "".join(f", {name} {quantity}" for name, quantity in component.properties.items())
-    parameters = {
-        re.sub(r"\[\d+\]", "[…]", p.name): (p.type, p.start, p.minimum, p.maximum, p.title)
-        for p in reversed(component.parameters)  # of an array the first item's
-    }
-    ports: dict[str, list[Port]] = {}
-    for port in component.interface.ports:
-        ports.setdefault(re.split(r"[.\[]", port.name)[0], []).append(port)
+    from dse.cli.commands.components import data  # not before all commands are registered, in their order
+
+    facts = data(component)
+    properties = "".join(f", {name} {quantity}" for name, quantity in facts["properties"].items())
+    parameters: dict[str, tuple[str, ...]] = {}
+    for name, each in facts["parameters"].items():  # of an array the first item
+        bounds = "" if each["min"] is each["max"] is None else f"{_number(each['min'])} … {_number(each['max'])}"
+        row = (_number(each["start"]), bounds, each["unit"], each["title"])
+        parameters.setdefault(re.sub(r"\[\d+\]", "[…]", name), row)
+    ports: dict[str, list[Mapping[str, str]]] = {}
+    for name, each in facts["ports"].items():
+        ports.setdefault(re.split(r"[.\[]", name)[0], []).append(each)
     return (
         f"\n## {component.name}\n\n{_escaped(component.title)}\n\n"
-        f"Implements `{component.interface.name}`; source: {kind}{properties}.\n\n"
+        f"Implements `{facts['implements']}`; source: {facts['source']}{properties}.\n\n"
         f"![ports of {component.name}](pictures/{component.name}.svg)\n"
         + _table(
-            ("Parameter", "Unit", "Start", "Least", "Greatest", "Meaning"),
-            [(f"`{name}`", *facts) for name, facts in reversed(parameters.items())],
+            ("Parameter", "Start", "Range", "Unit", "Meaning"),
+            [(f"`{name}`", *row) for name, row in parameters.items()],
         )
         + _table(
             ("Port", "Direction", "Unit or type"),
             [
-                (f"`{name}`", each[0].causality, each[0].type if len(each) == 1 else f"{len(each)} values")
+                (f"`{name}`", each[0]["causality"], each[0]["type"] if len(each) == 1 else f"{len(each)} values")
                 for name, each in ports.items()
             ],
         )
     )
+
+
+def _number(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else "∞" if value is None else str(value)
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
@@ -201,7 +209,9 @@ def _cell(value: object) -> str:
 
 def _escaped(text: str) -> str:
     """*text* without what would be markup by chance; code and links stay."""
-    return text.replace("<", "&lt;").replace("*", "\\*")
+    parts = text.split("`")  # every other one is code
+    parts[::2] = [part.replace("<", "&lt;").replace("*", "\\*") for part in parts[::2]]
+    return "`".join(parts)
 
 
 def _unwrapped(text: str | None) -> str:

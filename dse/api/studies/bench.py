@@ -57,7 +57,12 @@ class _Named(Generic[N]):
 
 
 class Bench(_Named[TestBench]):
-    """A test bench; *noun* is the content of its file."""
+    """A test bench; *noun* is the content of its file.
+
+    >>> run = dse.open(".").benches["acc_following"].simulate(set={"controller.kp_speed": "1.2 1/s"})
+    >>> run.is_done, str(run.verdicts["R1"])
+    (True, 'pass')
+    """
 
     @property
     def design(self) -> Design:
@@ -111,7 +116,12 @@ class Bench(_Named[TestBench]):
 
 
 class Study(_Named[nouns.Study]):
-    """Design variables explored on a test bench (PET); *noun* is the content of its file."""
+    """Design variables explored on a test bench (PET); *noun* is the content of its file.
+
+    >>> study = dse.open(".").studies["acc_gains"]
+    >>> study.explore("out/gains")
+    <Results in out/gains: 2178 of 2178 runs>
+    """
 
     @property
     def bench(self) -> Bench:

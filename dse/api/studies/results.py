@@ -84,7 +84,14 @@ class Summary:
 
 
 class Results:
-    """The runs in *folder*; each question reads the folder again. *explored*: the exploration, if it was done here."""
+    """The runs in *folder*; each question reads the folder again. *explored*: the exploration, if it was done here.
+
+    *definition* is the stored definition of the study. Raises DseError if the folder has no study, or is damaged.
+
+    >>> results = dse.results("out/gains")
+    >>> len(results), results.to_pandas().attrs["units"]["settling_time"]
+    (2178, 's')
+    """
 
     def __init__(self, folder: str | Path, explored: Explored | None = None) -> None:
         self.folder = Path(folder)

@@ -1,4 +1,4 @@
-"""Builds the documentation site into build/site: ``python docs/site/build.py`` (``make docs``). Needs no network.
+"""Builds the documentation site into build/site: ``python docs/site/make.py`` (``make docs``). Needs no network.
 
 Sphinx reads build/pages: the pages of the repository at their own places, so that their links stay as they are, and
 those that are generated. It runs the notebooks. Warnings are errors, and so is a link within the site to nothing.
