@@ -82,7 +82,7 @@ check: test rest
 rest: lint types layers web plugin docs thorough
 
 # The documentation site: build/site/index.html, with notebooks that are run. Needs no network.
-docs: setup web
+docs: setup
 	$(BIN)/python docs/site/make.py
 
 # What others add: the example is installed beside, so that it stands in no report of ours, and passes every suite.

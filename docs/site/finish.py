@@ -9,6 +9,7 @@ from pathlib import Path
 from urllib.parse import unquote, urldefrag
 
 from docutils import nodes
+from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.errors import SphinxError
 from sphinx.util.nodes import clean_astext
@@ -44,7 +45,7 @@ def list_of_pages(app: Sphinx) -> str:
 
 
 def _is_contents(node: nodes.Node) -> bool:
-    return node.tagname == "toctree"
+    return isinstance(node, addnodes.toctree)
 
 
 def _sentence(app: Sphinx, page: str) -> str:

@@ -42,7 +42,7 @@ Numbers are in SI units unless a text states other units.
 .. py:module:: dse
 ```
 """
-    for name in sorted(dse.__all__, key=lambda name: (name[0].isupper(), name)):  # functions first
+    for name in sorted(dir(dse), key=lambda name: (name[0].isupper(), name)):  # functions first
         shape = getattr(dse, name)
         kind = "function" if not isinstance(shape, type) else "exception" if issubclass(shape, Exception) else "class"
         members = "" if kind == "function" else "   :members:\n   :inherited-members: Exception, KeyboardInterrupt\n"
@@ -70,7 +70,8 @@ def _command(name: str, command: Any) -> str:
     context = command.context_class(command, info_name=name)
     usage = " ".join(command.collect_usage_pieces(context))
     text += f"\n```text\n{name} {usage}\n```\n"
-    arguments, options = [], []
+    arguments: list[tuple[str, str]] = []
+    options: list[tuple[str, str]] = []
     for parameter in command.get_params(context):
         record = parameter.get_help_record(context)
         if record is not None:
