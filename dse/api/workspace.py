@@ -30,7 +30,14 @@ def open(path: str | Path = ".") -> Workspace:  # noqa: A001  # dse.open(".") re
 
 
 class Workspace:
-    """The files of a product family. A name may also be the path of a file, as on the command line."""
+    """The files of a product family: *components*, *designs*, *benches* and *studies* are mappings by name.
+
+    A name may also be the path of a file, as on the command line. An unknown name is a DseError. *files* reads them.
+
+    >>> ws = dse.open(".")
+    >>> ws.designs["acc_vehicle"].count()
+    227
+    """
 
     def __init__(self, files: Files | Definitions) -> None:
         self.definitions = files if isinstance(files, Definitions) else Definitions(files)

@@ -30,6 +30,7 @@ MAY_IMPORT = {
     "space --help": set(),
     "init {o}": set(),
     "demo --help": set(),
+    "init {o} --example fmus": {"fmpy", "numpy", "pint", "ruamel.yaml", "scipy"},
     "docs": set(),
     "udp --help": set(),
     "mcp --help": set(),

@@ -33,6 +33,7 @@ def test_the_wheel_carries_the_example_and_every_page_but_no_sources_of_the_web_
     assert pages <= names
     assert {name for name in names if name.startswith("dse/content/docs/")} == pages
     assert "dse/content/designs/acc_vehicle.yaml" in names
+    assert "dse/content/examples/fmus/components/truck/Truck.mo" in names
     assert "dse/content/schemas/study.json" in names
     assert "dse/report/web/dist/report.js" in names
     assert not [
