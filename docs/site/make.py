@@ -26,14 +26,14 @@ SECTIONS = {
     "How-to guides": [
         *("docs/bring-your-fmu", "docs/ssp", "docs/modelica", "docs/simulink", "docs/python", "docs/questions"),
         *("docs/boundary", "docs/world", "docs/opendrive", "docs/scenarios", "docs/drive", "docs/rating", "docs/serve"),
-        *("docs/clusters", "docs/udp", "docs/udp_clients", "docs/two_machines", "docs/ci"),
+        *("docs/clusters", "docs/udp", "docs/udp_clients", "docs/two_machines", "docs/ci", "docs/assistants"),
     ],
     "Explanations": [
         *("docs/simulation", "docs/findings", "docs/trust", "docs/aeb", "docs/highway", "docs/decisions/README"),
     ],
     "Reference": [
         *("docs/formats", "reference/files/index", "reference/commands", "reference/python"),
-        *("reference/components/index", "docs/rating_cases", "docs/glossary", "docs/licences"),
+        *("reference/components/index", "docs/rating_cases", "docs/glossary", "docs/licences", "docs/releases"),
     ],
     "Project": ["CHANGELOG", "CONTRIBUTING", "SECURITY", "**/README"],
 }

@@ -32,7 +32,8 @@ def open(path: str | Path = ".") -> Workspace:  # noqa: A001  # dse.open(".") re
 class Workspace:
     """The files of a product family: *components*, *designs*, *benches* and *studies* are mappings by name.
 
-    A name may also be the path of a file, as on the command line. An unknown name is a DseError. *files* reads them.
+    A name may also be the path of a file, as on the command line. An unknown name is a DseError. *files* reads them,
+    *definitions* also has what was defined in Python.
 
     >>> ws = dse.open(".")
     >>> ws.designs["acc_vehicle"].count()
