@@ -23,7 +23,7 @@ void door_retention_step(door_retention *self) {
     if (!(fabs(self->in.motion.speed) < STANDSTILL)) {
         self->left = 0;
     } else if (is_danger) {
-        self->left = (int32_t)floor(self->par.hold / DOOR_RETENTION_STEP + 0.5) + 1;
+        self->left = (int32_t)floor(self->par.hold / TRACKER_STEP + 0.5) + 1;
     } else if (self->left > 0) {
         --self->left;
     }

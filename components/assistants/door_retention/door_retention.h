@@ -8,8 +8,6 @@
 
 #include "../../tracking/tracker/tracker.h"
 
-#define DOOR_RETENTION_STEP 0.01 /* s; the step in the component.yaml */
-
 typedef struct {
     tracker_motion motion;
     tracker_track tracks[TRACKER_TRACKS];

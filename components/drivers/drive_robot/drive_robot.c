@@ -4,9 +4,6 @@
 
 #include <math.h>
 
-#define BRAKES 1.0       /* m/s2 */
-#define SLOWER (2 / 3.6) /* m/s */
-
 static void output(drive_robot *self, double torque) {
     for (int32_t i = 0; i < 4; ++i) self->out.wheel_torque[i] = 0.25 * torque;
     self->out.set_speed = self->in.motion.speed;
@@ -28,9 +25,8 @@ void drive_robot_step(drive_robot *self) {
     speed_profile prescribed = {0, self->par.start_after, self->par.acceleration, self->par.speed};
     speed_profile_motion wanted = speed_profile_at(&prescribed, self->ticks * DRIVE_ROBOT_STEP);
     double late = wanted.travelled - sense * self->way, slow = wanted.speed - sense * speed;
-    if (sense * self->in.motion.acceleration < -BRAKES || slow > SLOWER) self->has_stopped = true;
-    bool drives = wanted.speed > 0 && !self->has_stopped;
+    if (fmax(self->in.emergency_torque, self->in.yielding_torque) > self->par.release_torque) self->has_stopped = true;
     double correction = self->par.place_gain * late + self->par.speed_gain * slow, most = self->par.max_correction;
     double acceleration = wanted.acceleration + fmax(fmin(correction, most), -most);
-    output(self, drives ? sense * self->par.nominal_mass * acceleration * self->par.wheel_radius : 0);
+    output(self, self->has_stopped ? 0 : sense * self->par.nominal_mass * acceleration * self->par.wheel_radius);
 }

@@ -92,8 +92,9 @@ static turn_pose front_at(const rating_target *self, const turn_path *path, doub
 
 /* The time from the start to the end of a *way*. */
 static double time_of(const rating_target *self, double way) {
-    double rate = self->par.pull_away, speed = self->par.pull_away_speed, begin = 0.5 * speed * speed / rate;
+    double rate = self->par.pull_away, speed = self->par.pull_away_speed;
     if (!(rate > 0)) return way / self->host_speed;
+    double begin = 0.5 * speed * speed / rate;
     return self->par.pull_away_after + (way < begin ? sqrt(2 * way / rate) : speed / rate + (way - begin) / speed);
 }
 
