@@ -11,6 +11,9 @@ from command_line import run_dse
 from rated_cars import FILES
 from workspaces import written
 
+from dse.analysis.failures import failure_findings
+from dse.storage import StudyFolder
+
 BENCH = (
     FILES["testbenches/wall.yaml"]
     + "requirements: {R1: {title: soft impact, metric: impact_speed, at_most: 24 km/h}}\n"
@@ -44,4 +47,8 @@ def test_the_share_that_fails_is_stated_with_an_interval_and_the_mildest_failure
     speed, target = map(float, re.findall(r"speed (\d+\.\d+) km/h", found["text"]))
     away = math.hypot((speed - 60) / 3, (target - 10) / 2)
     assert 9 / math.sqrt(13) - 0.01 < away < 9 / math.sqrt(13) + 0.2
+    with StudyFolder.open(folder / "out" / "rare") as store:
+        (withheld,) = failure_findings(store.table(range(300)))
+    assert withheld.topic == "withheld"
+    assert "100 runs that the search asked for are missing" in withheld.text  # those of the fourth batch
     assert "all 716 runs were there" in run_dse(folder, "explore", "rare", cache=tmp_path / "cache").stdout
