@@ -11,6 +11,7 @@ from .designs import (
     front_of as front_of,
 )
 from .executor import Executor as Executor, Pool as Pool, load_executor as load_executor
+from .failure_share import FailureShare as FailureShare, failure_shares as failure_shares
 from .failures import in_words as in_words
 from .known_runs import (
     NOT_REPRODUCIBLE as NOT_REPRODUCIBLE,
