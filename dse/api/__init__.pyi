@@ -18,6 +18,14 @@ from .lookup import (
     workspace_of as workspace_of,
 )
 from .packages import simulate as simulate, simulate_package as simulate_package
+from .presentation.choice_text import choice_lines as choice_lines
+from .presentation.decision_text import (
+    assumed_text as assumed_text,
+    certainty_text as certainty_text,
+    order_text as order_text,
+    share_text as share_text,
+    title_of as title_of,
+)
 from .presentation.definition_rows import (
     metric_rows as metric_rows,
     ranking_as_data as ranking_as_data,

@@ -46,9 +46,7 @@ class Workspace:
         self.components: Named[Component] = Named(
             "components", here, lambda files: files.component_files, Files.component
         )
-        self.designs = Named(
-            "designs", here, _designs, lambda files, name: Design.of(space_of(name, workspace=files), here)
-        )
+        self.designs = Named("designs", here, _designs, lambda files, name: _design(files, name, here))
         self.benches = Named("benches", here, _benches, lambda files, name: Bench.of(files.bench(name), here))
         self.studies = Named("studies", here, _studies, lambda files, name: Study.of(files.study(name), here))
 
@@ -92,6 +90,11 @@ class Workspace:
 
 def _designs(files: Files) -> Iterable[str]:
     return [path.stem for path in files.files("designs")]
+
+
+def _design(files: Files, name: str, definitions: Definitions) -> Design:
+    is_yaml = Path(name).suffix.lower() != ".uvl"
+    return Design.of(space_of(name, workspace=files), definitions if is_yaml else None)
 
 
 def _benches(files: Files) -> Iterable[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from dse.cli.decision import share_text
+from dse.api import share_text
 from dse.cli.terminal import plain_table, print_line, print_table
 from dse.domain.sampler import Role
 

@@ -37,7 +37,7 @@ not the document's. In a mapping, keys have their line and column and the mark o
 class Call:
     """The call in Python whose arguments a file was written from, as ``dse.Study('gains')``.
 
-    The arguments are the keys of the mapping at *path* of the file.
+    The arguments are the keys of the mapping at *path* of the file, and those of the file itself.
     """
 
     text: str
@@ -45,7 +45,8 @@ class Call:
 
     def argument(self, path: KeyPath) -> str:
         """The argument at *path* of the file, as ``dse.Study('gains'): conditions['wind.speed']['range']``."""
-        own = path[len(self.path) :]
+        size = len(self.path)
+        own = path[size:] if path[:size] == self.path else path
         return f"{self.text}: {own[0]}{''.join(f'[{step!r}]' for step in own[1:])}" if own else self.text
 
 

@@ -75,7 +75,8 @@ def _problem(shape: type[Section], finding: Any, entry: Entry) -> Problem:
     kind, loc = finding["type"], finding["loc"]
     if kind == "missing":
         inside = f" in '{_name(entry)}'" if entry.path else ""
-        return Problem(f"'{loc[-1]}' is missing{inside}", entry.key, f"add '{loc[-1]}: …'")
+        hint = f"add {loc[-1]}=…" if entry.document.call and len(loc) == 1 else f"add '{loc[-1]}: …'"
+        return Problem(f"'{loc[-1]}' is missing{inside}", entry.key, hint)
     if kind == "extra_forbidden":
         if _is_later(shape, finding):
             hint = "'dse docs formats' has the list, under 'Not supported in this version'"

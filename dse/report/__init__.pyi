@@ -31,6 +31,7 @@ from .figure import (
     Figure as Figure,
     PrintedFigure as PrintedFigure,
     View as View,
+    configuration_called as configuration_called,
     drawings as drawings,
     uses_insight as uses_insight,
 )

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from dse.errors import DseError, Problem, fail
+from dse.errors import DseError, Location, Problem, fail
 from dse.registry import Registry
 from dse.report.charts.chart import Chart
 from dse.report.charts.problems import chart_problems
@@ -123,6 +123,16 @@ def drawings(name: str, content: ReportContent, view: View) -> Iterator[tuple[st
         raise
     except Exception as error:  # as above
         raise _broken(name, f"{type(error).__name__}: {error}") from error
+
+
+def configuration_called(content: ReportContent, wanted: str | None) -> str:
+    """The id that starts with *wanted*; the first configuration's if it is None. Raises DseError."""
+    ids = [entry.id for entry in content.configurations if entry.id.startswith(wanted or "")]
+    if not ids or (wanted and wanted not in ids and len(ids) > 1):
+        what = f"{len(ids) or 'no'} configurations of this study start with '{wanted}'"
+        known = ", ".join(ids or [entry.id for entry in content.configurations][:6])
+        raise fail(what, Location(content.study_folder), f"as {known}")
+    return wanted if wanted in ids else ids[0]
 
 
 def uses_insight(names: Iterable[str]) -> bool:

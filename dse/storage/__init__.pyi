@@ -34,9 +34,12 @@ from .dry_run import DryRun as DryRun
 from .export.headings import (
     Scale as Scale,
     Units as Units,
+    choice_columns as choice_columns,
     headed as headed,
     scales_of as scales_of,
     si_unit as si_unit,
+    titles_of as titles_of,
+    total_columns as total_columns,
     units_of as units_of,
 )
 from .export.tables import (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import linecache
 import math
 import textwrap
 from collections.abc import Mapping
@@ -247,6 +248,14 @@ def test_c_is_given_as_text_or_as_files(made, cart_control, tmp_path, monkeypatc
         assert {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.[ch]")} == texts
 
 
+def test_types_of_an_interface_are_for_its_arrays(made):
+    interface = dse.Interface(
+        "sightings", types={"sighting": {"id": "int", "at": "m[2]"}}, outputs={"seen": "sighting[2]"}, workspace=made
+    )
+    assert [port.name for port in interface.noun.ports][:3] == ["seen[1].id", "seen[1].at[1]", "seen[1].at[2]"]
+    assert dse.Component("tracker", implements=interface, workspace=made).noun.interface == interface.noun
+
+
 def test_a_file_that_is_not_there_is_named(made, cart_control):
     with pytest.raises(dse.DseError) as error:
         dse.Component("nowhere", **CART, source={"kind": "c", "files": ["nowhere.c"]}, workspace=made)
@@ -328,6 +337,11 @@ ERRORS = {
         "dse.Component('e9'): implements",
         "unknown interface 'acc_controler'",
     ),
+    "a unit in a type": (
+        lambda ws: dse.Interface("e11", types={"speeds": {"first": "km/h"}}, outputs={"all": "speeds"}, workspace=ws),
+        "dse.Interface('e11'): types['speeds']['first']",
+        "",
+    ),
     "a unit of a port": (
         lambda ws: dse.Interface("e10", inputs={"speed": "km/h"}, workspace=ws),
         "dse.Interface('e10'): inputs['speed']",
@@ -369,10 +383,13 @@ def test_what_is_defined_anew_takes_the_place_of_what_was(made):
 
 
 def test_a_definition_that_fails_leaves_the_one_before(made):
-    dse.Design("kept", root=sensor("radar_77ghz_mid"), workspace=made)
+    design = dse.Design("kept", root=sensor("radar_77ghz_mid"), workspace=made)
     with pytest.raises(dse.DseError):
         dse.Design("kept", root=sensor("radr"), workspace=made)
     assert made.designs["kept"].count() == 1
+    assert made.designs["kept"].data == design.data
+    for same in (design, made.designs["kept"]):
+        assert dse.Bench("of_kept", design=same, simulation={"stop": 1, "step": 0.1}).design.count() == 1
 
 
 def test_things_of_two_workspaces_are_not_mixed(made, ws):
@@ -394,9 +411,49 @@ def test_values_of_numpy_and_pathlib_are_written_as_what_they_are(made):
     assert study.definitions is made.definitions
 
 
-def test_what_was_changed_after_it_was_read_has_no_yaml(ws):
-    with pytest.raises(dse.DseError, match="'acc_vehicle' is not as in a file"):
-        ws.designs["acc_vehicle"].refine({"sensor": ["lidar_905nm"]}).to_yaml()
+def test_a_refined_design_has_yaml_of_its_own(ws, made):
+    refined = ws.designs["acc_vehicle"].refine({"sensor": ["lidar_905nm"]})
+    file = made.root / "designs" / "refined.yaml"
+    refined.to_yaml(file)
+    file.write_text(file.read_text(encoding="utf-8").replace("acc_vehicle", "refined"), encoding="utf-8")
+    assert dse.open(made.root).designs["refined"].count() == refined.count() > 0
+
+
+def test_what_was_changed_after_it_was_read_has_no_data(ws):
+    study = ws.studies["acc_gains"]
+    with pytest.raises(dse.DseError, match="'acc_gains' is not as in a file"):
+        _ = dse.Study.of(dataclasses.replace(study.noun, seed=2)).data
+
+
+def test_a_class_of_a_notebook_is_found_by_its_cell(made, cart_control):
+    cell = "import numpy as np\nclass Celled:\n    def step(self, inputs, h):\n        return {'demand': np.pi}\n"
+    name = "ipykernel_1/1234.py"
+    linecache.cache[name] = (len(cell), None, cell.splitlines(keepends=True), name)
+    scope: dict[str, Any] = {"__name__": "__main__"}
+    exec(compile(cell, name, "exec"), scope)  # noqa: S102  # as IPython does
+    dse.Component("celled", implements=cart_control, source=scope["Celled"], workspace=made)
+    text = (made.root / "components" / "celled" / "celled.py").read_text(encoding="utf-8")
+    assert text == "import numpy as np\n\n\n" + cell.partition("\n")[2]
+
+
+@pytest.mark.thorough
+def test_components_made_in_python_run(made, cart_control):
+    source = {"kind": "c", "files": {"halving.c": C, "halving.h": HEADER}, "struct": "halving"}
+    parts = [
+        dse.Component("run_in_python", **CART, source=Proportional, workspace=made),
+        dse.Component("run_in_c", implements=cart_control, source=source, workspace=made),
+    ]
+    design = dse.Design("running", root={"compound": {"control": {"alternatives": parts}}})
+    bench = dse.Bench(
+        "running",
+        design=design,
+        parameters={"control.speed": "3.6 km/h", "control.set_speed": 3},
+        simulation={"stop": 1, "step": 0.1},
+        metrics={"demand": "final(control.demand)"},
+    )
+    found = {run.choices["control"]: run.metrics["demand"] for run in map(bench.simulate, design)}
+    # LIMIT + 800 kg/s tanh(3 m/s - 1 m/s), and half the speed.
+    assert found == {"run_in_python": pytest.approx(800 * math.tanh(2.0) + LIMIT, rel=1e-15), "run_in_c": 0.5}
 
 
 def test_a_workspace_is_kept_in_a_folder_that_is_named(tmp_path):

@@ -11,7 +11,8 @@ from order_cases import ORDER_CASES, order_table
 
 from dse.analysis import Interval, choice_of
 from dse.analysis.decision import Effect
-from dse.cli.choice import choice_lines, show_choice
+from dse.api import choice_lines
+from dse.cli.choice import show_choice
 
 
 @pytest.mark.parametrize("case", ORDER_CASES["cases"], ids=lambda case: f"{case['designs']}-{case['objectives']}")

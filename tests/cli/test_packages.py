@@ -29,6 +29,7 @@ from ssp_packages import (
 from workspaces import written
 
 from dse import DseError, simulate
+from dse.api import simulate as simulate_package
 
 FILES = {
     "components/interfaces.yaml": """\
@@ -158,6 +159,14 @@ def test_the_package_gives_what_the_bench_gives_bit_for_bit(workspace, dse_in, p
     assert len(kept["time"]) == 65
     for name, values in expected.items():
         assert np.array_equal(kept[name], values), name
+
+
+@pytest.mark.thorough
+def test_a_package_is_simulated_in_one_line_of_python(package, simulated):
+    found = simulate_package(package, step=1 / 64)
+    assert np.array_equal(found.time, simulated["time"])
+    for name in found:
+        assert np.array_equal(found[name], simulated[name]), name
 
 
 def test_fmpy_simulates_the_exported_package_alike(package, simulated):

@@ -47,15 +47,15 @@ class Interface(Defined[nouns.Interface]):
         call = called("Interface", "interface", interface, ("interfaces", str(interface)))
         given = Arguments(call)
         data = {key: given.plain(value, (*call.path, key)) for key, value in keys.items()}
-        types = {"types": data.pop("types")} if "types" in data else {}
+        file = {**({"types": data.pop("types")} if "types" in data else {}), "interfaces": {interface: data}}
         definitions = given.definitions(workspace)
         folder = definitions.files.root / "components" / "python_interfaces" / interface
         if interface in definitions.files.interfaces and not folder.exists():
             raise fail(f"the workspace has an interface '{interface}' already", given.at(()), "choose another name")
         with definitions.redefining(folder, call):
             make_folder(folder)
-            definitions.write(folder / "interfaces.yaml", {**types, "interfaces": {interface: data}}, call)
-            super().__init__(definitions.files.interfaces[interface], definitions)
+            definitions.write(folder / "interfaces.yaml", file, call)
+            super().__init__(definitions.files.interfaces[interface], definitions, file)
 
 
 class ComponentKeys(TypedDict, total=False):

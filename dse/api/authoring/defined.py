@@ -73,6 +73,7 @@ class Definitions:
         if target.exists() and not _is_written(target):
             what = f"the workspace has {shown(target)} already"
             raise fail(what, Location(call.text), "choose another name")
+        known = {**self.known}
         with TemporaryDirectory(prefix=".dse-", dir=self.files.root) as aside:
             before = Path(aside) / "before"
             if target.exists():
@@ -84,7 +85,7 @@ class Definitions:
                 shutil.rmtree(target) if target.is_dir() else target.unlink(missing_ok=True)
                 if before.exists():
                     before.rename(target)
-                self.files = Files(self.files.root)
+                self.files, self.known = Files(self.files.root), known
                 raise
 
     def write(self, file: Path, data: Mapping[str, Any], call: Call) -> None:
@@ -161,7 +162,7 @@ class Defined(Generic[N]):
         """Whether Python has not defined another thing of this name since."""
         where = self.noun.where
         known = self.definitions.known.get(Path(where.file).resolve()) if where and self.definitions else None
-        return known is None or self._data is None or known is self._data
+        return known is None or self._data is None or known == self._data
 
 
 class Arguments:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Required, TypedDict, overload
 
 from dse.api.authoring.defined import Defined, FileKind, InWorkspace
@@ -78,6 +79,21 @@ class Design(Defined[DesignSpace]):
         """Its data."""
         return self.noun
 
+    def to_yaml(self, target: str | Path | None = None) -> str:
+        """As YAML, also of a design that was refined or read from UVL; written to the file *target* if that is given.
+
+        Raises DseError if *target* cannot be written.
+        """
+        if self.definitions is not None:
+            return super().to_yaml(target)
+        from dse.loading import write_design
+        from dse.scratch import write_whole
+
+        text = write_design(self.space)
+        if target is not None:
+            write_whole(Path(target), text)
+        return text
+
     @property
     def total(self) -> int:
         """The number of combinations without constraints."""
@@ -127,7 +143,7 @@ class Design(Defined[DesignSpace]):
         from dse.errors import fail
         from dse.space import read_aims
 
-        wanted = read_aims(_several(minimize), _several(maximize))
+        wanted = read_aims(several(minimize), several(maximize))
         if len(wanted) < 2:
             raise fail("two objectives or more are needed", None, "for one ask for 'best'")
         part = self._part(**narrowing)
@@ -211,7 +227,8 @@ def _texts(choose: Mapping[str, str]) -> tuple[str, ...]:
     return tuple(f"{path}={name}" for path, name in choose.items())
 
 
-def _several(texts: str | Sequence[str]) -> Sequence[str]:
+def several(texts: str | Sequence[str]) -> Sequence[str]:
+    """*texts*, or the only one."""
     return (texts,) if isinstance(texts, str) else texts
 
 

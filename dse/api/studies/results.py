@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from dse.api.presentation import definition_rows
 from dse.api.presentation.html import table
 from dse.api.presentation.quantities import units_called
+from dse.api.spaces.design import several
 from dse.api.studies.run import Run
 
 if TYPE_CHECKING:
     import numpy as np
     import pandas as pd
     import pyarrow as pa
+    import xarray as xr
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from dse.analysis import Choice, Decision, Finding, Ranking
+    from dse.analysis import Decision, Ranking
+    from dse.api.studies.best_designs import BestDesigns, DesignChoice, Findings
     from dse.api.studies.replay import Replay
     from dse.api.studies.single_run import Tell
     from dse.domain import study as nouns
@@ -69,6 +73,16 @@ class Summary:
             for verdict, number in self.verdicts[requirement].items()
         }
 
+    def _repr_html_(self) -> str:
+        return self.as_html({})
+
+    def as_html(self, labels: Mapping[str, str], title: str = "Study") -> str:
+        """A table of the verdicts; *labels* are what requirements are called."""
+        heads = dict.fromkeys(verdict for counts in self.verdicts.values() for verdict in counts)
+        rows = [(labels.get(name, name), *self.counts(name).values()) for name in self.verdicts]
+        what = f"{title}: {self.finished} of {self.runs} runs, {self.failed} failed"
+        return table(what, ("requirement", *heads) if rows else (), rows)
+
     @property
     def unsettled(self) -> frozenset[int]:
         """Numbers of the runs that failed to run, or failed or gave another result when they were made again."""
@@ -113,7 +127,8 @@ class Results:
         """One row per run by number: choices and sums of its configuration, point, metrics, verdicts, margins.
 
         Numbers are in the units that the report and the terminal show, or with *units* ``si`` in SI.
-        ``frame.attrs["units"]`` has the unit of each column that is a quantity.
+        ``frame.attrs["units"]`` has the unit of each column that is a quantity, ``frame.attrs["titles"]`` the titles of
+        those that have one. The column ``verdict`` is the verdict on all requirements together.
         """
         from dse.storage import to_frame
 
@@ -125,12 +140,57 @@ class Results:
 
         return self._read(lambda store: to_arrow(store, units_called(units)))
 
-    def findings(self, *, tell: Tell | None = None) -> tuple[Finding, ...]:
+    def to_xarray(self, units: str = "shown", waveforms: Sequence[str] = ()) -> xr.Dataset:
+        """The same as arrays: over ``configuration`` and the variables if each combination of their values was run
+        once (a full factorial study), else over ``run``. *waveforms* names those to add: over ``time`` (s), too, in SI
+        and NaN in runs without. ``attrs["units"]`` and ``attrs["long_name"]`` of an array are its unit and title.
+
+        Needs the extra ``xarray``. Raises DseError, also for a waveform that no run has.
+        """
+        from dse.api.studies.arrays import to_xarray, with_waveforms
+        from dse.storage import choice_columns, total_columns
+
+        places = (*choice_columns(self.definition).values(), *total_columns(self.definition).values())
+        variables = [variable.name for variable in self.definition.variables]
+        found = to_xarray(self.to_pandas(units), places, variables)
+        return self._read(lambda store: with_waveforms(found, store, waveforms)) if waveforms else found
+
+    def figure(
+        self,
+        name: str = "constraints",
+        *,
+        x: str | None = None,
+        y: str | None = None,
+        configuration: str | None = None,
+        run: int | None = None,
+    ) -> Figure:
+        """A figure for print, drawn with matplotlib: the constraint plot, or another one by its *name* (see
+        ``dse figure``), as ``waveforms`` of a *run*.
+
+        *x* and *y* are the design variables of the axes, by default the first two of the study or of its first slice;
+        the *configuration* is the first, or the one whose id starts so. Raises DseError, also if there is nothing to
+        draw of this study.
+        """
+        from dse.errors import fail
+        from dse.report import View, configuration_called, drawings, read_content, read_insight, uses_insight
+
+        if (x is None) != (y is None):
+            raise fail(f"only {'x' if y is None else 'y'} is given", hint="give both x and y, or neither")
+        content = read_content(self.folder)
+        view = View(x, y, configuration_called(content, configuration), run)
+        if uses_insight([name]):
+            content = replace(content, insight=read_insight(self.folder))
+        for _, sheet in drawings(name, content, view):
+            return sheet
+        raise fail(f"'{name}' has nothing to draw of this study")
+
+    def findings(self, *, tell: Tell | None = None) -> Findings:
         """What the runs tell, in sentences: how often requirements are met, where, and what matters; what they do not
         tell, and why. Some of it needs the extra ``analysis``. *tell* hears what is looked for next."""
         from dse.analysis import findings
+        from dse.api.studies.best_designs import Findings
 
-        return findings(self._read(judged), tell or (lambda _: None))
+        return Findings(findings(self._read(judged), tell or (lambda _: None)))
 
     def export(self, kind: str, units: str = "shown") -> bytes:
         """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``, or that of the requirements as
@@ -286,20 +346,35 @@ class Results:
         print_report(content, Path(target))
         return Path(target)
 
-    def best(self, number: int = 5, *, minimize: Sequence[str] = (), maximize: Sequence[str] = ()) -> Ranking:
+    def best(
+        self, number: int = 5, *, minimize: str | Sequence[str] = (), maximize: str | Sequence[str] = ()
+    ) -> BestDesigns:
         """The *number* best designs under one objective, or the front of several; without objectives those that meet
         all requirements, by their least margin.
 
         A design is a configuration with values for the design variables; its worst run counts. Objectives are metrics,
-        or ``sum(PROPERTY)``; the default is those of the study. Raises DseError for an unknown objective.
+        ``sum(PROPERTY)``, or expressions in both; the default is those of the study. Raises DseError for an unknown
+        objective.
         """
         from dse.analysis import objectives_of, ranked
+        from dse.api.studies.best_designs import BestDesigns
 
-        def answer(folder: StudyFolder) -> Ranking:
-            wanted = objectives_of(folder.header.definition, minimize, maximize)
-            return ranked(judged(folder), wanted, number)
+        def answer(folder: StudyFolder) -> BestDesigns:
+            wanted = objectives_of(folder.header.definition, several(minimize), several(maximize))
+            return BestDesigns.of(ranked(judged(folder), wanted, number), folder.header.definition)
 
         return self._read(answer)
+
+    def pareto(self, *, minimize: str | Sequence[str] = (), maximize: str | Sequence[str] = ()) -> BestDesigns:
+        """The front of several objectives: the designs that meet all requirements and that no other one beats in all
+        objectives, sorted by the first. Objectives are as in `best`. Raises DseError for fewer than two.
+        """
+        from dse.errors import fail
+
+        found = self.best(minimize=minimize, maximize=maximize)
+        if len(found.objectives) < 2:
+            raise fail("two objectives or more are needed", None, "for one ask for 'best'")
+        return found
 
     def against(self, one: str, other: str) -> Decision:
         """Two designs case by case, each named by the number of a run or the start of its configuration's id.
@@ -315,14 +390,16 @@ class Results:
 
         return self._read(answer)
 
-    def choice(self, ranking: Ranking | None = None) -> Choice | None:
+    def choice(self, ranking: Ranking | None = None) -> DesignChoice | None:
         """The design to take, the next one, and what decides between them; under the objectives of *ranking*, else the
         study's. None for a study without requirements or with one design, and if none was run at all conditions."""
         from dse.analysis import choice_of
+        from dse.api.studies.best_designs import DesignChoice
 
-        def answer(folder: StudyFolder) -> Choice | None:
-            notes = folder.notes()
-            return choice_of(folder.table(), notes.assumed if notes else None, ranking.objectives if ranking else None)
+        def answer(folder: StudyFolder) -> DesignChoice | None:
+            notes, objectives = folder.notes(), ranking.objectives if ranking else None
+            found = choice_of(folder.table(), notes.assumed if notes else None, objectives)
+            return DesignChoice.of(found, folder.header.definition) if found else None
 
         return self._read(answer)
 
@@ -374,11 +451,8 @@ class Results:
         return f"<Results in {self.folder}: {summary.finished} of {summary.runs} runs{failed}>"
 
     def _repr_html_(self) -> str:
-        summary, labels = self.summary, definition_rows.requirement_labels(self.definition)
-        heads = dict.fromkeys(verdict for counts in summary.verdicts.values() for verdict in counts)
-        rows = [(labels[name], *summary.counts(name).values()) for name in summary.verdicts]
-        what = f"{self.definition.title}: {summary.finished} of {summary.runs} runs, {summary.failed} failed"
-        return table(what, ("requirement", *heads) if rows else (), rows)
+        labels = definition_rows.requirement_labels(self.definition)
+        return self.summary.as_html(labels, self.definition.title)
 
     def _read(self, question: Callable[[StudyFolder], T]) -> T:
         from dse.storage import StudyFolder

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -12,11 +12,8 @@ from dse.cli.app import app
 from dse.cli.arguments import Configuration, FolderOrRoad, named_folder
 from dse.cli.scenarios import draw_scenario, is_scenario
 from dse.cli.terminal import print_line, show_problems, status_line
-from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.errors import DseError, Problem, raise_if_any
 from dse.scratch import make_folder
-
-if TYPE_CHECKING:
-    from dse.report import ReportContent
 
 
 class PictureFormat(StrEnum):
@@ -96,7 +93,16 @@ def figure(
         _draw_scene(folder, scene, target, (at, until), frames, (camera, size))
         return
 
-    from dse.report import FIGURES, View, drawings, read_content, read_insight, save_drawing, uses_insight
+    from dse.report import (
+        FIGURES,
+        View,
+        configuration_called,
+        drawings,
+        read_content,
+        read_insight,
+        save_drawing,
+        uses_insight,
+    )
 
     if (x is None) != (y is None):
         raise typer.BadParameter("give both --x and --y, or neither", param_hint="--x/--y")
@@ -107,7 +113,7 @@ def figure(
         if uses_insight(names):
             tell("computing findings")
             content = replace(content, insight=read_insight(folder))
-    view = View(x, y, _configuration(content, configuration), number)
+    view = View(x, y, configuration_called(content, configuration), number)
     place = target or folder / "figures"
     make_folder(place)
     if content.missing:
@@ -180,13 +186,3 @@ def _moment(option: str, text: str) -> float:
     if quantity.si < 0:
         raise typer.BadParameter(f"'{text}' is before the run", param_hint=option)
     return float(quantity.si)
-
-
-def _configuration(content: ReportContent, wanted: str | None) -> str:
-    """The id that starts with *wanted*; the first configuration's if it is None. Raises DseError."""
-    ids = [entry.id for entry in content.configurations if entry.id.startswith(wanted or "")]
-    if not ids or (wanted and wanted not in ids and len(ids) > 1):
-        what = f"{len(ids) or 'no'} configurations of this study start with '{wanted}'"
-        known = ", ".join(ids or [entry.id for entry in content.configurations][:6])
-        raise fail(what, Location(content.study_folder), f"as {known}")
-    return wanted if wanted in ids else ids[0]

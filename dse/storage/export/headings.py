@@ -83,6 +83,16 @@ def units_of(definition: StudyDefinition) -> dict[str, str]:
     return {name: scale.symbol for name, scale in scales_of(definition, Units.SI).items()}
 
 
+def titles_of(definition: StudyDefinition, columns: Iterable[str]) -> dict[str, str]:
+    """What *columns* are called in words, of those that have a title."""
+    titles = {variable.name: variable.title for variable in definition.variables}
+    titles |= {metric.name: metric.title for metric in definition.metrics}
+    for entry in definition.requirements:
+        if entry.title != entry.name:
+            titles |= {f"{entry.name}.{what}": f"{entry.title}, {what}" for what in ("verdict", "margin")}
+    return {name: titles[name] for name in columns if titles.get(name, name) != name}
+
+
 def verdict_column(definition: StudyDefinition) -> str:
     """The column of a run's verdict on all requirements: ``verdict``, unless a metric is called so."""
     return "verdict(run)" if any(metric.name == "verdict" for metric in definition.metrics) else "verdict"

@@ -27,6 +27,7 @@ from dse.storage.export.headings import (
     choice_columns,
     headed,
     scales_of,
+    titles_of,
     total_columns,
     verdict_column,
 )
@@ -115,15 +116,18 @@ def to_arrow(folder: StudyFolder, units: Units = Units.SHOWN) -> pa.Table:
 def to_frame(folder: StudyFolder, units: Units = Units.SHOWN) -> pd.DataFrame:
     """One row per run, sorted by number, with the columns of the CSV, called by their names; undefined numbers are NaN.
 
-    ``attrs["units"]`` has the unit of each column of numbers that are a quantity.
+    ``attrs["units"]`` has the unit of each column of numbers that are a quantity, ``attrs["titles"]`` the titles of
+    variables, metrics and requirements.
     """
     import pandas as pd
 
-    scales = scales_of(folder.require_definition(), units)
+    definition = folder.require_definition()
+    scales = scales_of(definition, units)
     known = _symbols(scales, plain=True)
     columns = {name: _floats(column) for name, column in columns_of(folder.table(), scales)}
     frame = pd.DataFrame(columns).set_index("run")
     frame.attrs["units"] = {name: known[name] for name in frame.columns if name in known}
+    frame.attrs["titles"] = titles_of(definition, frame.columns)
     return frame
 
 
