@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Iterator
 from html.parser import HTMLParser
@@ -49,9 +50,10 @@ def _is_contents(node: nodes.Node) -> bool:
 
 
 def _sentence(app: Sphinx, page: str) -> str:
-    """The first sentence of *page*."""
+    """The first sentence of *page*: of its first paragraph, or item of a list, that is not its date."""
     for paragraph in app.env.get_doctree(page).findall(nodes.paragraph):
-        if words := " ".join(paragraph.astext().split()):
+        words = " ".join(paragraph.astext().split())
+        if not isinstance(paragraph.parent, nodes.entry) and not re.match(r"\d{4}-\d\d-\d\d", words):
             return words.partition(". ")[0].rstrip(".") + "."
     return ""
 

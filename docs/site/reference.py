@@ -89,7 +89,8 @@ def files() -> str:
 
 def keys_of(schema: Mapping[str, Any]) -> str:
     """The keys of a kind of file, section by section."""
-    text = f"# {schema['title']}\n" + _keys(schema, schema["anyOf"][0]["required"])
+    names = ", ".join(f"`{name}`" for name in schema["properties"])
+    text = f"# {schema['title']}\n\nKeys of the file: {names}.\n" + _keys(schema, schema["anyOf"][0]["required"])
     for name, section in sorted(schema.get("$defs", {}).items()):
         text += f"\n## {_label(name)}\n\n{section.get('description', '')}\n"
         text += _keys(section, section.get("required", ())) or f"\n{_values(section)}\n"
@@ -153,7 +154,10 @@ def library(folder: Path) -> None:
         for component in group:
             picture = folder / "pictures" / f"{component.name}.svg"
             _write(picture, draw_component(component, pictured(component)))
-        _write(folder / f"{family}.md", f"# {family}\n" + "".join(map(_component, group)))
+        _write(
+            folder / f"{family}.md",
+            f"# {family}\n\n{', '.join(each.name for each in group)}.\n" + "".join(map(_component, group)),
+        )
         links = ", ".join(f"[{each.name}]({family}.md#{each.name.replace('_', '-')})" for each in group)
         rows.append((f"[{family}]({family}.md)", links))
         names.append(family)
