@@ -11,7 +11,7 @@ import shutil
 import sys
 from pathlib import Path
 
-import reference
+import reference_pages
 from sphinx.cmd.build import main as sphinx
 
 HERE = Path(__file__).parent
@@ -60,7 +60,7 @@ def main() -> int:
     (pages / "README.md").rename(pages / "index.md")
     _add_contents(pages / "index.md", SECTIONS)
     _add_contents(pages / "docs/decisions/README.md", {"": ["*"]})
-    reference.write(pages)
+    reference_pages.write(pages)
     (pages / "gallery.md").write_text(_gallery(), encoding="utf-8")
     # Notebooks call dse; what they build is kept beside the site.
     os.environ["PATH"] = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))

@@ -7,7 +7,7 @@ import re
 from dataclasses import fields, is_dataclass
 
 import pytest
-import reference
+import reference_pages
 
 import dse
 from dse.loading import FILE_KINDS, file_schema
@@ -18,7 +18,7 @@ CLASSES = [each for name in dse.__all__ if isinstance(each := getattr(dse, name)
 @pytest.mark.parametrize("name", dse.__all__)
 def test_a_public_name_is_described_and_in_the_reference(name: str) -> None:
     assert inspect.getdoc(getattr(dse, name))
-    assert re.search(rf"\.\. auto(class|exception|function):: dse\.{name}$", reference.python(), re.MULTILINE)
+    assert re.search(rf"\.\. auto(class|exception|function):: dse\.{name}$", reference_pages.python(), re.MULTILINE)
 
 
 @pytest.mark.parametrize("shape", CLASSES, ids=lambda shape: shape.__name__)
@@ -34,7 +34,7 @@ def test_every_member_of_a_public_class_is_described(shape: type) -> None:
 
 
 def test_every_command_and_option_is_in_the_reference() -> None:
-    text = reference.commands()
+    text = reference_pages.commands()
     assert {"## dse explore", "## dse space count", "## dse import ssp"} <= {*text.splitlines()}
     assert text.index("## dse init\n") < text.index("## dse check\n") < text.index("## dse schema\n")
     assert "`--retry-failed`" in text
@@ -43,7 +43,7 @@ def test_every_command_and_option_is_in_the_reference() -> None:
 @pytest.mark.parametrize("kind", FILE_KINDS)
 def test_every_key_of_a_file_is_in_the_reference(kind: str) -> None:
     schema = file_schema(kind)
-    text = reference.keys_of(schema)
+    text = reference_pages.keys_of(schema)
     sections = [schema, *schema.get("$defs", {}).values()]
     keys = {key for section in sections for key in section.get("properties", {})}
     assert keys
