@@ -32,7 +32,7 @@ SECTIONS = {
         *("docs/simulation", "docs/findings", "docs/trust", "docs/aeb", "docs/highway", "docs/decisions/README"),
     ],
     "Reference": [
-        *("docs/formats", "reference/files/index", "reference/commands", "reference/python"),
+        *("docs/formats", "reference/files/index", "reference/commands", "reference/functions", "reference/python"),
         *("reference/components/index", "docs/rating_cases", "docs/glossary", "docs/licences"),
     ],
     "Project": ["CHANGELOG", "CONTRIBUTING", "SECURITY", "**/README"],

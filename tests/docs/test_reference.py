@@ -11,6 +11,7 @@ import reference_pages
 
 import dse
 from dse.loading import FILE_KINDS, file_schema
+from dse.metrics import FUNCTIONS
 
 CLASSES = [each for name in dse.__all__ if isinstance(each := getattr(dse, name), type)]
 
@@ -38,6 +39,15 @@ def test_every_command_and_option_is_in_the_reference() -> None:
     assert {"## dse explore", "## dse space count", "## dse import ssp"} <= {*text.splitlines()}
     assert text.index("## dse init\n") < text.index("## dse check\n") < text.index("## dse schema\n")
     assert "`--retry-failed`" in text
+
+
+def test_every_function_of_metrics_is_in_the_reference_with_its_arguments() -> None:
+    rows = dict(re.findall(r"^\| `(\w+)` \| (.*) \|$", reference_pages.functions(), re.MULTILINE))
+    assert rows.keys() == FUNCTIONS.keys()
+    assert rows["settling_time"] == (
+        "`x`: a waveform; `target`: a constant in the unit of the first; `band`: a constant (default 0.02) | time"
+    )
+    assert rows["integral"].endswith("| time × the dimension of x")
 
 
 @pytest.mark.parametrize("kind", FILE_KINDS)
