@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Iterator
 from html.parser import HTMLParser
@@ -11,14 +12,14 @@ from urllib.parse import unquote, urldefrag
 from docutils import nodes
 from sphinx import addnodes
 from sphinx.application import Sphinx
-from sphinx.errors import SphinxError
+from sphinx.util.logging import getLogger
 from sphinx.util.nodes import clean_astext
 
 NOTEBOOKS = "docs/notebooks"
 
 
 def finish(app: Sphinx, exception: Exception | None) -> None:
-    """Add the files to the site that *app* built. Raises SphinxError with all dead links."""
+    """Add the files to the site that *app* built. Warns of all dead links."""
     if exception is not None:
         return
     made = Path(app.srcdir, NOTEBOOKS)
@@ -27,8 +28,8 @@ def finish(app: Sphinx, exception: Exception | None) -> None:
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(page, target)
     Path(app.outdir, "llms.txt").write_text(list_of_pages(app), encoding="utf-8")
-    if dead := sorted(dead_links(Path(app.outdir))):
-        raise SphinxError("\n".join(dead))
+    for dead in sorted(dead_links(Path(app.outdir))):
+        getLogger(__name__).warning(dead)
 
 
 def list_of_pages(app: Sphinx) -> str:
@@ -49,9 +50,10 @@ def _is_contents(node: nodes.Node) -> bool:
 
 
 def _sentence(app: Sphinx, page: str) -> str:
-    """The first sentence of *page*."""
+    """The first sentence of *page*: of its first paragraph, or item of a list, that is not its date."""
     for paragraph in app.env.get_doctree(page).findall(nodes.paragraph):
-        if words := " ".join(paragraph.astext().split()):
+        words = " ".join(paragraph.astext().split())
+        if not isinstance(paragraph.parent, nodes.entry) and not re.match(r"\d{4}-\d\d-\d\d", words):
             return words.partition(". ")[0].rstrip(".") + "."
     return ""
 

@@ -11,7 +11,7 @@ import shutil
 import sys
 from pathlib import Path
 
-import reference
+import reference_pages
 from sphinx.cmd.build import main as sphinx
 
 HERE = Path(__file__).parent
@@ -32,7 +32,7 @@ SECTIONS = {
         *("docs/simulation", "docs/findings", "docs/trust", "docs/aeb", "docs/highway", "docs/decisions/README"),
     ],
     "Reference": [
-        *("docs/formats", "reference/files/index", "reference/commands", "reference/python"),
+        *("docs/formats", "reference/files/index", "reference/commands", "reference/functions", "reference/python"),
         *("reference/components/index", "docs/rating_cases", "docs/glossary", "docs/licences", "docs/releases"),
     ],
     "Project": ["CHANGELOG", "CONTRIBUTING", "SECURITY", "**/README"],
@@ -60,7 +60,7 @@ def main() -> int:
     (pages / "README.md").rename(pages / "index.md")
     _add_contents(pages / "index.md", SECTIONS)
     _add_contents(pages / "docs/decisions/README.md", {"": ["*"]})
-    reference.write(pages)
+    reference_pages.write(pages)
     (pages / "gallery.md").write_text(_gallery(), encoding="utf-8")
     # Notebooks call dse; what they build is kept beside the site.
     os.environ["PATH"] = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))

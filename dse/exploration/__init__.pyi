@@ -16,8 +16,8 @@ from .failures import in_words as in_words
 from .known_runs import (
     NOT_REPRODUCIBLE as NOT_REPRODUCIBLE,
     KnownRuns as KnownRuns,
-    give as give,
     forget_unsettled as forget_unsettled,
+    give as give,
 )
 from .loop import ExplorationInterruptedError as ExplorationInterruptedError, Explored as Explored, explore as explore
 from .one_shot_sampler import OneShotSampler as OneShotSampler

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,11 @@ import dse
 from dse.cli.app import app
 from dse.cli.commands import register
 from dse.domain.component import Component
+from dse.domain.expression import ROLLUPS
 from dse.loading import FILE_KINDS, Workspace, file_schema
+from dse.metrics import FUNCTIONS, Argument, Function, Wants
 from dse.pictures import draw_component, pictured
+from dse.units import describe
 
 ROOT = Path(__file__).parents[2]
 
@@ -25,6 +29,7 @@ def write(pages: Path) -> None:
     folder = pages / "reference"
     _write(folder / "python.md", python())
     _write(folder / "commands.md", commands())
+    _write(folder / "functions.md", functions())
     for kind in FILE_KINDS:
         _write(folder / "files" / f"{kind}.md", keys_of(file_schema(kind)))
     _write(folder / "files" / "index.md", files())
@@ -79,6 +84,34 @@ def _command(name: str, command: Any) -> str:
     return text + _table(("Argument", "Meaning"), arguments) + _table(("Option", "Meaning"), options)
 
 
+def functions() -> str:
+    """What metrics and constraints can call: arguments and dimension of each function."""
+    text = "# Functions of metrics and constraints\n\n"
+    text += "The arguments of each function, what they must be, and the dimension of the result.\n\n## Metrics\n\n"
+    text += "[Metrics](../docs/formats.md#metrics) has the definitions.\n"
+    rows = [
+        (f"`{name}`", "; ".join(map(_argument, each.arguments)), _result(each))
+        for name, each in sorted(FUNCTIONS.items())
+    ]
+    text += _table(("Function", "Arguments", "Result"), rows)
+    text += "\n## Constraints\n\n[Static constraints](../docs/formats.md#static-constraints) has the conditions, and "
+    text += "[Expressions](../docs/formats.md#expressions) has the operators. "
+    return text + f"Roll-ups over all parts that state a property: {', '.join(f'`{name}`' for name in ROLLUPS)}.\n"
+
+
+def _argument(argument: Argument) -> str:
+    unit = f" in {argument.unit}" if argument.unit else "" if argument.unit == "" else " in the unit of the first"
+    if argument.wants is Wants.CONDITION or argument.any_unit:
+        unit = ""
+    default = f" (default {argument.default:g})" if argument.default is not None else ""
+    return f"`{argument.name}`: {argument.wants}{unit}{', 0 … 1' if argument.share else ''}{default}"
+
+
+def _result(function: Function) -> str:
+    dimension = describe(function.result((("x", Fraction(1)),))).replace("x", "the dimension of x").replace("*", " × ")
+    return f"a waveform: {dimension}" if function.varies else dimension
+
+
 def files() -> str:
     """The kinds of files, each with a link to its keys."""
     rows = [(f"[{kind}]({kind}.md)", file_schema(kind)["title"]) for kind in FILE_KINDS]
@@ -89,7 +122,8 @@ def files() -> str:
 
 def keys_of(schema: Mapping[str, Any]) -> str:
     """The keys of a kind of file, section by section."""
-    text = f"# {schema['title']}\n" + _keys(schema, schema["anyOf"][0]["required"])
+    names = ", ".join(f"`{name}`" for name in schema["properties"])
+    text = f"# {schema['title']}\n\nKeys of the file: {names}.\n" + _keys(schema, schema["anyOf"][0]["required"])
     for name, section in sorted(schema.get("$defs", {}).items()):
         text += f"\n## {_label(name)}\n\n{section.get('description', '')}\n"
         text += _keys(section, section.get("required", ())) or f"\n{_values(section)}\n"
@@ -153,7 +187,10 @@ def library(folder: Path) -> None:
         for component in group:
             picture = folder / "pictures" / f"{component.name}.svg"
             _write(picture, draw_component(component, pictured(component)))
-        _write(folder / f"{family}.md", f"# {family}\n" + "".join(map(_component, group)))
+        _write(
+            folder / f"{family}.md",
+            f"# {family}\n\n{', '.join(each.name for each in group)}.\n" + "".join(map(_component, group)),
+        )
         links = ", ".join(f"[{each.name}]({family}.md#{each.name.replace('_', '-')})" for each in group)
         rows.append((f"[{family}]({family}.md)", links))
         names.append(family)
