@@ -1,4 +1,4 @@
-# Everything starts from here: `make demo`, `make drive`, `make test`, `make check`, `make nightly`, `make bench`. Needs
+# Everything starts from here: `make demo`, `make docs`, `make drive`, `make test`, `make check`, `make nightly`, `make bench`. Needs
 # Python 3.11+. LOCKED=1 sets up the versions of requirements.lock, and nothing with another hash.
 
 PYTHON ?= python3
@@ -20,7 +20,7 @@ INSTALL = UV_DEFAULT_INDEX="$${UV_DEFAULT_INDEX:-$$($(BIN)/python -m pip config 
 # A machine without a C compiler gets one as a wheel.
 COMPILER := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo ",toolchain")
 
-.PHONY: demo drive test thorough rest check nightly bench faults setup clean lint types layers web plugin lock sbom audit
+.PHONY: demo docs drive test thorough rest check nightly bench faults setup clean lint types layers web plugin wheels lock sbom audit
 
 SOURCES := $(wildcard dse/cosim/kernel/*.c dse/cosim/kernel/*.h dse/csolve/*.h dse/report/web/src/* dse/report/web/src/*/*)
 MADE_OF := pyproject.toml hatch_build.py dse/report/web/package-lock.json $(SOURCES)
@@ -79,7 +79,11 @@ thorough: setup web
 check: test rest
 	$(if $(ROOMS)$(PART),,! git diff --quiet HEAD || git rev-parse HEAD >.ci/base)
 
-rest: lint types layers web plugin thorough
+rest: lint types layers web plugin docs thorough
+
+# The documentation site: build/site/index.html, with notebooks that are run. Needs no network.
+docs: setup
+	$(BIN)/python docs/site/make.py
 
 # What others add: the example is installed beside, so that it stands in no report of ours, and passes every suite.
 plugin: setup
@@ -108,6 +112,14 @@ layers: setup
 
 web: setup
 	$(BIN)/python hatch_build.py
+
+# For each platform in hatch_build.py a wheel, with the report that `dse demo` opens, and the sources; docs/releases.md.
+wheels: setup web
+	$(DSE) explore acc_gains -o build/demo --workers $(WORKERS)
+	$(DSE) report build/demo
+	$(BIN)/python -m hatchling build -t sdist
+	$(BIN)/python -c 'import hatch_build; print(*hatch_build.PLATFORMS)' | xargs -n 1 | while read platform; do \
+	  DSE_DEMO=build/demo/report.html DSE_PLATFORM=$$platform $(BIN)/python -m hatchling build -t wheel || exit 1; done
 
 bench: setup
 	$(BIN)/python benchmarks/bench_kernel.py

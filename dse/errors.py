@@ -29,7 +29,7 @@ class Location:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One error: where it is, what it is and how to correct it."""
+    """One error: *what* it is, *where* it is (None: in no file) and a *hint* how to correct it, or ""."""
 
     what: str
     where: Location | None = None
@@ -41,7 +41,14 @@ class Problem:
 
 
 class DseError(Exception):
-    """The user's input cannot be used; contains every problem found, once each, in file order."""
+    """The user's input cannot be used; *problems* has every `Problem` found, once each, in file order.
+
+    >>> try:
+    ...     dse.open(".").designs["acc_vehicel"]
+    ... except dse.DseError as error:
+    ...     print(error.problems[0].hint)
+    did you mean 'acc_vehicle'?
+    """
 
     def __init__(self, *problems: Problem) -> None:
         super().__init__(*problems)

@@ -8,7 +8,7 @@ import stat
 OUT = "out"
 """The folder of a workspace for results, unless the user names another."""
 
-STUDY, RATING = ".pet.yaml", ".rating.yaml"
+STUDY, RATING, PROCEDURE = NO_BENCHES = ".pet.yaml", ".rating.yaml", ".procedure.yaml"
 """How the names of files in ``testbenches/`` end that are no test benches."""
 
 

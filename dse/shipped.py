@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
-from dse.errors import fail
+from dse.errors import Location, fail
+
+EXAMPLE = ("components", "designs", "roads", "testbenches", "schemas")
 
 
 def content(*folders: str) -> Path:
@@ -14,3 +18,12 @@ def content(*folders: str) -> Path:
         if all((candidate / name).is_dir() for name in folders):
             return candidate
     raise fail(f"{' and '.join(folders)} are missing from this installation", hint="install dse-workbench again")
+
+
+def lay_out(folder: Path, names: Sequence[str] = EXAMPLE) -> None:
+    """Copy these folders of the example into *folder*. Raises DseError unless it is new or empty."""
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise fail("the folder is not empty", Location(str(folder)), "name a new folder; nothing is overwritten")
+    source = content(*names)
+    for name in names:
+        shutil.copytree(source / name, folder / name)

@@ -33,7 +33,7 @@ def example_designs() -> list[str]:
 
 def example_benches() -> list[str]:
     """Its test benches."""
-    return [name for name in _names("testbenches", ".yaml") if not name.endswith((".pet", ".rating"))]
+    return [name for name in _names("testbenches", ".yaml") if not name.endswith((".pet", ".rating", ".procedure"))]
 
 
 def example_studies() -> list[str]:

@@ -14,6 +14,7 @@ class Topic(StrEnum):
     """What a finding is about, in the order in which they are told."""
 
     RUNS = "runs"
+    FAILURES = "share that fails"
     MET = "requirements met"
     CONDITIONS = "worst cases"
     BOX = "where they are met"

@@ -10,6 +10,7 @@ from dse.analysis.boxes import best_boxes
 from dse.analysis.conditions import share_met, worst_case, worst_designs
 from dse.analysis.data import ALL, StudyData
 from dse.analysis.dependence import DESIGNED, designed_findings, interactions, metric_label, shares
+from dse.analysis.failures import failure_findings
 from dse.analysis.finding import Account, Finding, Topic
 from dse.analysis.phrases import at_all, between, condition, likely, listed, percent, point, requirement_label, value
 from dse.analysis.probability import Basis, Met
@@ -23,7 +24,7 @@ def essentials(table: RunTable, parts: Sequence[StudyData] = ()) -> tuple[Findin
 
     *parts* are the `planes` of the table, if they are there already.
     """
-    return _stated(parts or planes(table), _of_requirements)
+    return failure_findings(table) or _stated(parts or planes(table), _of_requirements)
 
 
 def findings(table: RunTable, notice: Callable[[str], None] = lambda _: None) -> tuple[Finding, ...]:
@@ -31,7 +32,7 @@ def findings(table: RunTable, notice: Callable[[str], None] = lambda _: None) ->
 
     *notice* is called with what is computed next.
     """
-    return _stated(planes(table), _of_everything, notice)
+    return failure_findings(table) or _stated(planes(table), _of_everything, notice)
 
 
 def _stated(

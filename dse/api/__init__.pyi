@@ -1,5 +1,4 @@
 from .authoring.components import Component as Component, Interface as Interface
-from .authoring.defined import copy_example as copy_example
 from .contents import (
     ListedFile as ListedFile,
     ListedResults as ListedResults,
@@ -11,6 +10,7 @@ from .drives.folder import CheckedDrive as CheckedDrive, Drives as Drives
 from .drives.live import MOST_DRIVER as MOST_DRIVER, LiveDrive as LiveDrive, open_drive as open_drive
 from .drives.score_board import SCORING as SCORING, Board as Board, Score as Score, board_of as board_of
 from .lookup import (
+    condition_of as condition_of,
     new_folder as new_folder,
     opened as opened,
     space_of as space_of,

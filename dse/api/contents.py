@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.errors import DseError
-from dse.places import OUT, RATING, STUDY
+from dse.places import NO_BENCHES, OUT, PROCEDURE, RATING, STUDY
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -60,20 +60,22 @@ class Listing:
     studies: tuple[ListedFile, ...]
     results: tuple[ListedResults, ...]
     ratings: tuple[ListedFile, ...] = ()
+    procedures: tuple[ListedFile, ...] = ()
 
 
 def listing(workspace: Workspace) -> Listing:
     """What is in *workspace*. A file or folder that cannot be read is listed with its problem."""
     designs, tested = (sorted(workspace.files(folder), key=_name) for folder in ("designs", "testbenches"))
     studies = [path for path in tested if path.name.endswith(STUDY)]
-    ratings = [path for path in tested if path.name.endswith(RATING)]
-    benches = [path for path in tested if path not in {*studies, *ratings}]
+    ratings, procedures = ([path for path in tested if path.name.endswith(end)] for end in (RATING, PROCEDURE))
+    benches = [path for path in tested if not path.name.endswith(NO_BENCHES)]
     return Listing(
         tuple(_file(path, ".yaml", workspace.root, lambda _: {}) for path in designs),
         tuple(_file(path, ".yaml", workspace.root, _of_bench) for path in benches),
         tuple(_file(path, STUDY, workspace.root, _of_study) for path in studies),
         tuple(_results(path) for path in study_folders(workspace.root)),
         tuple(_file(path, RATING, workspace.root, _of_rating) for path in ratings),
+        tuple(_file(path, PROCEDURE, workspace.root, lambda _: {}) for path in procedures),
     )
 
 

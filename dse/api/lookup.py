@@ -44,14 +44,20 @@ def new_folder(workspace: Workspace, name: str) -> Path:
 
 
 def study_folder(path: Path) -> Path:
-    """*path*; if nothing is there, it is a name, and the workspace around the current folder has ``out/NAME``: that."""
-    from dse.formats import shown
-    from dse.loading import find_root, is_file
+    """*path*; if nothing is there, it is a name, and the workspace around the current folder has ``out/NAME``: that.
 
-    if len(path.parts) != 1 or is_file(path) or path.is_dir():
+    Raises DseError if there is nothing either, and it is the name of a study or bench: it was not simulated yet.
+    """
+    from dse.formats import shown
+    from dse.loading import BENCH_FILE, STUDY_FILE, Workspace, find_root, is_file
+
+    if is_file(path) or path.is_dir() or len(path.parts) > 2 or path.parts[:-1] not in ((), (OUT,)):
         return path
     root = find_root(Path())
-    named = root / OUT / path if root else path
+    named = root / OUT / path.name if root else path
+    if root and not named.is_dir() and (kind := Workspace(root).kind_of(path.name)) in (STUDY_FILE, BENCH_FILE):
+        what = f"the {kind.words.partition(' ')[2]} '{path.name}' has no results in {shown(named)}"
+        raise fail(what, hint=f"simulate it first: {kind.command} {path.name}")
     return Path(shown(named)) if named.is_dir() else path
 
 

@@ -12,7 +12,7 @@ from dse.api.presentation.html import table
 from dse.api.spaces.design import Design
 from dse.api.studies.bench import Bench, Study
 from dse.loading import Workspace as Files
-from dse.places import RATING, STUDY
+from dse.places import NO_BENCHES, STUDY
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -30,7 +30,15 @@ def open(path: str | Path = ".") -> Workspace:  # noqa: A001  # dse.open(".") re
 
 
 class Workspace:
-    """The files of a product family. A name may also be the path of a file, as on the command line."""
+    """The files of a product family: *components*, *designs*, *benches* and *studies* are mappings by name.
+
+    A name may also be the path of a file, as on the command line. An unknown name is a DseError. *files* reads them,
+    *definitions* also has what was defined in Python.
+
+    >>> ws = dse.open(".")
+    >>> ws.designs["acc_vehicle"].count()
+    227
+    """
 
     def __init__(self, files: Files | Definitions) -> None:
         self.definitions = files if isinstance(files, Definitions) else Definitions(files)
@@ -90,7 +98,7 @@ def _design(files: Files, name: str, definitions: Definitions) -> Design:
 
 
 def _benches(files: Files) -> Iterable[str]:
-    return [path.stem for path in files.files("testbenches") if not path.name.endswith((STUDY, RATING))]
+    return [path.stem for path in files.files("testbenches") if not path.name.endswith(NO_BENCHES)]
 
 
 def _studies(files: Files) -> Iterable[str]:

@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 
 def show_choice(choice: Choice | None, definition: StudyDefinition, *, briefly: bool = False) -> None:
-    """Print which design to take; nothing if there is no choice. *briefly* without how sure that is."""
+    """Print which design to take; nothing if there is no choice. *briefly* only its result and what is cheaper."""
     if choice is None:
         return
     print_line("which design:", style="bold")
     name, lines = choice_lines(choice, definition)
     print_line(f"  {name}")
     for label, text in lines:
-        if not briefly or label not in ("how sure", "order"):
+        if not briefly or label in ("result", "misses", "cheaper"):
             print_line(f"  {label + ':':<10}{text}")

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from dse.places import RATING, STUDY
+from dse.places import NO_BENCHES, PROCEDURE, RATING, STUDY
 
 
 def words() -> list[str]:
@@ -22,9 +22,7 @@ def designs(incomplete: str) -> list[str]:
 
 def benches(incomplete: str) -> list[str]:
     """Test benches."""
-    return _matching(
-        incomplete, (path.stem for path in _files("testbenches") if not path.name.endswith((STUDY, RATING)))
-    )
+    return _matching(incomplete, (path.stem for path in _files("testbenches") if not path.name.endswith(NO_BENCHES)))
 
 
 def studies(incomplete: str) -> list[str]:
@@ -37,6 +35,12 @@ def ratings(incomplete: str) -> list[str]:
     """Ratings."""
     names = (path.name for path in _files("testbenches"))
     return _matching(incomplete, (name.removesuffix(RATING) for name in names if name.endswith(RATING)))
+
+
+def procedures(incomplete: str) -> list[str]:
+    """Test procedures."""
+    names = (path.name for path in _files("testbenches"))
+    return _matching(incomplete, (name.removesuffix(PROCEDURE) for name in names if name.endswith(PROCEDURE)))
 
 
 def roads(incomplete: str) -> list[str]:

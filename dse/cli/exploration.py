@@ -12,12 +12,10 @@ import typer
 from dse.cli.arguments import Output
 from dse.cli.choice import show_choice
 from dse.cli.endings import DONE, RUNS_FAILED
-from dse.cli.ranking import show_ranking
 from dse.cli.terminal import (
     console,
     plain,
     plain_table,
-    print_findings,
     print_json,
     print_line,
     print_table,
@@ -30,7 +28,7 @@ if TYPE_CHECKING:
     from dse.api import Explored, ExploreOptions, Plan, Progress, Results, Summary
     from dse.domain.study import Study
 
-_MOST_PROBLEMS, _MOST_NUMBERS, _MOST_SHOWN = 5, 4, 3
+_MOST_PROBLEMS, _MOST_NUMBERS = 5, 4
 _MOST_LOOKED_AT = 20_000
 """Runs that can be looked at in a second or two."""
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
@@ -59,7 +57,7 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
         raise KeyboardInterrupt(f"{folder}: {stop}") from None
     results = Results(options.folder(folder), explored)
     summary = results.summary
-    _show_outcome(study, results, summary, explored, f"dse merge {folder}" if options.shard else f"dse report {folder}")
+    _show_outcome(results, summary, explored, is_shard=options.shard is not None)
     failed = summary.unsettled or (gate and not summary.is_passed)
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
@@ -101,8 +99,8 @@ def _duration(seconds: float) -> str:
     return "less than a second" if seconds < 1 else f"about {timedelta(seconds=round(seconds))}"
 
 
-def _show_outcome(study: Study, results: Results, summary: Summary, explored: Explored, following: str) -> None:
-
+def _show_outcome(results: Results, summary: Summary, explored: Explored, *, is_shard: bool) -> None:
+    """The counts of verdicts, what has to be told of runs, and which design to take."""
     from dse.api import requirement_labels
 
     screen, folder = console(), results.folder
@@ -140,15 +138,11 @@ def _show_outcome(study: Study, results: Results, summary: Summary, explored: Ex
         screen.print(f"  {plain(line)}", soft_wrap=True)
     if len(said) > _MOST_PROBLEMS:
         screen.print(f"  and {len(said) - _MOST_PROBLEMS} other problems: dse results {folder}", soft_wrap=True)
-    if explored.new and not following.startswith("dse merge") and summary.finished <= _MOST_LOOKED_AT:
-        if results.definition.objectives:
-            show_ranking(results, results.best(_MOST_SHOWN), study)
-        else:
-            print_findings(results.essentials())
-    if not following.startswith("dse merge") and summary.finished <= _MOST_LOOKED_AT:
+    if not is_shard and summary.finished <= _MOST_LOOKED_AT:
         show_choice(results.choice(), results.definition, briefly=True)
     if summary.unsettled:
         screen.print("to try failed runs again: the same command with --retry-failed", soft_wrap=True)
+    following = f"dse merge {folder}" if is_shard else f"dse report {folder}; in sentences: dse findings {folder}"
     screen.print(f"next: {following}", soft_wrap=True)
 
 

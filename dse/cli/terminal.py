@@ -101,16 +101,17 @@ def print_json(data: object) -> None:
 
     # Large spaces have counts of more digits than the interpreter writes by itself.
     sys.set_int_max_str_digits(0)
-    sys.stdout.write(json.dumps(_plain(data), ensure_ascii=False, indent=2, allow_nan=False) + "\n")
+    sys.stdout.write(json.dumps(plain_data(data), ensure_ascii=False, indent=2, allow_nan=False) + "\n")
 
 
-def _plain(data: object) -> object:
+def plain_data(data: object) -> object:
+    """*data* for a JSON document: NaN becomes None, infinities texts, tuples lists, and all keys texts."""
     if isinstance(data, float) and not math.isfinite(data):
         return None if math.isnan(data) else str(data)
     if isinstance(data, dict):
-        return {str(key): _plain(value) for key, value in data.items()}
+        return {str(key): plain_data(value) for key, value in data.items()}
     if isinstance(data, list | tuple):
-        return [_plain(value) for value in data]
+        return [plain_data(value) for value in data]
     return data
 
 

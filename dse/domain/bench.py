@@ -103,7 +103,9 @@ class Trace:
 class Requirement:
     """*metric* at most *at_most* and at least *at_least* (SI), provided the run came to exercise it at all.
 
-    A design meets it if it does in a share *met_in* of the draws at least, where runs are made with several.
+    A design meets it if it does in a share *met_in* of the draws at least, where runs are made with several. If bounds
+    vary from run to run, *of* is the metric they are about, the metrics `bound_of` are the bounds, and *metric* is
+    the margin, `margin_of`.
     """
 
     name: str
@@ -116,6 +118,17 @@ class Requirement:
     where: Location | None = None
     met_in: float = ALL_BUT_FEW
     trace: Trace = Trace()
+    of: str = ""
+
+
+def bound_of(requirement: str, key: str) -> str:
+    """The metric that is the bound *key*, ``at_most`` or ``at_least``, of *requirement* if it varies."""
+    return f"{requirement}_{key}"
+
+
+def margin_of(requirement: str) -> str:
+    """The metric that is the margin of *requirement* if its bounds vary."""
+    return f"{requirement}_margin"
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,12 +11,13 @@ from .designs import (
     front_of as front_of,
 )
 from .executor import Executor as Executor, Pool as Pool, load_executor as load_executor
+from .failure_share import FailureShare as FailureShare, failure_shares as failure_shares
 from .failures import in_words as in_words
 from .known_runs import (
     NOT_REPRODUCIBLE as NOT_REPRODUCIBLE,
     KnownRuns as KnownRuns,
+    forget_unsettled as forget_unsettled,
     give as give,
-    unsettled as unsettled,
 )
 from .loop import ExplorationInterruptedError as ExplorationInterruptedError, Explored as Explored, explore as explore
 from .one_shot_sampler import OneShotSampler as OneShotSampler

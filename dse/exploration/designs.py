@@ -24,7 +24,8 @@ class Designs:
     """n designs of k design variables, in the order of their first runs; r requirements, m objectives.
 
     *points*, (n, k), and *objectives*, (n, m), are in SI; an objective is the mean over what is uncertain, at the
-    condition where that is worst, NaN where a run did not come to its end or the metric is undefined. *margins*,
+    condition where that is worst, NaN where a run did not come to its end or the metric is undefined. Conditions at
+    which all runs came to their end and none has a value, as on a bench without the metric, are left out. *margins*,
     (n, r), are the smallest of any run that exercised the requirement, NaN where none did. *failing*, (n, r), tells
     whether a run failed the requirement; *shown*, (n, r), whether one passed it. *failed*, (n,), counts runs that
     failed to run. *rows* are the positions of each design's runs among those it was made of.
@@ -72,11 +73,17 @@ def designs_of(
     worst = np.array([judged[rows].min(axis=0) for rows in groups]).reshape(len(groups), judged.shape[1])
     values = np.column_stack([*(_values(outcomes, each) for each in objectives), np.zeros((len(outcomes), 0))])
     signs = np.array([-1.0 if each.maximize else 1.0 for each in objectives])
-    at_worst = [signs * _worst(signs * values[rows], conditions[rows]) for rows in groups]
+    signed = signs * values
+    for rows in equal_rows(conditions):
+        if outcomes.done[rows].all():
+            signed[rows] = np.where(np.isnan(signed[rows]).all(axis=0), -np.inf, signed[rows])
+    at_worst = np.array([_worst(signed[rows], conditions[rows]) for rows in groups]).reshape(
+        len(groups), len(objectives)
+    )
     return Designs(
         tuple(str(names[codes.reshape(-1)[first]]) for first in firsts),
         points[firsts].reshape(len(groups), len(decided)),
-        np.array(at_worst).reshape(len(groups), len(objectives)),
+        signs * np.where(np.isneginf(at_worst), np.nan, at_worst),
         np.where(np.isinf(worst), np.nan, worst),
         np.array([failing[rows].any(axis=0) for rows in groups], dtype=np.bool_).reshape(worst.shape),
         np.array([passed[rows].any(axis=0) for rows in groups], dtype=np.bool_).reshape(worst.shape),

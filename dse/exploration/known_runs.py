@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from dse.domain.address import Address
 from dse.domain.run import RunRequest
+from dse.domain.study import Keep, Study
 from dse.errors import DseError, fail
 from dse.exploration.work import Batch
 from dse.storage import (
@@ -153,6 +154,17 @@ class KnownRuns:
 def unsettled(folder: StudyFolder) -> set[int]:
     """Runs that failed, and those that gave another result when they were simulated again."""
     return folder.failed() | folder.with_problem(NOT_REPRODUCIBLE)
+
+
+def forget_unsettled(folder: StudyFolder, study: Study) -> None:
+    """Take away what is `unsettled`; if that is anything, also what was kept of runs near the boundary.
+
+    Without the runs that failed, others were nearest to it.
+    """
+    gone = unsettled(folder)
+    folder.forget(gone)
+    if gone and study.keep is Keep.NEAR_BOUNDARY:
+        folder.forget_kept()
 
 
 def give(folder: StudyFolder, store: RunStore) -> None:

@@ -66,7 +66,7 @@ class Explored:
 
 
 class ExplorationInterruptedError(KeyboardInterrupt):
-    """The user stopped the exploration; finished runs are stored. The message states this, and how to resume."""
+    """The user stopped the exploration; *finished* of *runs* runs are stored. The message states how to resume."""
 
     def __init__(self, finished: int, runs: int) -> None:
         super().__init__(

@@ -18,7 +18,7 @@ class Stage(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """*done* of *total* runs of the stage exist, including those of earlier sessions; *failed* of all runs failed.
+    """*done* of *total* runs of the *stage* exist, including those of earlier sessions; *failed* of all runs failed.
 
     *rate* is in runs per second, the mean since the start of the stage, 0 before the first run; *left* is the time in
     seconds to the end at that rate, infinite before the first run.

@@ -1,4 +1,5 @@
 from .bench.bench import read_setting as read_setting
+from .bench.procedure import Procedure as Procedure
 from .bench.rating import (
     RatedTest as RatedTest,
     Rating as Rating,
@@ -31,7 +32,7 @@ from .sections import Plain as Plain, Section as Section
 from .uvl.reading import read_uvl as read_uvl
 from .uvl.writing import to_uvl as to_uvl
 from .values import Raw as Raw, read_number as read_number, read_unit as read_unit
-from .workspace import Workspace as Workspace
+from .workspace import BENCH_FILE as BENCH_FILE, STUDY_FILE as STUDY_FILE, Workspace as Workspace
 from .writing.bench import write_bench as write_bench
 from .writing.component import (
     write_component as write_component,

@@ -10,6 +10,7 @@ from typing import Any
 
 from dse.domain.study import CheckStep, Keep
 from dse.loading.bench.bench import BenchFile
+from dse.loading.bench.procedure import ProcedureFile
 from dse.loading.bench.rating import RatingFile
 from dse.loading.bench.study import StudyFile
 from dse.loading.component.component import CollectionFile, ComponentFile
@@ -159,6 +160,7 @@ _FILES: Mapping[str, tuple[type[Section], str, Callable[[Schema], None]]] = {
     "road": (RoadFile, "A road (roads/*.yaml)", _road),
     "study": (StudyFile, "A study (testbenches/*.pet.yaml)", _study),
     "rating": (RatingFile, "A rating (testbenches/*.rating.yaml)", lambda _: None),
+    "procedure": (ProcedureFile, "A test procedure (testbenches/*.procedure.yaml)", lambda _: None),
 }
 
 FILE_KINDS = tuple(_FILES)

@@ -82,9 +82,15 @@ def _problem(shape: type[Section], finding: Any, entry: Entry) -> Problem:
             hint = "'dse docs formats' has the list, under 'Not supported in this version'"
             return Problem(f"'{loc[-1]}' is not supported in this version", entry.key, hint)
         known = {name for section in _sections_at(shape, loc[:-1]) for name in section.model_fields}
-        return Problem(f"unknown key '{loc[-1]}'", entry.key, closest(str(loc[-1]), known))
+        key = str(loc[-1])
+        if key.count(")") != key.count("("):  # the end of an expression: {where: max(a, b) > 1}
+            return Problem(f"unexpected '{key}'", entry.key, _QUOTE)
+        return Problem(f"unknown key '{key}'", entry.key, closest(key, known))
     what = f"'{_name(entry)}': {_words(finding)}, found {_shown(finding['input'])}"
     return Problem(what, entry.where, _own_hint(shape, loc))
+
+
+_QUOTE = "in braces a comma ends a value: quote an expression that has commas, as {where: 'max(a, b) > 1'}"
 
 
 def _is_later(shape: type[Section], finding: Any) -> bool:

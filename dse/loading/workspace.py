@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,13 +15,14 @@ from dse.formats import Entry, remember, shown
 from dse.loading.component.component import read_collection, read_component
 from dse.loading.component.interfaces import read_interfaces, read_stand_ins, read_types
 from dse.loading.paths import find_root
-from dse.places import RATING, STUDY
+from dse.places import NO_BENCHES, PROCEDURE, RATING, STUDY
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
     from dse.domain.design import DesignSpace
     from dse.domain.road import Road
     from dse.domain.study import Study
+    from dse.loading.bench.procedure import Procedure
     from dse.loading.bench.rating import Rating
 
 _FOLDERS = ("components", "designs", "testbenches")
@@ -169,6 +171,15 @@ class Workspace:
         _require_name(rating.name, path, RATING, rating.where)
         return rating
 
+    def procedure(self, name: str, where: Location | None = None) -> Procedure:
+        """The test procedure called *name*, or in the file *name*. Raises DseError."""
+        from dse.loading.bench.procedure import read_procedure
+
+        path = self._file(name, "testbenches", PROCEDURE, where)
+        procedure = read_procedure(path, self.bench, self.root)
+        _require_name(procedure.name, path, PROCEDURE, procedure.where)
+        return procedure
+
     def road(self, name: str, where: Location | None = None) -> Road:
         """The road called *name*, or in the file *name*. Raises DseError."""
         from dse.loading.road.road import read_road
@@ -200,18 +211,57 @@ class Workspace:
             return typed.resolve()
         found: dict[str, Path] = {}
         for path in self.files(folder):
-            if not path.name.endswith(suffix) or (suffix == ".yaml" and path.name.endswith((STUDY, RATING))):
-                continue
             stem = path.name.removesuffix(suffix)
+            if _suffix(path) != suffix:
+                continue
             if stem in found:
                 what = f"two files are called '{path.name}'"
                 raise fail(what, Location(shown(path)), f"the other is {shown(found[stem])}; rename one")
             found[stem] = path
         if name not in found:
-            bench = {STUDY: "study", RATING: "rating"}.get(suffix, "test bench")
-            kind = {"designs": "design", "roads": "road", "testbenches": bench}[folder]
+            wanted = next(kind for kind in _KINDS if (kind.folder, kind.suffix) == (folder, suffix))
+            other = self.kind_of(name)
+            if other is not None and where is None:
+                hint = f"{other.command} {name} {other.does}"
+                raise fail(f"'{name}' is {other.words}, not {wanted.words}", where, hint)
+            kind = wanted.words.partition(" ")[2]
             raise fail(f"unknown {kind} '{name}'", where, closest(name, found) or f"there is none in {folder}/")
         return found[name]
+
+    def kind_of(self, name: str) -> FileKind | None:
+        """What kind of file is called *name*; None if there is no such file."""
+        for kind in _KINDS:
+            for path in self.files(kind.folder):
+                if path.name == f"{name}{kind.suffix}" and _suffix(path) == kind.suffix:
+                    return kind
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class FileKind:
+    """Files in *folder* whose names end in *suffix*; *command* *does* something with one."""
+
+    words: str
+    folder: str
+    suffix: str
+    command: str
+    does: str
+
+
+STUDY_FILE = FileKind("a study", "testbenches", STUDY, "dse explore", "simulates it")
+BENCH_FILE = FileKind("a test bench", "testbenches", ".yaml", "dse run", "simulates it")
+_KINDS = (
+    STUDY_FILE,
+    BENCH_FILE,
+    FileKind("a rating", "testbenches", RATING, "dse rate DESIGN --rating", "predicts its points"),
+    FileKind("a procedure", "testbenches", PROCEDURE, "dse verify", "checks it"),
+    FileKind("a design space", "designs", ".yaml", "dse enumerate", "lists its configurations"),
+    FileKind("a road", "roads", ".yaml", "dse figure", "draws it"),
+)
+
+
+def _suffix(path: Path) -> str:
+    return next((suffix for suffix in NO_BENCHES if path.name.endswith(suffix)), ".yaml")
 
 
 def _yaml_below(folder: Path | str) -> Iterator[Path]:

@@ -170,6 +170,18 @@ FUNCTIONS: Mapping[str, Function] = {
         _of_waveform(functions.time_to_collision),
         varies=True,
     ),
+    "driver_gap": Function(
+        (
+            Argument("gap", Wants.WAVEFORM, "m"),
+            Argument("speed", Wants.WAVEFORM, "m/s"),
+            Argument("risk", Wants.CONDITION),
+            Argument("delay", Wants.CONSTANT, "s"),
+            Argument("deceleration", Wants.CONSTANT, "m/s2"),
+            Argument("jerk", Wants.CONSTANT, "m/s3"),
+        ),
+        same,
+        _over_time(functions.driver_gap),
+    ),
 }
 """Functions of waveforms; `ROWWISE` ones work on single numbers and row by row alike."""
 

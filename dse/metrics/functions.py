@@ -95,6 +95,28 @@ def time_to_collision(gap: Waveform, closing_speed: Waveform) -> Waveform:
     return time
 
 
+def driver_gap(
+    time: Waveform, gap: Waveform, speed: Waveform, risk: ConditionArray, delay: float, deceleration: float, jerk: float
+) -> float:
+    """Least *gap*, in m, of a driver who brakes to a standstill from *delay* after the first row with a *risk*.
+
+    The driver's car is where the run's car is, and has its *speed*, in m/s, when the risk begins. Braking builds up
+    with *jerk* to *deceleration*, both positive. Only the row times limit its accuracy. NaN if there is no risk.
+    """
+    first = int(np.argmax(risk))
+    if not (risk[first] and deceleration > 0 and jerk > 0 and delay >= 0):
+        return math.nan
+    since, moved = time[first:] - time[first], speed[first:]
+    own = np.concatenate([[0.0], np.cumsum(np.diff(since) * (moved[1:] + moved[:-1]) / 2)])
+    start, built = float(moved[0]), deceleration / jerk
+    held = start - jerk * built**2 / 2  # the speed when the brake is built up
+    stop = built + held / deceleration if held > 0 else math.sqrt(2 * max(start, 0.0) / jerk)
+    braking = np.clip(since - delay, 0.0, stop)
+    rising, full = np.minimum(braking, built), np.maximum(braking - built, 0.0)
+    way = start * (np.minimum(since, delay) + rising) - jerk * rising**3 / 6 + held * full - deceleration * full**2 / 2
+    return float(np.min(gap[first:] + own - way))
+
+
 def relative_excess(peak: float, target: float) -> float:
     """The overshoot: (peak - target) / |target|, negative if x never gets there.
 

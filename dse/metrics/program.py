@@ -94,7 +94,7 @@ def _compile_requirement(compiler: MetricCompiler, requirement: Requirement) -> 
         what = f"requirement '{requirement.name}' has no bound"
         raise fail(what, where, "give at_most or at_least")
     sort, register = compiler.metrics[name]
-    if requirement.unit.dimension != sort.dimension:
+    if not requirement.of and requirement.unit.dimension != sort.dimension:
         bound = describe(requirement.unit.dimension)
         what = f"requirement '{requirement.name}': '{name}' is {sort}, its bound is {bound}"
         raise fail(what, where, f"give the bound in {_si(sort)}")

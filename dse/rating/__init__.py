@@ -1,4 +1,4 @@
-"""Points of a rating protocol, predicted by simulation: tests on benches, and the protocol's own calculator."""
+"""Ratings and test procedures by simulation: tests on benches, and the calculator of a rating protocol."""
 
 import lazy_loader
 

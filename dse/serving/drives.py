@@ -14,7 +14,7 @@ from dse.api import Dealership, Drives, LiveDrive, Workspace, open_drive, read_c
 from dse.domain.bench import TestBench
 from dse.domain.design import DesignSpace
 from dse.domain.drive import Drive
-from dse.errors import DseError, fail
+from dse.errors import DseError, closest, fail
 
 MOST_AT_ONCE = 8
 PAGE_GONE = 30.0
@@ -225,7 +225,7 @@ class LiveDrives:
         """Only by a name in the list: elsewhere a name may be a path."""
         with self._asking:
             if name not in self._names():
-                raise fail("there is no such bench here")
+                raise fail(f"there is no test bench '{name}' to drive", hint=closest(name, self._names()))
             return self._workspace.benches[name].noun
 
     def _dealership(self, design: DesignSpace) -> Dealership:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
 
@@ -28,6 +28,9 @@ class DryRun(StudyFolder):
     def add_kept(self, numbers: Sequence[int], file: str) -> FileFacts | None:
         """Note that the waveforms of *numbers* would be in *file*."""
         return super().add_kept(numbers, file if (self.waveform_folder / file).is_file() else "")
+
+    def _delete(self, files: Iterable[Path]) -> None:
+        """Nothing is deleted."""
 
     @classmethod
     def of(cls, path: Path, definition: StudyDefinition) -> DryRun:

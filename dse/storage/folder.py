@@ -360,6 +360,18 @@ class StudyFolder(StudyReader):
         self.commit()
         self.header = header
 
+    def forget_kept(self) -> None:
+        """Delete all waveforms, and take away what is known of them."""
+        files = {*self.kept().values()} - {""}
+        with self._writing() as connection:
+            connection.execute("DELETE FROM kept")
+        self.commit()
+        self._delete(self.waveform_folder / file for file in files)
+
+    def _delete(self, files: Iterable[Path]) -> None:
+        for file in files:
+            file.unlink(missing_ok=True)
+
     def _asked_for(self, logged: LoggedBatch) -> bool:
         """Whether the study asked for runs like these; a file of another one may say it is of this."""
         header = self.header

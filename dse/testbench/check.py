@@ -14,12 +14,12 @@ from dse.domain.component import Component
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.method import Coupling, Method
 from dse.domain.run import TESTBENCH
-from dse.domain.study import types_of
-from dse.errors import DseError, Problem, raise_if_any
+from dse.domain.study import Study, types_of
+from dse.errors import DseError, Problem, Problems, raise_if_any
 from dse.fmu import in_parallel
 from dse.loading import Workspace, kind_of
 from dse.metrics import compile_rule
-from dse.places import RATING, STUDY
+from dse.places import NO_BENCHES, PROCEDURE, RATING, STUDY
 from dse.space import check_space, open_space
 from dse.testbench.multi_bench import shared_settings
 from dse.testbench.prepare import check_bench, prepare_bench
@@ -91,15 +91,15 @@ def _of(action: Callable[P, object], *args: P.args, **kwargs: P.kwargs) -> list[
 
 def _survey(workspace: Workspace, counts: dict[str, int]) -> None:
     benches = [path.name for path in workspace.files("testbenches")]
-    studies, ratings = (sum(name.endswith(end) for name in benches) for end in (STUDY, RATING))
+    counted = {end: sum(name.endswith(end) for name in benches) for end in NO_BENCHES}
     counts |= {
         "interface": len(workspace.interfaces),
         "component": len(workspace.component_files),
         "design space": len(list(workspace.files("designs"))),
         **({"road": roads} if (roads := len(_roads(workspace))) else {}),
-        "test bench": len(benches) - studies - ratings,
-        "study": studies,
-        **({"rating": ratings} if ratings else {}),
+        "test bench": len(benches) - sum(counted.values()),
+        "study": counted[STUDY],
+        **{end.split(".")[1]: counted[end] for end in (RATING, PROCEDURE) if counted[end]},
     }
 
 
@@ -147,7 +147,10 @@ def _is_finished(bench: TestBench, configuration: Configuration) -> bool:
 
 
 def _study(workspace: Workspace, path: str) -> None:
-    study = workspace.study(path)
+    _require_runnable(workspace.study(path))
+
+
+def _require_runnable(study: Study) -> None:
     space = study.bench.design
     if check_space(space):
         return  # the design's own file says what is wrong
@@ -177,5 +180,14 @@ def _rating(workspace: Workspace, path: str) -> None:
     workspace.rating(path)
 
 
-_OTHERS = {STUDY: _study, RATING: _rating}
+def _procedure(workspace: Workspace, path: str) -> None:
+    problems = Problems()
+    for test in workspace.procedure(path).tests:
+        with problems:
+            check_bench(test.bench, _first(test.bench.design))
+            _require_runnable(test)
+    raise_if_any(problems)
+
+
+_OTHERS = {STUDY: _study, RATING: _rating, PROCEDURE: _procedure}
 """How the files in ``testbenches/`` that are no benches are checked, by the ends of their names."""

@@ -55,7 +55,7 @@ def test_notebooks_show_best_designs_findings_and_summaries(results):
     found = results.best(1, minimize="final_speed")
     assert "<th>final_speed [km/h]</th>" in found._repr_html_()
     assert "minimize final_speed" in repr(found)
-    findings = results.essentials()
+    findings = results.findings()
     assert repr(findings).count("\n") == len(findings) - 1
     assert all(f"<td>{each.topic}</td>" in findings._repr_html_() for each in findings)
     evil = type(findings)([replace(findings[0], text="<b>x</b>")])

@@ -29,8 +29,11 @@ MAY_IMPORT = {
     "--version": set(),
     "space --help": set(),
     "init {o}": set(),
+    "demo --help": set(),
+    "init {o} --example fmus": {"fmpy", "numpy", "pint", "ruamel.yaml", "scipy"},
     "docs": set(),
     "udp --help": set(),
+    "mcp --help": set(),
     "udp layout idm_acc": set(),
     "schema design": {"numpy", "pint", "ruamel.yaml", "scipy"},
     "list": {"numpy", "ruamel.yaml"},  # the first to read the benches
@@ -171,6 +174,7 @@ def test_every_command_is_in_the_table():
         "export ssp",
         "merge",
         "rate",  # simulates for a minute; tests/docs/test_rating.py runs it
+        "verify",  # as rate; tests/rating/test_verification.py runs it
         "serve",  # goes on for ever; tests/cli/test_serve.py starts it
         "new design",
         "new bench",

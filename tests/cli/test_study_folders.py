@@ -48,11 +48,32 @@ def test_a_path_comes_before_a_name(workspace, dse_in, tmp_path):
     assert "small: is not a study folder" in done.stderr
 
 
-def test_a_name_that_was_never_explored_is_refused_with_what_makes_it(workspace, dse_in):
-    done = dse_in(workspace, "report", "acc_gains")
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            "report acc_gains",
+            "the study 'acc_gains' has no results in out/acc_gains\n    hint: simulate it first: dse explore acc_gains",
+        ),
+        ("best out/acc_gains", "the study 'acc_gains' has no results in out/acc_gains"),
+        (
+            "findings acc_following",
+            "the test bench 'acc_following' has no results in out/acc_following\n    hint: simulate it first: dse run",
+        ),
+        ("report acc_gian", "acc_gian: there is no such folder"),
+        ("explore acc_following", "'acc_following' is a test bench, not a study\n    hint: dse run acc_following"),
+        ("run acc_gains", "'acc_gains' is a study, not a test bench\n    hint: dse explore acc_gains"),
+        ("run acc_vehicle", "'acc_vehicle' is a design space, not a test bench"),
+        ("enumerate acc_gains", "'acc_gains' is a study, not a design space"),
+        ("explore acc_gian", "did you mean 'acc_gains'?"),
+    ],
+)
+def test_a_name_of_another_kind_or_without_results_is_refused_with_the_command_that_takes_it(
+    workspace, dse_in, words, said
+):
+    done = dse_in(workspace, *words.split())
     assert done.returncode == 1
-    assert "acc_gains: there is no such folder" in done.stderr
-    assert "'dse explore'" in done.stderr
+    assert said in done.stderr
 
 
 @pytest.mark.thorough

@@ -320,6 +320,49 @@ def test_a_width_that_is_not_known_is_that_of_the_class(new_part: NewPart) -> No
             assert stage(part) == expected, kind
 
 
+def test_the_width_that_a_crossing_brake_assumes_is_a_parameter(new_part: NewPart) -> None:
+    """A radar reports no class: a car that a quarter of the host overlaps counts, with the width of a car."""
+    for out, expected in [(0.01, NONE), (-0.01, FULL)]:
+        part = begin(new_part("crossing_aeb", unknown_width=1.6), 15.0)
+        see(part, 3.0, (WIDTH + 1.6) / 2 + 0.1 + out, width=0.0, kind="none")
+        assert stage(part) == expected
+
+
+def least_gap(speed: float, lead: float, braking: float, lost: float, required: float) -> float:
+    """The gap that is lost until the car is no faster than an object that brakes to standstill; both step by step."""
+    h, gap, time = 5e-4, 0.0, 0.0
+    while speed > lead:
+        gap += (speed - lead) * h
+        time += h
+        lead = max(lead - braking * h, 0.0)
+        speed -= required * h if time > lost else 0.0
+    return gap
+
+
+@pytest.mark.parametrize(
+    ("lead", "braking"), [(20.0, 2.0), (20.0, 4.0), (8.0, 4.0), (3.0, 9.0), (20.0, 0.0), (20.0, -2.0)]
+)
+@pytest.mark.parametrize("doubts", [0.0, 0.5])
+def test_a_stage_begins_sooner_for_an_object_that_brakes(
+    new_part: NewPart, lead: float, braking: float, doubts: float
+) -> None:
+    """By the required deceleration, whose gap is integrated here, and by the time to collision; less its deviations."""
+    speed, sure = 22.0, max(braking - 2 * doubts, 0.0)
+    for name, values, due in (
+        ("required", {"partial_required": 5.0, "partial_ttc": 0.0}, least_gap(speed, lead, sure, 0.2, 5.0) + 0.5),
+        ("time", {"partial_required": 20.0, "partial_ttc": 3.0}, least_gap(speed, lead, sure, 3.0, 1e9)),
+    ):
+        for out, expected in ((0.02, WARNING), (-0.02, PARTIAL)):
+            part = new_part("crossing_aeb", full_required=1e9, full_ttc=0.0, **values)
+            see(begin(part, speed), due + out, along=lead)
+            part["tracks[1].ax"], part["tracks[1].ax_deviation"] = -braking, doubts
+            assert stage(part) == expected, name
+    part = new_part("two_stage_aeb", partial_ttc=3.0, partial_required=20.0, full_required=20.0)
+    see(begin(part, speed), 3.0 * (speed - lead) + 0.02, along=lead)
+    part["tracks[1].ax"] = -braking
+    assert stage(part) == WARNING  # it counts with its speed
+
+
 def doubt(part: Any, covariance: Any) -> None:
     names = ("x", "y", "vx", "vy")
     for i, one in enumerate(names):

@@ -30,6 +30,8 @@ Box = tuple[float, float, float, float, float]  # x, y, heading, length, width
 
 def si(value: object) -> int | float | str:
     text = str(value)
+    if isinstance(value, bool):
+        return value
     if text.isdecimal():
         return int(text)
     return float(parse_quantity(text).si) if text[0] in "-0123456789" else text
@@ -42,13 +44,14 @@ def read(name: str) -> Any:
 def rated(benches: tuple[str, ...] = STRAIGHT) -> dict[str, dict[str, Any]]:
     """The target's parameters in each test of the rating on these *benches*: those of its bench, and its own."""
     found = {}
-    for name, test in read("euro_ncap.rating.yaml")["tests"].items():
-        if test["bench"] not in benches:
-            continue
-        given = {**read(f"{test['bench']}.yaml").get("parameters", {}), **test["parameters"]}
-        found[name] = {
-            key.removeprefix("traffic."): si(value) for key, value in given.items() if key.startswith("traffic.")
-        }
+    for name, tests in read("euro_ncap.rating.yaml")["tests"].items():
+        for number, test in enumerate(tests if isinstance(tests, list) else [tests]):
+            if test["bench"] not in benches:
+                continue
+            given = {**read(f"{test['bench']}.yaml").get("parameters", {}), **test.get("parameters", {})}
+            found[f"{name} {number}"] = {
+                key.removeprefix("traffic."): si(value) for key, value in given.items() if key.startswith("traffic.")
+            }
     return found
 
 
@@ -269,6 +272,102 @@ def test_a_host_that_turns_meets_the_target_where_the_cell_says(new_part: NewPar
             assert touched == pytest.approx((START - rear + front[index, 0], front[index, 1]), abs=0.01), name
             met += 1
     assert met == 2 * 4 + 4 * 2 * 2 * 3 * 4
+
+
+def since_start(way: float, rate: float, speed: float = 10 * KMH) -> float:
+    """The time at the end of a way from standstill, at constant acceleration up to a speed, 3 s after the start."""
+    begin = speed**2 / (2 * rate)
+    return 3 + (math.sqrt(2 * way / rate) if way < begin else speed / rate + (way - begin) / speed)
+
+
+def until(part: Any, time: float) -> Box:
+    """The target at *time*, linear between two steps."""
+    for _ in range(math.floor(time / H)):
+        part.step(H)
+    before = box(part)
+    part.step(H)
+    x, y = (a + (time / H - math.floor(time / H)) * (b - a) for a, b in zip(before[:2], box(part)[:2], strict=True))
+    return x, y, *before[2:]
+
+
+def test_a_host_that_starts_from_standstill_meets_the_target_where_the_cell_says(new_part: NewPart) -> None:
+    met = 0
+    for name, given in rated(("ncap_low_speed",)).items():
+        if given["turn"] != "none":
+            continue
+        length, width, reference = SHAPES[given["kind"]]
+        way = 1 if given["approach"] == "nearside" else -1
+        for speed, where in itertools.product((8, 60), (0.25, 0.75)):
+            values = {"pull_away_distance": 1.5, "speed": speed * KMH, **given, "impact_location": where}
+            part = begun(new_part, 0.0, **values)
+            distance = values["pull_away_distance"]
+            time = since_start(distance, given["pull_away"])
+            x, y, turn, *_ = until(part, time)
+            assert turn == pytest.approx(way * math.pi / 2)
+            sense, bumper = (-1, LENGTH - FRONT) if given.get("reverses") else (1, FRONT)
+            if given.get("contact") == "side":
+                touched = x, y + way * length / 2
+                expected = START + bumper + distance - 0.1 * LENGTH, -way * WIDTH / 2
+            else:
+                touched = x - sense * width / 2, y + way * reference
+                expected = START + sense * (bumper + distance), (where - 0.5) * WIDTH
+            assert touched == pytest.approx(expected, abs=0.01), name
+            met += 1
+    assert met == 4 * 7
+
+
+def test_a_host_that_starts_and_turns_meets_the_target_where_the_cell_says(new_part: NewPart) -> None:
+    rear, straight = 1.485, 40 * KMH
+    first = round(straight * 1e3)
+    path = turning(10, 1)[first : first + 20_000] - [straight, 0, 0]
+    alongs = (first + 1 + np.arange(len(path))) * 1e-3 - straight
+    front = path[:, :2] + (rear + FRONT) * np.column_stack([np.cos(path[:, 2]), np.sin(path[:, 2])])
+    for name, given in rated(("ncap_low_speed",)).items():
+        if given["turn"] == "none":
+            continue
+        length, width, _ = SHAPES[given["kind"]]
+        along, touched = (np.interp(3.5 - width / 2, front[:, 1], values) for values in (alongs, front[:, 0]))
+        for speed in (30, 80):
+            x, y, *_ = until(begun(new_part, 0.0, **given, speed=speed * KMH), since_start(along, 1.5))
+            assert (x - length / 2, y - width / 2) == pytest.approx(
+                (START - rear + touched, 3.5 - width / 2), abs=0.01
+            ), name
+
+
+def test_a_bicyclist_that_overtakes_is_at_the_door_when_the_cell_says(new_part: NewPart) -> None:
+    (given,) = rated(("ncap_dooring",)).values()
+    for speed, gap in itertools.product((10, 15, 20), (0.5, 1.0, 1.5, 2.0)):
+        part = begun(new_part, 0.0, **{**given, "speed": speed * KMH, "passing_gap": gap})
+        x, y, turn, length, width = until(part, given["approach_time"])
+        assert (x + length / 2, y - width / 2, turn) == pytest.approx((START - 0.2, WIDTH / 2 + gap, 0), abs=1e-9)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize(("mass", "push"), [(1400, -0.1), (1600, 0.0), (1900, 0.1), (1600, -2.0), (1600, 2.0)])
+def test_the_drive_robot_keeps_its_motion_until_an_emergency_brake_acts(
+    new_part: NewPart, sense: int, mass: int, push: float
+) -> None:
+    """A mass that differs from the assumed one, and a force of the powertrain or the brakes, per mass."""
+    part = new_part("drive_robot", reverses=sense < 0)
+    part.init()
+    speed = way = latest = 0.0
+    for k in range(1, 701):
+        part["motion.speed"] = speed
+        part.step()
+        torque = sum(part[f"wheel_torque[{wheel}]"] for wheel in range(1, 5))
+        rate = torque / 0.31 / mass + push if torque else 0.0
+        way += (speed + rate * H / 2) * H
+        speed += rate * H
+        if sense * way > 0.05:
+            latest = max(latest, abs(since_start(sense * way, 1.5) - k * H))
+        assert part["set_speed"] == pytest.approx(speed, abs=abs(rate) * H + 1e-12)
+    assert speed == pytest.approx(sense * 10 * KMH, rel=0.01)
+    assert latest < 3.1 * H  # its inputs are a step old, and 2 m/s2 move it by 1 cm
+    part["yielding_torque"] = 11.0
+    part.step()
+    part["yielding_torque"] = 0.0
+    part.step()
+    assert [part[f"wheel_torque[{wheel}]"] for wheel in range(1, 5)] == [0, 0, 0, 0]
 
 
 def test_the_steering_robot_keeps_its_path(new_part: NewPart) -> None:

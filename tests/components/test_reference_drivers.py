@@ -6,7 +6,10 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
+
+from dse.metrics.functions import driver_gap
 
 NewPart = Callable[..., Any]
 T, FRONT, WIDTH, MASS, RADIUS, LANE = 0.01, 2.1, 1.8, 1600.0, 0.31, 3.5  # start values
@@ -88,6 +91,20 @@ def test_the_competent_driver_avoids_a_cut_in_if_and_only_if_the_closed_form_doe
         assert abs(began - (math.ceil((LANE - SEEN) / sideways / T) + 75)) <= 1
         if avoided:
             assert least == pytest.approx(more, abs=2.0 * closing * T)
+
+
+@pytest.mark.parametrize(("speed", "other"), [(25.0, 12.0), (31.0, 17.0)])
+def test_the_component_keeps_the_gap_of_the_metric_function(new_part: NewPart, speed: float, other: float) -> None:
+    gap, sideways = needed(speed - other, coast=0.0) + 1.0, 1.8
+    part = new_part("reference_driver_cc", release_deceleration=0.0)
+    least, began = cut_in(part, speed, other, gap, sideways)
+    time = np.arange(0.0, 12.0, T)
+    ahead = gap + (speed - other) * ((LANE - SEEN) / sideways - time)
+    risk = (LANE - sideways * time <= SEEN) & (ahead < 2.0 * (speed - other))  # evaluated, and critical
+    expected = driver_gap(time, ahead, np.full_like(time, speed), risk, REACTION, FULL, JERK)
+    # A sample more or less until the braking, as above.
+    assert least == pytest.approx(expected, abs=2.0 * (speed - other) * T)
+    assert began > 0
 
 
 def test_a_cut_in_may_be_evaluated_by_time_as_well(new_part: NewPart) -> None:

@@ -48,7 +48,7 @@ def advance(part: Any, k: int) -> None:
 
 
 def tracks(part: Any) -> list[dict[str, Any]]:
-    keys = ("id", "class", "x", "y", "vx", "vy", "width", "age", "existence", *COVARIANCE)
+    keys = ("id", "class", "x", "y", "vx", "vy", "ax", "ax_deviation", "width", "age", "existence", *COVARIANCE)
     found = [{key: part[f"tracks[{i}].{key}"] for key in keys} for i in range(1, 9)]
     return [track for track in found if track["id"]]
 
@@ -210,6 +210,67 @@ def test_the_filter_equals_a_textbook_one_with_two_late_sensors_on_a_turning_car
     if not lasting.any():
         assert [track["vx"], track["vy"]] == pytest.approx(list(over_ground), abs=0.5)  # and the truth
         assert [track["x"], track["y"]] == pytest.approx(list(turned(-heading) @ (thing - place)), abs=0.4)
+
+
+@pytest.mark.parametrize("rate_deviation", [0.1, 0.0])
+def test_the_acceleration_is_that_of_one_filter_with_the_acceleration_as_a_state(
+    new_part: NewPart, rate_deviation: float
+) -> None:
+    """Friedland: of a constant bias, both stages together equal the augmented filter. A car ahead brakes at 4 m/s2."""
+    part = new_part("kalman_tracker", gate=1e9, confirm=1, of=1, acceleration_time=1e12)
+    random, ahead, age, yaw_rate, along = np.random.default_rng(5), np.array([1.0, 0.0]), 0.05, 0.1, 4.0
+    move, angle = arc((20.0, 0.0, yaw_rate), (20.0, 0.0, yaw_rate), T)
+    back, q = turned(-angle), part["acceleration_noise"] ** 2
+    F, Q = np.eye(5), np.zeros((5, 5))
+    F[:4, :4] = np.block([[back, T * back], [np.zeros((2, 2)), back]])
+    F[:2, 4], F[2:4, 4] = back @ ahead * T**2 / 2, back @ ahead * T
+    for i in range(2):
+        Q[np.ix_([i, 2 + i], [i, 2 + i])] = q * np.array([[T**4 / 4, T**3 / 2], [T**3 / 2, T**2]])
+    truth, book, P = np.array([30.0, 1.0, 18.0, 0.0, -along]), np.zeros(5), np.zeros((5, 5))
+    then, turn = arc((20.0, 0.0, yaw_rate), (20.0, 0.0, yaw_rate), age)
+    for k in range(150):
+        drive(part, 20.0, 0.0, yaw_rate)
+        if k:
+            truth = F @ truth
+            truth[:2] -= back @ move
+        if k >= 12 and k % 3 == 0:
+            place = truth[:2] - age * truth[2:4] + age**2 / 2 * truth[4] * ahead
+            x, y = turned(turn) @ place + then  # on the car as it was
+            r, a = math.hypot(x, y) + random.normal(0, 0.1), math.atan2(y, x) + random.normal(0, 0.002)
+            seen = np.array([math.cos(a), math.sin(a)])
+            ray = turned(-turn) @ seen
+            speed = (truth[2:4] - age * truth[4] * ahead) @ ray + random.normal(0, 0.1)
+            noises = {**NOISES["first"], "rate_deviation": rate_deviation}
+            see(part, "first", (1.0, 0.0), range=r, azimuth=a, range_rate=speed - 20 * seen[0], **noises)
+            part["first.age"], part["first.mount"] = age, 0.0
+        advance(part, k)
+        if k < 12:
+            continue
+        (track,) = tracks(part)
+        if k == 12:  # as it begins, without any knowledge of the acceleration
+            book[:4] = [track[key] for key in NAMES]
+            P[UPPER] = [track[key] for key in COVARIANCE]
+            P += np.triu(P, 1).T
+            P[4, 4] = part["acceleration_deviation"] ** 2
+            continue
+        book, P = F @ book, F @ P @ F.T + Q
+        book[:2] -= back @ move
+        if k % 3 == 0:
+            H = np.zeros((3, 5))
+            H[:2] = np.column_stack([np.eye(2), -age * np.eye(2), age**2 / 2 * ahead])
+            H[2, 2:] = [*ray, -age * ray[0]]
+            J = np.column_stack([ray, r * np.array([-ray[1], ray[0]])])
+            R = np.zeros((3, 3))
+            R[:2, :2] = J @ np.diag([0.1**2, noises["azimuth_deviation"] ** 2]) @ J.T
+            R[2, 2] = rate_deviation**2
+            z, used = np.array([*(turned(-turn) @ (r * seen - then)), speed]), 3 if rate_deviation else 2
+            H, R, z = H[:used], R[:used, :used], z[:used]
+            gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
+            book, P = book + gain @ (z - H @ book), P - gain @ H @ P
+        assert track["ax"] == pytest.approx(book[4], abs=1e-6)
+        assert track["ax_deviation"] ** 2 == pytest.approx(P[4, 4], rel=1e-6)
+    assert track["ax"] == pytest.approx(-along, abs=3 * track["ax_deviation"])
+    assert track["ax_deviation"] < 0.5 * part["acceleration_deviation"]
 
 
 @pytest.mark.parametrize(("kind", "body"), [("truck", (16.0, 2.55)), ("none", (16.0, 2.55)), ("car", (4.5, 1.8))])

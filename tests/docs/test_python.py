@@ -1,4 +1,4 @@
-"""docs/python.md: its code runs as it stands, from top to bottom."""
+"""docs/python.md: its code runs as it stands, from top to bottom; and the examples of the public names, after it."""
 
 from __future__ import annotations
 
@@ -14,13 +14,23 @@ from dse.api.spaces.design import Design
 
 TEXT = (Path(__file__).parents[2] / "docs" / "python.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+EXAMPLES = """
+import doctest
+from pathlib import Path
+runner = doctest.DocTestRunner()
+for name in dse.__all__:
+    for test in doctest.DocTestFinder().find(getattr(dse, name), name, module=False, globs={"dse": dse, "Path": Path}):
+        runner.run(test)
+assert not runner.failures, runner.summarize()
+assert runner.tries > 10
+"""
 
 
 @pytest.mark.thorough
 def test_the_code_shown_runs(tmp_path, built_before):
     subprocess.run([sys.executable, "-m", "dse", "init", "study"], cwd=tmp_path, check=True, capture_output=True)
     script = tmp_path / "page.py"  # classes without a file have no source text
-    script.write_text("\n".join(BLOCK.findall(TEXT)), encoding="utf-8")
+    script.write_text("\n".join([*BLOCK.findall(TEXT), EXAMPLES]), encoding="utf-8")
     done = subprocess.run(
         [sys.executable, str(script)],
         cwd=tmp_path / "study",
@@ -30,7 +40,7 @@ def test_the_code_shown_runs(tmp_path, built_before):
         encoding="utf-8",
         check=False,
     )
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_every_question_is_named():

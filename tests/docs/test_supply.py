@@ -38,7 +38,10 @@ def locked() -> dict[str, str]:
 
 
 def test_what_is_asked_for_is_locked_with_hashes_and_without_a_place_to_get_it() -> None:
-    asked = [Requirement(text) for text in (*PROJECT["project"]["dependencies"], *PROJECT["dependency-groups"]["dev"])]
+    groups = [each for name in ("dev", "docs") for each in PROJECT["dependency-groups"][name]]
+    assert groups.count({"include-group": "docs"}) == 1
+    texts = [*PROJECT["project"]["dependencies"], *(each for each in groups if isinstance(each, str))]
+    asked = [Requirement(text) for text in texts]
     versions = locked()
     assert {r.name for r in asked if not r.specifier.contains(versions.get(canonicalize_name(r.name), "0"))} == set()
     assert "://" not in LOCK

@@ -65,6 +65,16 @@ def test_a_run_that_failed_leaves_the_objective_undefined():
     assert designs.failed.tolist() == [1]
 
 
+def test_a_condition_at_which_no_design_has_a_value_does_not_count():
+    at_one = [("x", 0.5, 1.0, 5.0, 2.0, P, 0.2), ("y", 0.5, 1.0, 5.0, 3.0, P, 0.2)]
+    at_none = [(name, 0.5, 0.0, 5.0, np.nan, P, 0.2) for name in "xy"]
+    for sense in (USE, Objective("use", maximize=True)):
+        found = designs_of(outcomes(*at_one, *at_none), (GAIN, ROAD, MASS), (sense,)).objectives
+        assert found.tolist() == [[2.0], [3.0]]
+    undefined = ("y", 0.5, 0.0, 5.0, 1.0, P, 0.2)
+    assert np.isnan(designs_of(outcomes(*at_one, at_none[0], undefined), (GAIN, ROAD, MASS), (USE,)).objectives[0])
+
+
 def test_designs_stand_in_the_order_of_their_first_runs():
     runs = [("y", 0.5, 0, 5, 1, P, 1), ("x", 0.2, 0, 5, 1, P, 1), ("y", 0.5, 1, 5, 1, P, 1), ("y", 0.1, 0, 5, 1, P, 1)]
     designs = designs_of(outcomes(*runs), (GAIN, ROAD, MASS))
@@ -102,8 +112,10 @@ def test_every_case_is_judged_as_the_report_judges_it(case):
         ("x", 0.5, run.condition, run.draw, run.value, word, margin)
         for run, word, margin in zip(case.runs, words, margins, strict=True)
     ]
-    designs = one(*told)
-    assert designs.feasible.tolist() == [case.verdict == "pass"]
-    assert (designs.failed > 0).tolist() == [case.verdict == "failed to run"]
+    # Another design has a value at each condition.
+    other = [("y", 0.5, run.condition, 5.0, 1.0, P, 0.1) for run in case.runs]
+    designs = designs_of(outcomes(*told, *other), (GAIN, ROAD, MASS), (USE,))
+    assert designs.feasible[0] == (case.verdict == "pass")
+    assert (designs.failed[0] > 0) == (case.verdict == "failed to run")
     assert designs.margins[0, 0] == pytest.approx(case.margin, nan_ok=True)
     assert designs.objectives[0, 0] == pytest.approx(case.objective, nan_ok=True)

@@ -16,7 +16,7 @@ from fake_runners import benches, definition_of, make_fake, study_of
 from dse.domain.study import Keep, Study
 from dse.errors import DseError
 from dse.exploration.executors.local import Local
-from dse.exploration.known_runs import unsettled
+from dse.exploration.known_runs import forget_unsettled, unsettled
 from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
 from dse.exploration.near_boundary import near_boundary
 from dse.exploration.progress import Progress, Stage
@@ -122,6 +122,19 @@ def test_damaged_waveforms_are_noticed_and_made_again(tmp_path: Path) -> None:
     assert (summary.damaged, summary.again) == (harmed, harmed)
     assert content(tmp_path) == before
     assert run(tmp_path, study).damaged == 0
+
+
+def test_runs_that_failed_and_are_made_again_leave_no_trace_in_what_is_kept(tmp_path: Path) -> None:
+    study = study_of(levels=8, keep=Keep.NEAR_BOUNDARY)
+    run(tmp_path / "undisturbed", study)
+    with StudyFolder.open(tmp_path / "undisturbed") as folder:
+        near = tuple(folder.kept())
+    assert run(tmp_path / "disturbed", study, mischief="fails", when=near[::2]).failed == len(near[::2])
+    assert content(tmp_path / "disturbed")[1].keys() - content(tmp_path / "undisturbed")[1].keys()
+    with StudyFolder.resume(tmp_path / "disturbed", definition_of(study, NAMES)) as folder:
+        forget_unsettled(folder, study)
+    run(tmp_path / "disturbed", study)
+    assert content(tmp_path / "disturbed") == content(tmp_path / "undisturbed")
 
 
 def test_a_run_that_differs_when_simulated_again_is_reported(tmp_path: Path) -> None:

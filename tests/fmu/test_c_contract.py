@@ -85,6 +85,15 @@ def test_missing_members_are_told_all_at_once_in_the_users_words(workshop, refus
     ]
 
 
+def test_a_member_that_the_struct_lacks_is_told_once_also_where_the_code_uses_it(workshop, refused):
+    component = edit(workshop.counter(), "double u;", "double speed;")
+    edit(component, "c->out.hits++;", "c->out.hitz++;", suffix=".c")
+    (_, other, _), lacking = refused(component)
+    what = "struct counter has no member 'in.u' for input 'u'"
+    assert lacking == (str(workshop.folder / "counter.h"), what, "declare it in counter.h, as double")
+    assert "hitz" in other
+
+
 @pytest.mark.parametrize("declaration", ["int u;", "double u[3];", "struct { double v; } u;", "double *u;"])
 def test_a_member_of_the_wrong_type_is_told(workshop, refused, declaration):
     component = edit(workshop.counter(), "double u;", declaration)

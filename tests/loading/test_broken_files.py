@@ -43,6 +43,7 @@ def test_the_unbroken_workspace_loads(files):
 
 CASES = [
     # what is broken: file, old text, new text, place, message, part of the hint
+    ("a comma in braces", "testbenches/gains.pet.yaml", "testbench: following", "testbench: following\nconfigurations: {where: max(1, 2) > 1}", "testbenches/gains.pet.yaml:3:32", "unexpected '2) > 1'", "quote an expression"),
     ("unknown key", "components/pd/component.yaml", "unit: 1/s", "units: 1/s", "components/pd/component.yaml:5:36", "unknown key 'units'", "unit"),
     ("unknown key at the top", "testbenches/following.yaml", "design: car", "design: car\nscenario: x", "testbenches/following.yaml:3:1", "unknown key 'scenario'", "possible"),
     ("wrong unit", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: 40 kg}", "testbenches/following.yaml:8:34", "wrong unit in '40 kg': expected length, found mass", "write it in m"),
@@ -50,14 +51,14 @@ CASES = [
     ("no quantity", "components/radar/component.yaml", "cost: 45 EUR", "cost: cheap", "components/radar/component.yaml:8:20", "'cheap' is not a quantity", "write a number and a unit, as '70 km/h'"),
     ("unknown component", "designs/car.yaml", "[radar]", "[rader]", "designs/car.yaml:4:29", "unknown component 'rader'", "did you mean 'radar'?"),
     ("unknown interface", "components/pd/component.yaml", "implements: controller", "implements: controler", "components/pd/component.yaml:2:13", "unknown interface 'controler'", "controller"),
-    ("unknown design", "testbenches/following.yaml", "design: car", "design: cart", "testbenches/following.yaml:2:9", "unknown design 'cart'", "car"),
+    ("unknown design", "testbenches/following.yaml", "design: car", "design: cart", "testbenches/following.yaml:2:9", "unknown design space 'cart'", "car"),
     ("unknown bench", "testbenches/gains.pet.yaml", "testbench: following", "testbench: followin", "testbenches/gains.pet.yaml:2:12", "unknown test bench 'followin'", "following"),
     ("unknown parameter", "testbenches/gains.pet.yaml", "controller.kp:", "controller.kq:", "testbenches/gains.pet.yaml:4:3", "'controller' has no port or parameter 'kq'", "kp"),
     ("unknown part", "testbenches/gains.pet.yaml", "controller.kp:", "contoller.kp:", "testbenches/gains.pet.yaml:4:3", "'contoller.kp' names no part", "controller"),
     ("empty range of a parameter", "components/pd/component.yaml", "max: 5", "max: -5", "components/pd/component.yaml:5:25", "the range of 'kp' is empty: min 0 > max -5", ""),
     ("start outside the range", "components/pd/component.yaml", "start: 0.8", "start: 8", "components/pd/component.yaml:5:15", "start of 'kp' is outside its range 0 … 5", "widen"),
     ("impossible range", "testbenches/gains.pet.yaml", "[0.1, 3.0]", "[3.0, 0.1]", "testbenches/gains.pet.yaml:4:26", "the range of 'controller.kp' is empty: 3.0 … 0.1", "low, then high"),
-    ("range beyond the component's", "testbenches/gains.pet.yaml", "[0.1, 3.0]", "[0.1, 6.0]", "testbenches/gains.pet.yaml:4:26", "the range of 'controller.kp' leaves what component pd allows", "max 5"),
+    ("range beyond the component's", "testbenches/gains.pet.yaml", "[0.1, 3.0]", "[0.1, 6.0]", "testbenches/gains.pet.yaml:4:26", "the range of 'controller.kp' leaves what component pd allows", "it allows 0 1/s … 5 1/s"),
     ("range with one end", "testbenches/gains.pet.yaml", "[0.1, 3.0]", "[0.1]", "testbenches/gains.pet.yaml:4:26", "'design_variables.controller.kp.range': expected 2 entries, found [0.1]", ""),
     ("value outside the range", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: 40 m, controller.kp: 9}", "testbenches/following.yaml:8:55", "kp = 9 is outside its range 0 … 5 1/s", "set by component pd"),
     ("missing key", "testbenches/following.yaml", "{stop: 10 s, ", "{", "testbenches/following.yaml:9:1", "'stop' is missing in 'simulation'", "add 'stop: …'"),
@@ -110,7 +111,7 @@ CASES = [
     ("objective that calculates with what is none", "testbenches/gains.pet.yaml", "sampler:", "objectives: [minimize 2 * gap]\nsampler:", "testbenches/gains.pet.yaml:5:14", "'gap' is not a metric of following", "gap_undershoot"),
     ("range and values", "testbenches/gains.pet.yaml", "range: [0.1, 3.0]", "range: [0.1, 3.0], values: [1]", "testbenches/gains.pet.yaml:4:3", "give 'controller.kp' either a range or values", "range: [low, high]"),
     ("a value twice", "testbenches/gains.pet.yaml", "range: [0.1, 3.0], levels: 5", "values: [1, 2, 1]", "testbenches/gains.pet.yaml:4:27", "'controller.kp' has a value twice", "remove one"),
-    ("a value beyond the component's", "testbenches/gains.pet.yaml", "range: [0.1, 3.0], levels: 5", "values: [1, 9]", "testbenches/gains.pet.yaml:4:27", "leaves what component pd allows", "max 5"),
+    ("a value beyond the component's", "testbenches/gains.pet.yaml", "range: [0.1, 3.0], levels: 5", "values: [1, 9]", "testbenches/gains.pet.yaml:4:27", "leaves what component pd allows", "5 1/s"),
     ("logarithm of zero", "testbenches/gains.pet.yaml", "range: [0.1, 3.0]", "range: [0, 3.0], scale: log", "testbenches/gains.pet.yaml:4:43", "'controller.kp' cannot be on a logarithmic scale", "above 0"),
     ("scale nobody has", "testbenches/gains.pet.yaml", "range: [0.1, 3.0]", "range: [0.1, 3.0], scale: cubic", "testbenches/gains.pet.yaml:4:45", "input should be 'linear' or 'log', found 'cubic'", ""),
     ("derived with a range", "testbenches/gains.pet.yaml", "range: [0.1, 3.0]", "range: [0.1, 3.0], derived: 2 1/s", "testbenches/gains.pet.yaml:4:3", "'controller.kp' is derived: it has no levels and range", "leave it out"),
@@ -157,7 +158,7 @@ CASES = [
     ("record twice", "testbenches/following.yaml", "[world.gap]", "[world.gap, world.gap]", "testbenches/following.yaml:9:59", "'world.gap' is recorded twice", "remove"),
     ("unknown test component alone", "testbenches/following.yaml", "{component: road}", "{component: rod}", "testbenches/following.yaml:4:22", "unknown component 'rod'", "road"),
     # what lies elsewhere
-    ("path for a name", "testbenches/following.yaml", "design: car", "design: /etc/hosts", "testbenches/following.yaml:2:9", "unknown design '/etc/hosts'", ""),
+    ("path for a name", "testbenches/following.yaml", "design: car", "design: /etc/hosts", "testbenches/following.yaml:2:9", "unknown design space '/etc/hosts'", ""),
     ("C file outside the workspace", "components/pd/component.yaml", "[pd.c]", "[pd.c, ../../../secret.c]", "components/pd/component.yaml:3:33", "'../../../secret.c' is outside the workspace", "copy"),
     ("absolute C file", "components/pd/component.yaml", "[pd.c]", "[pd.c, /etc/passwd]", "components/pd/component.yaml:3:33", "'/etc/passwd' is outside the workspace", "copy"),
     ("text for C", "components/pd/component.yaml", "[pd.c]", "[pd.c, component.yaml]", "components/pd/component.yaml:3:33", "'component.yaml' must be a .c or .h file", "another"),

@@ -252,3 +252,50 @@ def test_a_percentile_does_not_depend_on_where_rows_are_dense(q):
 @pytest.mark.parametrize("q", [-0.1, 1.1, math.nan])
 def test_a_percentile_that_there_is_not_is_undefined(q):
     assert math.isnan(value("percentile", TIME, q))
+
+
+A, JERK, DELAY = 0.774 * 9.81, 12.65, 0.75  # the reference driver of UN R157
+SEEN = 3.0  # s: the risk begins
+
+
+def stopping_distance(speed: float, delay: float) -> float:
+    """By hand: the delay, the brake built up, full braking; or a standstill before it is built up."""
+    built = A / JERK
+    held = speed - JERK * built**2 / 2
+    if held <= 0:
+        return speed * (delay + 2 / 3 * math.sqrt(2 * speed / JERK))
+    return speed * (delay + built) - JERK * built**3 / 6 + held**2 / (2 * A)
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0, 5.0, 60 / 3.6, 130 / 3.6])
+@pytest.mark.parametrize("delay", [0.75, 0.4 + 0.75])
+def test_a_driver_who_brakes_for_a_standing_car_has_the_gap_less_the_stopping_distance(speed, delay):
+    gap = 200.0 - speed * TIME
+    left = value("driver_gap", gap, np.full_like(TIME, speed), TIME >= SEEN, delay, A, JERK)
+    # Rows are 1 ms apart; the first one with a risk is at most one row late.
+    assert left == pytest.approx(200.0 - speed * SEEN - stopping_distance(speed, delay), abs=speed * 2 * STEP)
+
+
+def test_a_driver_behind_a_braking_car_agrees_with_a_numerical_integration_and_not_with_what_the_run_does():
+    speed, other = 25.0, 8.0
+    lead = 40.0 + 25.0 * TIME - np.where(TIME > SEEN, other / 2 * np.minimum(TIME - SEEN, 25.0 / other) ** 2, 0.0)
+    lead -= np.where(SEEN + 25.0 / other < TIME, 25.0 * (TIME - SEEN - 25.0 / other), 0.0)
+    own, place = np.zeros_like(TIME), 0.0
+    now = speed
+    for row, time in enumerate(TIME):
+        own[row] = place
+        braking = min(max(time - SEEN - 1.15, 0.0) * JERK, A)
+        now, before = max(now - braking * STEP, 0.0), now
+        place += (now + before) / 2 * STEP
+    expected = float(np.min((lead - own)[TIME >= SEEN]))
+    run = speed * np.where(TIME > SEEN, np.exp(-(TIME - SEEN)), 1.0)  # the car of the run brakes otherwise
+    moved = np.concatenate([[0.0], np.cumsum((run[1:] + run[:-1]) / 2 * STEP)])
+    left = value("driver_gap", lead - moved, run, TIME >= SEEN, 1.15, A, JERK)
+    # An explicit step of 1 ms: its error is half a step of the deceleration's rise over the whole stop.
+    assert left == pytest.approx(expected, abs=0.05)
+    assert expected < 15.0
+
+
+def test_a_driver_without_a_risk_has_no_gap():
+    assert math.isnan(value("driver_gap", TIME, TIME, TIME < 0.0, DELAY, A, JERK))
+    assert math.isnan(value("driver_gap", TIME, TIME, TIME >= 0.0, DELAY, 0.0, JERK))

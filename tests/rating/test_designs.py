@@ -113,7 +113,7 @@ def test_two_designs_are_rated_and_compared(car, kept_cache, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("lorry",), "unknown design 'lorry'"),
+        (("lorry",), "unknown design space 'lorry'"),
         (("car", "--rating", "big"), "unknown rating 'big'"),
         (("car", "-c", "zzzz"), "no valid configuration 'zzzz'"),
         (("car", "--best", "1", "-c", "a"), "one of -c, --where and --best"),

@@ -167,7 +167,10 @@ def test_more_drives_than_there_may_be_are_refused_in_words(client) -> None:
 @pytest.mark.parametrize("bench", ["../field", "/etc/passwd", "field.yaml", "testbenches/field.yaml", "_x", ""])
 def test_a_bench_is_taken_by_a_name_in_the_list_only(client, bench: str) -> None:
     answer = client.post("/drive/start", {"bench": bench})
-    assert (answer.status, json.loads(answer.text)["problems"][0]["what"]) == (409, "there is no such bench here")
+    assert (answer.status, json.loads(answer.text)["problems"][0]["what"]) == (
+        409,
+        f"there is no test bench '{bench}' to drive",
+    )
     assert client.get(f"/drive/offer?bench={bench}").status == 409
 
 

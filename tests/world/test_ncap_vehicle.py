@@ -7,9 +7,14 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 
 import dse
+from dse.expression import parse_expression
+from dse.loading import Workspace
+from dse.rating import verify
+from dse.space import open_space
 
 pytestmark = pytest.mark.usefixtures("kept_cache")
 ROOT = Path(__file__).parents[2]
@@ -17,7 +22,7 @@ KMH = 1 / 3.6
 CAR = (
     "lane_sensor is lane_camera and lane_support is absent and slip is absent and controller is pd_acc"
     " and powertrain is combustion_ideal and chassis is longitudinal and computer is computer_large"
-    " and tracker is kalman_tracker"
+    " and tracker is kalman_tracker and manoeuvre is absent and door is no_door_retention"
 )
 MIDDLE = CAR + " and sensor is object_radar_mid and second_sensor is object_camera and aeb is crossing_aeb"
 PERFECT = CAR + " and sensor is object_perfect and second_sensor is absent and aeb is crossing_aeb"
@@ -46,25 +51,24 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def explored(folder: Path, name: str, where: str, bench: str, speeds: str, more: str) -> Any:
-    """The runs of *bench* at the host's *speeds* (km/h), further *more* conditions, by choices and conditions."""
+    """The runs of *bench* at the host's *speeds* (km/h) if it drives, further *more* conditions, by both."""
     text = f"""
 study: {name}
 testbench: {bench}
 configurations: {{where: "{where}"}}
-design_variables:
-  controller.set_speed: {{derived: chassis.initial_speed}}
-conditions:
-  chassis.initial_speed: {{values: [{", ".join(f"{speed} km/h" for speed in speeds.split())}]}}
-{more}
-keep_waveforms: none
 """
+    if speeds:
+        text += "design_variables:\n  controller.set_speed: {derived: chassis.initial_speed}\n"
+        hosts = ", ".join(f"{speed} km/h" for speed in speeds.split())
+        more = f"  chassis.initial_speed: {{values: [{hosts}]}}\n" + more
+    text += f"conditions:\n{more}\nkeep_waveforms: none\n"
     (folder / "testbenches" / f"{name}.pet.yaml").write_text(text, encoding="utf-8")
     return dse.open(folder).studies[name].explore(folder / "out" / name, fresh=True).to_pandas("si")
 
 
 def test_the_design_space_has_more_than_a_million_raw_configurations() -> None:
     design = dse.open(ROOT).designs["ncap_vehicle"]
-    assert design.total == 5 * (6 + 1) * 2 * 6 * 3 * 4 * 3 * (3 + 1) * 5 * 5 * 2 * (1 + 1)
+    assert design.total == 5 * (7 + 1) * 2 * 6 * (1 + 1) * 2 * 3 * 4 * 3 * (3 + 1) * 5 * 5 * 2 * (1 + 1)
     assert 100_000 < design.count() < design.total
     assert design.count(where=MIDDLE + " and brake is hydraulic_booster") == 1
 
@@ -177,6 +181,31 @@ def test_a_simulated_car_that_does_not_brake_hits_as_fast_as_it_drives_and_when_
 
 
 @pytest.mark.thorough
+def test_a_simulated_car_that_starts_hits_when_the_test_says_unless_it_brakes_for_manoeuvres(folder: Path) -> None:
+    """From standstill 3 s after the start, with 1.5 m/s2 up to 10 km/h, forwards and in reverse."""
+    where = MIDDLE.replace("object_camera", "object_surround_radars").replace("manoeuvre is absent and ", "")
+    where = where.replace("crossing_aeb", "aeb_late") + " and brake is hydraulic_booster"
+    child = "  traffic.kind: {values: [child]}\n  traffic.approach: {values: [nearside]}\n"
+    child += "  traffic.pull_away_distance: {values: [1 m, 2 m, 4 m]}\n  traffic.speed: {values: [5 km/h]}\n"
+    child += "  aeb.min_speed: {values: [60 km/h]}\n"  # it does not act
+    reverse = "  traffic.reverses: {values: [true]}\n  robot.reverses: {values: [true]}\n"
+    rows = pd.concat(
+        explored(folder, f"started{len(way)}", where, "ncap_low_speed", "", child + way) for way in ("", reverse)
+    )
+    is_helped = rows["manoeuvre"] == "manoeuvre_aeb"
+    unbraked, braked = rows[~is_helped], rows[is_helped]
+    assert len(unbraked) == len(braked) == 6
+    limit = (10 * KMH) ** 2 / 3
+    for way, time, speed in zip(
+        unbraked["traffic.pull_away_distance"], unbraked["contact_time"], unbraked["host_impact_speed"], strict=True
+    ):
+        begins = math.sqrt(2 * way / 1.5) if way < limit else 10 * KMH / 1.5 + (way - limit) / (10 * KMH)
+        assert time == pytest.approx(3 + begins, abs=0.021)  # a step late at most, and its tick
+        assert speed == pytest.approx(min(math.sqrt(3 * way), 10 * KMH), abs=0.05)
+    assert braked["host_impact_speed"].max() == 0
+
+
+@pytest.mark.thorough
 @pytest.mark.parametrize("bench", ["ncap_departure", "ncap_adjacent"])
 def test_lane_support_keeps_the_car_on_its_lane(folder: Path, bench: str) -> None:
     where = MIDDLE.replace("object_camera", "object_surround_radars").replace("longitudinal", "two_track")
@@ -193,3 +222,31 @@ def test_lane_support_keeps_the_car_on_its_lane(folder: Path, bench: str) -> Non
         assert (without.min(), with_it.max()) == (1, 0)
     else:
         assert without.max() < 0 < with_it.min()
+
+
+@pytest.mark.thorough
+def test_no_case_of_un_r152_is_passed_without_a_brake_and_all_are_with_an_ideal_sensor(
+    folder: Path, tmp_path: Path
+) -> None:
+    space = Workspace(folder)
+    procedure, design = space.procedure("un_r152"), space.design("ncap_vehicle")
+    found = {}
+    for name, where in (
+        (
+            "none",
+            CAR.replace("tracker is kalman_tracker", "tracker is no_tracker and aeb is no_aeb")
+            + " and sensor is object_perfect",
+        ),
+        ("ideal", PERFECT.replace("crossing_aeb", "crossing_aeb_early") + " and brake is brake_by_wire"),
+    ):
+        opened = open_space(design, where=parse_expression(where))
+        found[name] = verify(procedure, design, [next(opened.configurations())], tmp_path / name)
+    cases = {(each.test, each.case) for each in found["none"].verdicts}
+    assert len(cases) == 9 + 4
+    assert {(each.test, each.case) for each in found["none"].verdicts if each.verdict == "fail"} == cases
+    impacts = [each for each in found["none"].verdicts if each.requirement == "impact"]
+    for each in impacts:  # nothing brakes: the impact is at the closing speed; a step of 10 ms, tyres that roll
+        speed = float(each.case.split()[1]) - (20.0 if each.test == "moving" else 0.0)
+        assert each.value / KMH == pytest.approx(speed, abs=0.1)
+    assert {each.verdict for each in impacts} == {"fail"}
+    assert {each.verdict for each in found["ideal"].verdicts} == {"pass"}

@@ -45,7 +45,7 @@ typedef struct {
     } lane;
     struct {
         int32_t id, class;
-        double x, y, vx, vy, width, age, existence;
+        double x, y, vx, vy, ax, ax_deviation, width, age, existence;
         struct {
             double x_x, x_y, x_vx, x_vy, y_y, y_vx, y_vy, vx_vx, vx_vy, vy_vy;
         } covariance;

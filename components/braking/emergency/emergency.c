@@ -8,7 +8,7 @@
 #define RUNS 3.0        /* m/s: an object without a class that crosses faster is a car */
 #define NEAR_CENTRE 0.1 /* of the radius: an object nearer to the circle's centre is not on the car's path */
 
-static double width_of(int32_t class) {
+double emergency_width_of(int32_t class) {
     switch (class) {
     case CLASS_CAR: return 1.8;
     case CLASS_TRUCK: return 2.5;
@@ -19,7 +19,7 @@ static double width_of(int32_t class) {
     }
 }
 
-static double length_of(int32_t class) {
+double emergency_length_of(int32_t class) {
     switch (class) {
     case CLASS_CAR: return 4.5;
     case CLASS_TRUCK: return 12;
@@ -49,7 +49,7 @@ emergency_place emergency_place_of(const emergency_in *in, int index, double fro
     place.across = vy * place.cosine - vx * place.sine;
     place.closing = in->motion.speed - place.speed;
     double given = in->tracks[index].width;
-    place.touching = 0.5 * (width + (given > 0 ? given : width_of(in->tracks[index].class)));
+    place.touching = 0.5 * (width + (given > 0 ? given : emergency_width_of(in->tracks[index].class)));
     return place;
 }
 
@@ -70,23 +70,29 @@ static double covariance_of(const emergency_in *in, int index, const double a[4]
 /* Of a vehicle that crosses: the way across the path, to the left, on which any part of it meets any part of the car. */
 static void cross(int32_t class, double width, double length, const emergency_place *place, emergency_meeting *meeting,
                   double *right, double *left) {
-    double slope = fabs(place->across) / hypot(place->across, place->speed), ahead = 0.5 * slope * length_of(class);
-    meeting->gap = fmax(meeting->gap - 0.5 * slope * width_of(class), 0);
-    double passing = place->across * (length + 1.5 * slope * width_of(class)) / place->closing;
+    double slope = fabs(place->across) / hypot(place->across, place->speed), ahead = 0.5 * slope * emergency_length_of(class);
+    meeting->gap = fmax(meeting->gap - 0.5 * slope * emergency_width_of(class), 0);
+    double passing = place->across * (length + 1.5 * slope * emergency_width_of(class)) / place->closing;
     double more = fmax(ahead - (place->touching - 0.5 * width), 0);
     *right += place->across > 0 ? -more - ahead : passing - more;
     *left += place->across > 0 ? passing + more : more + ahead;
 }
 
-emergency_meeting emergency_meet(const emergency_in *in, int index, double front, double width, double length) {
-    emergency_place place = emergency_place_of(in, index, front, width);
-    emergency_meeting meeting = {place.is_ahead && place.closing > 0, place.gap, place.closing, 0, 0, 0, 0, 0};
+emergency_meeting emergency_meet(const emergency_in *in, int index, const emergency_car *car) {
+    emergency_place place = emergency_place_of(in, index, car->front, car->width);
+    emergency_meeting meeting = {.is_ahead = place.is_ahead && place.closing > 0, .gap = place.gap, .closing = place.closing};
     if (!meeting.is_ahead) return meeting;
+    bool is_unknown = !(in->tracks[index].width > 0) && in->tracks[index].class == CLASS_NONE;
+    if (is_unknown && car->unknown_width > 0) place.touching = 0.5 * (car->width + car->unknown_width);
+    double share = place.cosine / place.radius; /* of the car's axis along the path */
+    meeting.speed = place.speed;
+    meeting.braking = -share * in->tracks[index].ax;
+    meeting.braking_deviation = share * in->tracks[index].ax_deviation;
     double right = 0, left = 0;
     int32_t class = in->tracks[index].class;
     if (class == CLASS_NONE && fabs(place.across) > RUNS) class = CLASS_CAR;
-    if (length > 0 && fabs(place.across) > CROSSES && length_of(class) > 0) {
-        cross(class, width, length, &place, &meeting, &right, &left);
+    if (car->length > 0 && fabs(place.across) > CROSSES && emergency_length_of(class) > 0) {
+        cross(class, car->width, car->length, &place, &meeting, &right, &left);
     }
     double time = meeting.gap / place.closing, bent = place.across / place.closing, aside = place.aside + place.across * time;
     meeting.clearance = fmax(aside + right, -aside - left) - place.touching;

@@ -54,7 +54,8 @@ static judgement judge(reference_driver_cc *self, const emergency_place *places,
     bool is_next = place->gap < par->critical_headway * self->in.motion.speed, is_in_time = true;
     judgement found = {false, true, is_near};
     if (class == CLASS_PEDESTRIAN || class == CLASS_BICYCLE) {
-        found.is_risk = emergency_meet(&self->in, index, par->front_length, par->width, 0).clearance < 0 && is_slower;
+        emergency_car car = {.front = par->front_length, .width = par->width};
+        found.is_risk = emergency_meet(&self->in, index, &car).clearance < 0 && is_slower;
     } else if (memory->was_beside) {
         bool comes = place->aside * place->across < 0 || side < place->touching;
         found.is_risk = is_slower && comes && side < par->lane_width - par->wandering;

@@ -9,10 +9,31 @@ typedef struct {
     double gap, slope;
 } beginning;
 
-static beginning beginning_of(const two_stage_aeb_par *par, double closing, double ttc, double required) {
-    beginning by_time = {ttc * closing, ttc};
-    beginning by_required = {closing * par->lost_time + closing * closing / (2 * required) + par->standing_gap,
-                             par->lost_time + closing / required};
+/* Of an object that brakes to standstill: the way that it loses in *time*. *stops* is when it stands. */
+static beginning lost_by(double braking, double stops, double time) {
+    double brakes = fmin(time, stops);
+    return (beginning){braking * brakes * (time - 0.5 * brakes), -fmax(time - stops, 0)};
+}
+
+/* The approach ends while the object brakes, or where it stands. */
+static beginning stopping(double closing, double speed, double braking, double stops, double lost, double required) {
+    double later = closing + braking * lost, rate = required - braking, time = lost + later / rate;
+    if (rate > 0 && time <= stops) {
+        return (beginning){closing * lost + 0.5 * braking * lost * lost + later * later / (2 * rate), time};
+    }
+    double own = closing + speed;
+    return (beginning){own * lost + own * own / (2 * required) - 0.5 * speed * stops, stops};
+}
+
+static beginning beginning_of(const two_stage_aeb_par *par, const emergency_meeting *meeting, double ttc, double required,
+                              double deviations) {
+    double closing = meeting->closing, speed = meeting->speed;
+    double sure = meeting->braking - deviations * meeting->braking_deviation;
+    bool brakes = par->object_brakes && speed > 0 && sure > 0;
+    double braking = brakes ? sure : 0, stops = brakes ? speed / sure : HUGE_VAL;
+    beginning lost = lost_by(braking, stops, ttc), by_time = {ttc * closing + lost.gap, ttc + lost.slope};
+    beginning by_required = stopping(closing, speed, braking, stops, par->lost_time, required);
+    by_required.gap += par->standing_gap;
     return by_time.gap > by_required.gap ? by_time : by_required;
 }
 
@@ -24,8 +45,8 @@ static bool is_due(const emergency_meeting *meeting, beginning at, double deviat
 
 /* The stage required for an object in the path; the start of the warning is stretched by *stretch*. */
 static int32_t stage_for(const two_stage_aeb_par *par, const emergency_meeting *meeting, double stretch, double deviations) {
-    beginning partial = beginning_of(par, meeting->closing, par->partial_ttc, par->partial_required);
-    beginning full = beginning_of(par, meeting->closing, par->full_ttc, par->full_required);
+    beginning partial = beginning_of(par, meeting, par->partial_ttc, par->partial_required, deviations);
+    beginning full = beginning_of(par, meeting, par->full_ttc, par->full_required, deviations);
     if (is_due(meeting, full, deviations)) return STAGE_FULL;
     if (is_due(meeting, partial, deviations)) return STAGE_PARTIAL;
     beginning warning = partial.gap > full.gap ? partial : full;
@@ -46,9 +67,10 @@ typedef struct {
 
 static demand demand_of(const two_stage_aeb *self) {
     const two_stage_aeb_par *par = &self->par;
+    emergency_car car = {par->front_length, par->width, par->length, par->unknown_width};
     demand all = {STAGE_NONE, STAGE_NONE};
     for (int i = 0; i < EMERGENCY_TRACKS; ++i) {
-        emergency_meeting meeting = emergency_meet(&self->in, i, par->front_length, par->width, par->length);
+        emergency_meeting meeting = emergency_meet(&self->in, i, &car);
         if (!meeting.is_ahead || self->in.tracks[i].age < par->min_age) continue;
         int32_t class = self->in.tracks[i].class;
         bool is_vulnerable = class == CLASS_PEDESTRIAN || class == CLASS_BICYCLE;

@@ -5,6 +5,9 @@
  * present one. With the gap d and the closing speed c, a stage of braking begins at
  *   d <= max(ttc c, c lost_time + c^2/(2 required) + standing_gap)
  * i.e. by the time to collision d/c, or as soon as a constant deceleration *required* would just leave standing_gap.
+ * With object_brakes, an object that surely brakes with b > 0 (its estimate less *deviations* standard deviations) keeps
+ * braking to standstill: the car loses ttc c + b ttc^2/2 in ttc, and the deceleration *required* has to end the approach
+ * at c + b lost_time, or at the place where the object stops if that is sooner.
  * The warning begins warning_lead c before the first of both. Of the stages of all objects the highest counts. Braking
  * continues, whatever d and c become, until the car has approached nothing in its path for release_time; from
  * standstill the car is held for holding_time. The warning ends where d is warning_hysteresis beyond its start, and
@@ -23,8 +26,8 @@
  * likewise by warning_deviations. So a track whose speed is not yet measured does not brake the car. 0: estimates count
  * as exact. What has begun continues without these.
  *
- * Limits: the path is the circle the car is on now, so before a curve an object behind the curve counts as ahead. A
- * track has no acceleration, so a leading car that brakes counts with its present speed. */
+ * Limits: the path is the circle the car is on now, so before a curve an object behind the curve counts as ahead. Without
+ * object_brakes, a leading car that brakes counts with its present speed. */
 #ifndef TWO_STAGE_AEB_H
 #define TWO_STAGE_AEB_H
 
@@ -40,7 +43,8 @@ typedef struct {
     double vehicle_margin, vulnerable_margin, margin_hysteresis;
     double deviations, warning_deviations, least_existence;
     int32_t unknown_class; /* the highest stage for objects without a class */
-    double front_length, width, length, nominal_mass, wheel_radius;
+    bool object_brakes;    /* the acceleration of objects counts */
+    double front_length, width, length, unknown_width, nominal_mass, wheel_radius;
 } two_stage_aeb_par;
 
 typedef struct {

@@ -23,7 +23,7 @@ typedef struct {
     } lane;
     struct {
         int32_t id, class;
-        double x, y, vx, vy, width, age, existence;
+        double x, y, vx, vy, ax, ax_deviation, width, age, existence;
         lane_support_covariance covariance;
     } tracks[LANE_SUPPORT_TRACKS];
 } lane_support_in;

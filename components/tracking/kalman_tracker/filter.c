@@ -1,14 +1,22 @@
 #include "filter.h"
 
 #include <math.h>
+#include <string.h>
 
 #define M FILTER_MEASURED
 #define MOVING FILTER_MOVING
 #define N FILTER_STATES
 
-void filter_predict(filter *self, double T, double dx, double dy, double angle, double sigma) {
+/* p' = R(-angle) (p + v T), v' = R(-angle) v. */
+static void transition(double f[4][4], double T, double angle) {
     double c = cos(angle), s = sin(angle);
-    double f[4][4] = {{c, s, c * T, s * T}, {-s, c, -s * T, c * T}, {0, 0, c, s}, {0, 0, -s, c}};
+    double of[4][4] = {{c, s, c * T, s * T}, {-s, c, -s * T, c * T}, {0, 0, c, s}, {0, 0, -s, c}};
+    memcpy(f, of, sizeof of);
+}
+
+void filter_predict(filter *self, double T, double dx, double dy, double angle, double sigma) {
+    double f[4][4];
+    transition(f, T, angle);
     double from[4] = {self->state[0] - dx, self->state[1] - dy, self->state[2], self->state[3]}, half[4][N];
     for (int32_t i = 0; i < MOVING; ++i) {
         self->state[i] = 0;
@@ -27,6 +35,17 @@ void filter_predict(filter *self, double T, double dx, double dy, double angle, 
             for (int32_t k = 0; k < MOVING; ++k) *cov += half[i][k] * f[j][k];
         }
     }
+}
+
+void filter_bias_predict(filter_bias *self, double T, double angle, double fade, double deviation) {
+    double f[4][4], from[4] = {self->error[0] - 0.5 * T * T, self->error[1], self->error[2] + T, self->error[3]};
+    transition(f, T, angle);
+    for (int32_t i = 0; i < MOVING; ++i) {
+        self->error[i] = 0;
+        for (int32_t j = 0; j < MOVING; ++j) self->error[i] += f[i][j] * from[j];
+    }
+    self->value *= fade;
+    self->variance = fade * fade * self->variance + (1 - fade * fade) * deviation * deviation;
 }
 
 void filter_spread(filter *self, double length, double width, double c, double s) {
@@ -79,21 +98,50 @@ double filter_distance(const filter *self, const filter_measurement *measured) {
     return sum;
 }
 
+/* The part g of L^-1 error that is due to a bias of 1. */
+static void bias_in(const filter_bias *bias, const filter_measurement *measured, const innovation *found, double g[M]) {
+    for (int32_t m = 0; m < measured->count; ++m) {
+        g[m] = measured->accelerated[m];
+        for (int32_t i = 0; i < N; ++i) g[m] += measured->row[m][i] * bias->error[i];
+    }
+    solve(found, measured->count, g);
+}
+
+/* The least squares of L^-1 error - g value. */
+static void learn(filter_bias *bias, const double error[M], const double g[M], int32_t count) {
+    double information = 1 / bias->variance, sum = 0;
+    for (int32_t m = 0; m < count; ++m) {
+        information += g[m] * g[m];
+        sum += g[m] * (error[m] - g[m] * bias->value);
+    }
+    bias->variance = 1 / information;
+    bias->value += bias->variance * sum;
+}
+
 /* With W = P H' L'^-1: state + W L^-1 error, cov - W W', which stays symmetric. */
-void filter_update(filter *self, const filter_measurement *measured) {
+void filter_update(filter *self, filter_bias *bias, const filter_measurement *measured) {
     innovation found = innovate(self, measured);
+    double g[M] = {0};
     solve(&found, measured->count, found.error);
     for (int32_t i = 0; i < N; ++i) solve(&found, measured->count, found.across[i]);
+    if (bias) {
+        bias_in(bias, measured, &found, g);
+        learn(bias, found.error, g, measured->count);
+    }
     for (int32_t i = 0; i < N; ++i) {
-        for (int32_t m = 0; m < measured->count; ++m) self->state[i] += found.across[i][m] * found.error[m];
+        for (int32_t m = 0; m < measured->count; ++m) {
+            self->state[i] += found.across[i][m] * found.error[m];
+            if (bias) bias->error[i] -= found.across[i][m] * g[m];
+        }
         for (int32_t j = 0; j < N; ++j) {
             for (int32_t m = 0; m < measured->count; ++m) self->cov[i][j] -= found.across[i][m] * found.across[j][m];
         }
     }
 }
 
-void filter_fade(filter *self, int32_t at, double fade, double deviation) {
+void filter_fade(filter *self, filter_bias *bias, int32_t at, double fade, double deviation) {
     self->state[at] *= fade;
+    bias->error[at] *= fade;
     for (int32_t i = 0; i < N; ++i) {
         self->cov[i][at] *= fade;
         self->cov[at][i] *= fade;

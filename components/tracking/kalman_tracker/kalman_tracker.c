@@ -32,6 +32,7 @@ static filter_measurement measurement_of(const tracker_detection *seen, const tr
         {{c * c * along + s * s * across, c * s * (along - across), 0},
          {c * s * (along - across), s * s * along + c * c * across, 0},
          {0, 0, seen->rate_deviation * seen->rate_deviation}},
+        {0.5 * age * age, 0, -age * c},
     };
     origin[0] = place.x - seen->range * c;
     origin[1] = place.y - seen->range * s;
@@ -62,14 +63,15 @@ static void move(kalman_tracker *self) {
     if (is_first) return;
     const tracker_lasting *errors[] = {&self->in.first.scale, &self->in.first.misalignment, &self->in.second.scale,
                                        &self->in.second.misalignment};
-    double fade[4];
+    double fade[4], steady = exp(-TRACKER_STEP / self->par.acceleration_time);
     for (int32_t e = 0; e < 4; ++e) fade[e] = fade_of(errors[e]);
     for (int32_t i = 0; i < KEPT; ++i) {
         kalman_tracker_kept *kept = &self->kept[i];
         if (kept->id == 0) continue;
         filter_predict(&kept->estimate, TRACKER_STEP, moved.x, moved.y, moved.angle, self->par.acceleration_noise);
+        filter_bias_predict(&kept->acceleration, TRACKER_STEP, moved.angle, steady, self->par.acceleration_deviation);
         for (int32_t e = 0; e < 4; ++e) {
-            if (fade[e] < 1) filter_fade(&kept->estimate, FILTER_MOVING + e, fade[e], errors[e]->deviation);
+            if (fade[e] < 1) filter_fade(&kept->estimate, &kept->acceleration, FILTER_MOVING + e, fade[e], errors[e]->deviation);
         }
         kept->age += TRACKER_STEP;
         kept->missed += TRACKER_STEP;
@@ -97,7 +99,9 @@ static void begin(kalman_tracker *self, const tracker_detection *seen, filter_me
     while (at < KEPT && self->kept[at].id != 0) ++at;
     if (at == KEPT) return; /* no room: existing tracks are kept */
     double spread = self->par.speed_deviation * self->par.speed_deviation;
-    kalman_tracker_kept made = {.id = self->next_id++, .sensor = number, .looks = 1, .existence = self->par.birth};
+    double unknown = self->par.acceleration_deviation * self->par.acceleration_deviation;
+    kalman_tracker_kept made = {
+        .id = self->next_id++, .acceleration.variance = unknown, .sensor = number, .looks = 1, .existence = self->par.birth};
     filter *estimate = &made.estimate;
     for (int32_t sensor = 0; sensor < 2; ++sensor) {
         const tracker_scan *scan = sensor == 0 ? &self->in.first : &self->in.second;
@@ -119,8 +123,8 @@ static void begin(kalman_tracker *self, const tracker_detection *seen, filter_me
         }
     }
     if (measured.count == 3) { /* only the speed along the ray */
-        filter_measurement doppler = {1, {measured.value[2]}, {{0, 0, measured.row[2][2], measured.row[2][3]}}, {{measured.noise[2][2]}}};
-        filter_update(estimate, &doppler);
+        filter_measurement doppler = {1, {measured.value[2]}, {{0, 0, measured.row[2][2], measured.row[2][3]}}, {{measured.noise[2][2]}}, {0}};
+        filter_update(estimate, NULL, &doppler);
     }
     filter_predict(estimate, age, 0, 0, 0, 0);
     look_at(self, &made, seen, number);
@@ -166,7 +170,7 @@ static void pair(kalman_tracker *self, pairing *all, const tracker_detection *se
         double aside = fabs(kept->estimate.state[1]);
         if (elsewhere) spread(kept);
         filter_measurement measured = seen_by(all, best, &kept->estimate, number);
-        filter_update(&kept->estimate, &measured);
+        filter_update(&kept->estimate, &kept->acceleration, &measured);
         if (elsewhere) { /* a track that shows another face may be turning */
             for (int32_t v = 2; v < 4; ++v) kept->estimate.cov[v][v] += TURNS * TURNS;
             /* another face has its own width; until that is measured, the far end of the body stays */
@@ -231,7 +235,7 @@ static void tell(kalman_tracker *self) {
             const double *state = kept->estimate.state;
             const double (*c)[FILTER_STATES] = kept->estimate.cov;
             tracker_track found = {kept->id, kept->class, state[0], state[1], state[2], state[3],
-                                   kept->width, kept->age, kept->existence,
+                                   kept->acceleration.value, sqrt(kept->acceleration.variance), kept->width, kept->age, kept->existence,
                                    {c[0][0], c[0][1], c[0][2], c[0][3], c[1][1], c[1][2], c[1][3], c[2][2], c[2][3], c[3][3]}};
             track = found;
             told[nearest] = true;

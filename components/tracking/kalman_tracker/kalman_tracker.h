@@ -23,6 +23,9 @@
  * started it has hit it in *confirm* of its first *of* scans. It is deleted otherwise, or after *coast* without a hit.
  * The nearest are reported, with the covariance of place and velocity.
  *
+ * Acceleration along the car: what the filter's innovations have in common (Friedland, filter.h), as a Gauss-Markov process
+ * of acceleration_deviation and acceleration_time. It does not change place and velocity, which lag behind.
+ *
  * Existence: a new track exists with probability *birth*. Each scan of the sensor that started it multiplies the odds by
  * detection_rate / false_rate with a hit, by (1 - detection_rate) / (1 - false_rate) without one (Bayes), and each hit of
  * the other sensor by the first. A miss of the other sensor counts nothing: it may not see that far. At most 0.999, so
@@ -38,6 +41,7 @@
 typedef struct {
     int32_t id, class; /* id 0: free */
     filter estimate;   /* x, y, vx, vy; scale and azimuth of the first sensor, of the second one */
+    filter_bias acceleration; /* along the car */
     double existence, width, age, missed; /* s since the last hit */
     int32_t widths;            /* measured so far */
     int32_t sensor, looks, hits;
@@ -49,6 +53,7 @@ typedef struct {
     tracker_out out;
     struct {
         double acceleration_noise; /* m/s2, standard deviation over a step */
+        double acceleration_deviation, acceleration_time; /* m/s2, s: of an acceleration that lasts */
         double speed_deviation;    /* m/s, of a new track relative to standstill */
         double gate;               /* squared */
         int32_t confirm, of;

@@ -24,7 +24,7 @@ void no_tracker_step(no_tracker *self) {
                                          .y_y = s * s * along + c * c * across,
                                          .x_vx = rate * age,
                                          .vx_vx = rate};
-        tracker_track track = {i + 1, seen->class, place.x + speed * age, place.y, speed, 0, seen->width, 0, 1, covariance};
+        tracker_track track = {i + 1, seen->class, place.x + speed * age, place.y, speed, 0, 0, 0, seen->width, 0, 1, covariance};
         self->out.tracks[count++] = track;
     }
     tracker_track none = {.id = 0};

@@ -42,7 +42,7 @@ typedef struct {
 
 typedef struct {
     int32_t id, class;
-    double x, y, vx, vy, width, age, existence;
+    double x, y, vx, vy, ax, ax_deviation, width, age, existence;
     tracker_covariance covariance;
 } tracker_track;
 

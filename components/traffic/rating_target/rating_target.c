@@ -90,6 +90,32 @@ static turn_pose front_at(const rating_target *self, const turn_path *path, doub
     return pose;
 }
 
+/* The time from the start to the end of a *way*. */
+static double time_of(const rating_target *self, double way) {
+    double rate = self->par.pull_away, speed = self->par.pull_away_speed;
+    if (!(rate > 0)) return way / self->host_speed;
+    double begin = 0.5 * speed * speed / rate;
+    return self->par.pull_away_after + (way < begin ? sqrt(2 * way / rate) : speed / rate + (way - begin) / speed);
+}
+
+/* The start from standstill, straight on. */
+static void aim_at_start(rating_target *self) {
+    double sense = self->par.reverses ? -1 : 1, distance = self->par.pull_away_distance;
+    double bumper = self->par.reverses ? self->par.host_length - self->par.host_front : self->par.host_front;
+    aim(self);
+    self->meeting = time_of(self, distance);
+    self->station = self->in.lane.station + sense * (bumper + distance);
+    self->x *= sense;
+}
+
+static void aim_beside(rating_target *self) {
+    const target_kind *kind = &KINDS[self->par.kind];
+    self->station = self->in.lane.station - self->par.door_edge;
+    self->turn = 0;
+    self->x = -0.5 * kind->length;
+    self->y = 0.5 * (self->par.host_width + kind->width) + self->par.passing_gap;
+}
+
 /* The same for a host that drifts to the left: where the corner of its front is over the side of a target on the lane to
  * the left. That target then meets its front, or is beside it, half a length behind. */
 static void aim_at_drift(rating_target *self) {
@@ -120,7 +146,7 @@ static void aim_at_turn(rating_target *self) {
         double middle = 0.5 * (before + after);
         *(side * front_at(self, &path, middle, across).y < touched ? &before : &after) = middle;
     }
-    self->meeting = after / self->host_speed;
+    self->meeting = time_of(self, after);
     self->station = self->in.lane.station - self->par.host_rear_axle;
     self->turn = way > 0 ? 0 : 2 * TRAFFIC_QUARTER_TURN;
     self->x = front_at(self, &path, after, across).x - way * (is_vehicle ? 0.5 * kind->length : kind->reference);
@@ -154,10 +180,14 @@ void rating_target_init(rating_target *self) {
     self->meeting = self->par.approach_time;
     if (self->par.drift > 0 && self->host_speed > 0) {
         aim_at_drift(self);
-    } else if (self->par.turn == TURN_NONE) {
-        aim(self);
-    } else {
+    } else if (self->par.turn != TURN_NONE) {
         aim_at_turn(self);
+    } else if (self->par.pull_away > 0) {
+        aim_at_start(self);
+    } else if (self->par.passing_gap > 0) {
+        aim_beside(self);
+    } else {
+        aim(self);
     }
     park(self);
     output(self);

@@ -13,9 +13,15 @@
  * target on the middle of that lane, of which it overlaps *overlap* of its own width: the front of an oncoming one, the
  * side of one that overtakes.
  *
+ * A host at rest starts as the drive robot does: pull_away_after seconds after the start of the run it accelerates with
+ * pull_away to pull_away_speed, forwards or, if it reverses, backwards. Its front, or its rear, is then pull_away_distance
+ * from the contact; if it turns, the turn begins at once. With passing_gap, the target overtakes the host at rest on its
+ * left: its front is beside the rear edge of the front door approach_time after the start.
+ *
  * Timing. As the robots of test tracks do, the target follows the host: its clock is the time from the start to the
  * contact, less the time that the host still needs to the contact at its first speed. From the moment the host brakes
- * (1 m/s2) or is 2 km/h slower than at the start, the clock is that of the run, and the target ignores the host.
+ * (1 m/s2) or is 2 km/h slower than at the start, the clock is that of the run, and the target ignores the host,
+ * as it does one that is at rest at the start.
  *
  * Motion. At constant speed; or at rest, then acceleration_distance at constant acceleration, then steady_distance at
  * speed to the contact. With a headway, the target begins that far ahead of the host's front and brakes at brake_time. */
@@ -40,6 +46,9 @@ typedef struct {
         double lane_change_time, lane_change_end, lane_width;
         int32_t turn;
         double turn_after, path_offset, drift, overlap;
+        double pull_away, pull_away_after, pull_away_speed, pull_away_distance;
+        bool reverses;
+        double passing_gap, door_edge;
         int32_t parked;
         double parked_ahead[RATING_TARGET_PARKED], parked_offset[RATING_TARGET_PARKED], parked_turn[RATING_TARGET_PARKED];
         double parked_length[RATING_TARGET_PARKED], parked_width[RATING_TARGET_PARKED], parked_height[RATING_TARGET_PARKED];

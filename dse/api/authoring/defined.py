@@ -21,7 +21,7 @@ from dse.errors import Location, fail
 from dse.formats import MOST_LEVELS, UNSAFE, WRITTEN, Call, KeyPath, dump_yaml, remember, shown, unsafe
 from dse.loading import Workspace as Files, read_document
 from dse.scratch import make_folder, new_folder, write_whole
-from dse.shipped import content
+from dse.shipped import lay_out
 
 _FOLDERS = ("components", "designs", "roads", "testbenches")
 _HEAD = "# Written from Python, which may write it anew.\n"
@@ -60,7 +60,7 @@ class Definitions:
         made = Definitions(Files(root))
         if folder is None:
             finalize(made, shutil.rmtree, root, ignore_errors=True)
-        copy_example(root, _FOLDERS)
+        lay_out(root, _FOLDERS)
         remember(root, for_good=folder is not None)
         return made
 
@@ -94,15 +94,6 @@ class Definitions:
         WRITTEN[file] = call
         self.known[file] = data
         self.files = Files(self.files.root)
-
-
-def copy_example(folder: Path, names: tuple[str, ...]) -> None:
-    """Copy these folders of the example workspace into a new or empty *folder*. Raises DseError if it is not empty."""
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise fail("the folder is not empty", Location(str(folder)), "name a new folder; nothing is overwritten")
-    source = content(*names)
-    for name in names:
-        shutil.copytree(source / name, folder / name)
 
 
 @lru_cache(maxsize=1)

@@ -51,7 +51,14 @@ _FILE: FileKind[DesignSpace] = FileKind(
 class Design(Defined[DesignSpace]):
     """A design space; *space* is its data. What a question compiles is kept for the next one.
 
-    Iterating gives every valid configuration, one at a time, in the order of the file.
+    Iterating gives every valid configuration, one at a time, in the order of the file. All questions take *choose*,
+    *where*, *on* and *off*, and raise DseError if these name something unknown.
+
+    >>> design = dse.open(".").designs["acc_vehicle"]
+    >>> design.count(choose={"sensor": "radar_77ghz_mid"}, where="sum(cost) <= 6000 EUR")
+    33
+    >>> design.explain(choose={"sensor": "camera_mono", "powertrain": "bev_ideal"}).is_valid
+    True
     """
 
     def __init__(self, design: str, *, workspace: InWorkspace | None = None, **keys: Unpack[DesignKeys]) -> None:
@@ -231,7 +238,11 @@ def several(texts: str | Sequence[str]) -> Sequence[str]:
 class Ranking(Sequence["Ranked"]):
     """The best under *aims*, best first, or a Pareto set, ascending by the first aim.
 
-    Each entry has ``id``, ``choices`` and ``values``, exact and in SI, one for each aim.
+    Each entry has ``id``, ``choices`` and ``values``, exact and in SI, one for each aim. *opened* is the design space.
+
+    >>> ranking = dse.open(".").designs["acc_vehicle"].best("sum(cost)", n=2)
+    >>> ranking[0].id, ranking.texts()
+    ('lmhuzsgxvx', [['5150 EUR'], ['5165 EUR']])
     """
 
     def __init__(self, opened: OpenedSpace, aims: Sequence[Aim], entries: Sequence[Ranked]) -> None:

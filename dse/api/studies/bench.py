@@ -59,7 +59,12 @@ _BENCH: FileKind[TestBench] = FileKind(
 
 
 class Bench(Defined[TestBench]):
-    """A test bench; *noun* is the content of its file."""
+    """A test bench; *noun* is the content of its file.
+
+    >>> run = dse.open(".").benches["acc_following"].simulate(set={"controller.kp_speed": "1.2 1/s"})
+    >>> run.is_done, str(run.verdicts["R1"])
+    (True, 'pass')
+    """
 
     def __init__(self, testbench: str, *, workspace: InWorkspace | None = None, **keys: Unpack[BenchKeys]) -> None:
         """Define the bench called *testbench*; the other arguments are the keys of its file.
@@ -146,7 +151,12 @@ _STUDY: FileKind[nouns.Study] = FileKind("Study", "study", "testbenches", STUDY,
 
 
 class Study(Defined[nouns.Study]):
-    """Design variables explored on a test bench (PET); *noun* is the content of its file."""
+    """Design variables explored on a test bench (PET); *noun* is the content of its file.
+
+    >>> study = dse.open(".").studies["acc_gains"]
+    >>> study.explore("out/gains")
+    <Results in out/gains: 2178 of 2178 runs>
+    """
 
     def __init__(self, study: str, *, workspace: InWorkspace | None = None, **keys: Unpack[StudyKeys]) -> None:
         """Define the study called *study*; the other arguments are the keys of its file.

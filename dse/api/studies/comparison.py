@@ -35,9 +35,9 @@ class Flip:
 class Compared:
     """A study compared with the first one; the first one is compared with itself.
 
-    *finished* of its *runs* exist; *verdicts* counts their verdicts by requirement. *changed* describes the differences
-    of its definition. *shared* runs have the configuration and point of a run of the first study; *flips* are the
-    verdicts that differ in them.
+    It is in *folder* and defined by *definition*. *finished* of its *runs* exist; *verdicts* counts their verdicts by
+    requirement. *changed* describes the differences of its definition. *shared* runs have the configuration and point
+    of a run of the first study; *flips* are the verdicts that differ in them.
     """
 
     folder: Path
@@ -51,7 +51,12 @@ class Compared:
 
 
 def compare(folders: Sequence[str | Path]) -> tuple[Compared, ...]:
-    """Compare each study of *folders* with the first. Raises DseError for fewer than two, or an unreadable one."""
+    """Compare each study of *folders* with the first. Raises DseError for fewer than two, or an unreadable one.
+
+    >>> first, second = dse.compare(["out/gains", "out/gains"])
+    >>> second.changed, second.flips
+    ((), ())
+    """
     if len(folders) < 2:
         raise fail("two studies or more can be compared", hint="name the study folders")
     first: RunTable | None = None

@@ -86,6 +86,9 @@ def compare_components(
     Each input moves in steps, then as a sum of sines, between values that *inputs* gives (SI), else between -10 and 10;
     or it is constant, or a column of a file. *step* (s) is the largest that both sample times are multiples of, else
     10 ms. Raises DseError if they implement different interfaces, or if one cannot be built or fails in a step.
+
+    >>> dse.compare_components("pd_acc", "pd_acc_coded", inputs={"speed": (0, 40)}).is_within
+    True
     """
     space = Workspace.around(Path(near))
     pair = space.component(first), space.component(second)
@@ -254,7 +257,10 @@ _USUAL = {Kind.REAL: (-10.0, 10.0), Kind.INTEGER: (0.0, 10.0), Kind.BOOLEAN: (0.
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of a *file*, by heading or number from 1, in the unit that the file states, else in SI."""
+    """The *column* of a *file*, by heading or number from 1, in the unit that the file states, else in SI.
+
+    >>> inputs = {"speed": dse.Column(Path("testbenches/wltc_like.csv"), "speed")}
+    """
 
     file: Path
     column: str | int

@@ -33,9 +33,9 @@ from dse.exploration import (
     check_measures,
     check_near_boundary,
     explore,
+    forget_unsettled,
     give,
     load_executor,
-    unsettled,
 )
 from dse.storage import Merged, StudyFolder, merge_studies, shards_in
 from dse.testbench import (
@@ -130,7 +130,7 @@ def explore_into(
         require_checkable(planned, planned.benches)
     with StudyFolder.resume(folder, planned.definition) as store:
         if options.retry_failed:
-            store.forget(unsettled(store))
+            forget_unsettled(store, study)
         store.note_addresses(known.addresses)
         note_sources(study, store)
         explored = explore(

@@ -15,7 +15,7 @@ from dse.domain.address import Address
 from dse.domain.component import Value
 from dse.domain.run import RunRequest
 from dse.domain.study import Shard, Study
-from dse.exploration import Batch, KnownRuns, Sink, Work, explore, give, unsettled
+from dse.exploration import Batch, KnownRuns, Sink, Work, explore, forget_unsettled, give
 from dse.storage import DryRun, Measures, RunStore, StudyFolder, StudyHeader, changed_study
 from dse.testbench import Prepared, PreparedStudy, address_of
 
@@ -141,7 +141,7 @@ def plan(
     counter = _Counter(planned.study)
     with DryRun.of(rehearsed, planned.definition) as scratch:
         if retry_failed:
-            scratch.forget(unsettled(scratch))
+            forget_unsettled(scratch, planned.study)
         there = scratch.finished()
         with suppress(_EnoughError):
             explore(

@@ -100,7 +100,12 @@ class Summary:
 class Results:
     """The runs in *folder*; each question reads the folder again. *explored*: the exploration, if it was done here.
 
-    *source* is the file of the study, if it is known: what is simulated again is read from there.
+    *definition* is the stored definition of the study. *source* is the file of the study, if it is known: what is
+    simulated again is read from there. Raises DseError if the folder has no study, or is damaged.
+
+    >>> results = dse.results("out/gains")
+    >>> len(results), results.to_pandas().attrs["units"]["settling_time"]
+    (2178, 's')
     """
 
     def __init__(self, folder: str | Path, explored: Explored | None = None, source: str | Path | None = None) -> None:
@@ -186,13 +191,6 @@ class Results:
         from dse.api.studies.best_designs import Findings
 
         return Findings(findings(self._read(judged), tell or (lambda _: None)))
-
-    def essentials(self) -> Findings:
-        """The findings about requirements that are computed quickly."""
-        from dse.analysis import essentials
-        from dse.api.studies.best_designs import Findings
-
-        return Findings(essentials(self._read(judged)))
 
     def export(self, kind: str, units: str = "shown") -> bytes:
         """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``, or that of the requirements as

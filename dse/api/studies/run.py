@@ -25,7 +25,14 @@ if TYPE_CHECKING:
 
 
 class Waveforms(Mapping[str, "NDArray[np.float64]"]):
-    """Recorded variables by name, each an array over *time* (s), in SI; *units* names those units that are known."""
+    """Recorded variables by name, each an array over *time* (s), in SI; *units* names those units that are known.
+
+    All arrays are float64 of the shape (points,), as *time*.
+
+    >>> waveforms = dse.results("out/gains").run(7).waveforms
+    >>> waveforms["world.speed"].shape == waveforms.time.shape == (601,)
+    True
+    """
 
     def __init__(self, noun: nouns.Waveforms, units: Mapping[str, str]) -> None:
         self._noun = noun
@@ -66,7 +73,12 @@ class Waveforms(Mapping[str, "NDArray[np.float64]"]):
 class Run:
     """One simulation; *noun* is its record, *definition* defines what was measured.
 
-    All numbers are SI; `units` names the units. A failed run has a `problem` and no metrics.
+    All numbers are SI; *units* names the units. A failed run has a `problem` and no metrics. *check* has the error bars
+    of the metrics if the run was checked, else it is None.
+
+    >>> run = dse.results("out/gains").run(57)
+    >>> str(run.verdict), run.units["final_gap"]
+    ('pass', 'm')
     """
 
     def __init__(

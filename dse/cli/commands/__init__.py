@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 COMMANDS = (
+    "demo",
     "init",
     "check",
     "list_",
@@ -36,11 +37,13 @@ COMMANDS = (
     "findings",
     "best",
     "rate",
+    "verify",
     "refine",
     "compare",
     "compare_components",
     "report",
     "serve",
+    "mcp",
     "trust",
     "drive",
     "udp",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,7 +14,7 @@ from dse.cli.terminal import plain_table, print_json, print_line, print_table
 from dse.scratch import make_folder, write_whole
 
 if TYPE_CHECKING:
-    from dse.domain.component import Component
+    from dse.domain.component import Component, Type, Value
 
 
 @app.command()
@@ -38,7 +39,7 @@ def components(
         _draw(found, graph)
         return
     if output is Output.JSON:
-        print_json([_data(component) for component in found])
+        print_json([data(component) for component in found])
         return
     table = plain_table("component", "interface", "source", "properties", "title")
     for component in found:
@@ -61,7 +62,8 @@ def _kind(component: Component) -> str:
     return component.source.label if component.source is not None else "none"
 
 
-def _data(component: Component) -> dict[str, object]:
+def data(component: Component) -> dict[str, Any]:
+    """The component as in JSON: numbers of its parameters are in their units."""
     return {
         "component": component.name,
         "title": component.title,
@@ -69,8 +71,18 @@ def _data(component: Component) -> dict[str, object]:
         "source": _kind(component),
         "properties": {name: str(quantity) for name, quantity in component.properties.items()},
         "parameters": {
-            p.name: {"start": p.start, "unit": str(p.type), "min": p.minimum, "max": p.maximum, "title": p.title}
+            p.name: {
+                "start": _in_unit(p.start, p.type),
+                "unit": str(p.type),
+                "min": _in_unit(p.minimum, p.type),
+                "max": _in_unit(p.maximum, p.type),
+                "title": p.title,
+            }
             for p in component.parameters
         },
         "ports": {p.name: {"causality": str(p.causality), "type": str(p.type)} for p in component.interface.ports},
     }
+
+
+def _in_unit(value: Value | None, type_: Type) -> Value | None:
+    return float(type_.unit.written(value)) if isinstance(value, float) and isfinite(value) else value

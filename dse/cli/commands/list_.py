@@ -26,7 +26,7 @@ def list_(
     workspace: Annotated[Path, typer.Argument(help="A folder or file in the workspace.")] = Path(),
     output: Format = Output.TABLE,
 ) -> None:
-    """List design spaces, test benches, studies, ratings and results.
+    """List design spaces, test benches, studies, ratings, procedures and results.
 
     Results are the study folders below out/: the number of runs, and their verdicts over all requirements.
     """
@@ -39,7 +39,13 @@ def list_(
     if any(each.state == "running" for each in found.results):
         streams.record.content = None  # that ends without a trace in a file
     if output is Output.JSON:
-        kinds = {"designs": found.designs, "benches": found.benches, "studies": found.studies, "ratings": found.ratings}
+        kinds = {
+            "designs": found.designs,
+            "benches": found.benches,
+            "studies": found.studies,
+            "ratings": found.ratings,
+            "procedures": found.procedures,
+        }
         files = {kind: [_data(each) for each in listed] for kind, listed in kinds.items()}
         folders = [{**asdict(each), "folder": each.folder.as_posix()} for each in found.results]
         print_json({**files, "results": folders})
@@ -49,6 +55,8 @@ def list_(
     _show_files("study", ("testbench", "sampler"), found.studies)
     if found.ratings:
         _show_files("rating", ("protocol",), found.ratings)
+    if found.procedures:
+        _show_files("procedure", (), found.procedures)
     _show_results(found.results)
 
 

@@ -12,6 +12,7 @@ from dse.api import new_folder, opened, workspace_of
 from dse.cli.app import app
 from dse.cli.arguments import Configuration, Design, Format, Output, Where, Workers
 from dse.cli.completion import ratings
+from dse.cli.configurations import chosen_configurations
 from dse.cli.endings import DONE, RUNS_FAILED
 from dse.cli.terminal import console, plain_table, print_json, print_line, print_table, status_line
 from dse.errors import fail
@@ -21,9 +22,6 @@ if TYPE_CHECKING:
     from dse.api import Progress
     from dse.loading import Rating, Workspace
     from dse.rating import RatedConfiguration, RatedDesign
-
-_MOST = 1000
-"""Configurations that are rated at once."""
 
 
 @app.command()
@@ -50,26 +48,13 @@ def rate(
     official calculator, and shows its points. No rating is claimed. Without -c, --where or --best, the first valid
     configuration is rated. Needs the extra 'ncap'.
     """
-    if sum(given is not None for given in (configuration, where, best)) > 1:
-        raise typer.BadParameter("one of -c, --where and --best", param_hint="--best")
     from dse.api import ExplorationInterruptedError, ExploreOptions, progress_bar
     from dse.rating import rate as rate_design, write_page
 
     space = workspace_of(design)
     part = opened(design, where=where)
     wanted = _rating(space, rating, part.space.name)
-    if configuration is not None:
-        chosen = [part.configuration(configuration)]
-    elif best is not None:
-        from dse.space import read_aims
-
-        chosen = [part.configuration(each.id) for each in part.best(read_aims(["sum(cost)"], [])[0], best)]
-    else:
-        chosen = list(part.configurations(_MOST + 1 if where else 1))
-    if len(chosen) > _MOST:
-        raise fail(f"more than {_MOST:,} configurations meet the condition", hint="narrow --where, or take --best N")
-    if not chosen:
-        raise part.nothing()
+    chosen = chosen_configurations(part, [] if configuration is None else [configuration], where, best)
     place = folder or new_folder(space, f"{wanted.name}-{part.space.name}")
     try:
         with ExitStack() as waiting, progress_bar(console(stderr=True)) as show:

@@ -110,19 +110,30 @@ def _compile(compiler: Compiler, contents: Mapping[str, bytes], subject: Subject
 def _problems(
     error: CompilationError, component: Component, staged: StagedSources, demands: Mapping[int, Demand]
 ) -> list[Problem]:
-    """What the compiler says, in the user's own files; only then what the component lacks; else all it said."""
+    """What the compiler says, in the user's own files; only then what the component lacks; else all it said.
+
+    Where a file uses a port that the struct lacks, that the struct lacks it is said instead.
+    """
     own = [problem for diagnostic in error.diagnostics if (problem := _in_own_file(diagnostic, staged))]
-    if own:
-        return own
     lines = sorted({diagnostic.line for diagnostic in error.diagnostics if diagnostic.file == _MODEL})
     unmet: dict[str, Problem] = {}
     for demand in (demands[line] for line in lines if line in demands):
         unmet.setdefault(demand.subject, demand.problem)
+    if own:
+        lacking = [each for member, each in unmet.items() if any(_names(problem.what, member) for problem in own)]
+        names = [member for member, each in unmet.items() if each in lacking]
+        others = [problem for problem in own if not any(_names(problem.what, member) for member in names)]
+        return [*dict.fromkeys(lacking), *others]
     if "" in unmet:  # without the struct, nothing else can be told
         return [unmet[""]]
     if unmet:
         return list(dict.fromkeys(unmet.values()))
     return [Problem(f"component '{component.name}': {_diagnostic_text(d)}", component.where) for d in error.diagnostics]
+
+
+def _names(message: str, member: str) -> bool:
+    """Whether the compiler's *message* says that there is no *member*, of which it knows the last name."""
+    return f"'{member.rpartition('.')[2]}'" in message and "no member" in message
 
 
 def _in_own_file(diagnostic: Diagnostic, staged: StagedSources) -> Problem | None:

@@ -16,6 +16,7 @@ from dse.domain.component import CSource, Kind
 from dse.errors import Location, Problem
 from dse.fmu.c.slots import Role, Slot
 from dse.fmu.slot_table import Row
+from dse.formats import shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +75,7 @@ class _Page:
 
     def demand(self, subject: str, line: str, what: str, hint: str) -> None:
         self.add(line)
-        self.demands[len(self.lines)] = Demand(subject, Problem(what, Location(str(self.header)), hint))
+        self.demands[len(self.lines)] = Demand(subject, Problem(what, Location(shown(self.header)), hint))
 
 
 def _add_functions(page: _Page, source: CSource) -> None:
@@ -82,8 +83,7 @@ def _add_functions(page: _Page, source: CSource) -> None:
     step = f"({struct} *)" if source.step is not None else f"({struct} *, double)"
     why = f"because it runs every {source.step} s" if source.step is not None else "because the component has no 'step'"
     for name, arguments, reason in ((source.init, f"({struct} *)", ""), (source.step_function, step, why)):
-        shown = f"`void {name}{arguments};`"
-        what = f"'{name}' is not declared as {shown}" + (f", {reason}" if reason else "")
+        what = f"'{name}' is not declared as `void {name}{arguments};`" + (f", {reason}" if reason else "")
         page.demand(
             name,
             f'_Static_assert(_Generic(&{name}, void (*){arguments}: 1, default: 0), "");',

@@ -8,29 +8,25 @@ from collections.abc import Callable, Mapping
 from math import prod
 from pathlib import Path
 
-from pydantic import Field
-
-from dse.domain.bench import ALL_BUT_FEW, Figure, Metric, Requirement, TestBench, TestComponent, Trace
+from dse.domain.bench import Figure, TestBench, TestComponent
 from dse.domain.component import Component, Value
 from dse.domain.design import DesignSpace
 from dse.domain.labels import array_of, element_names, is_part, shapes, spelled, tightened
 from dse.domain.method import BONDS
 from dse.errors import DseError, Location, Problem, Problems, closest, fail, raise_if_any
-from dse.expression import parse_expression
 from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates, bench_candidates, outputs, settable, split_name, types_of
 from dse.loading.bench.inputs import INPUTS, InputSection, read_inputs
+from dse.loading.bench.measures import MetricSection, RequirementSection, read_metrics, read_requirements
 from dse.loading.bench.method import SimulationSection, read_positive, read_simulation
 from dse.loading.component.kind import kind_of
 from dse.loading.design.connections import read_connections
 from dse.loading.design.tree import FindComponent
 from dse.loading.include import read_document
 from dse.loading.names import check_name
-from dse.loading.sections import Plain, Section, read_section
-from dse.loading.values import Elements, Raw, read_elements, read_number, read_quantity, read_unit, read_value
+from dse.loading.sections import Section, read_section
+from dse.loading.values import Elements, Raw, read_elements, read_unit, read_value
 from dse.units import DIMENSIONLESS, Unit
-
-_OVER = "write it as [10 s, 40 s], or [10 s, end]"
 
 FindDesign = Callable[[str, Location], DesignSpace]
 """Returns the design space of that name, or raises DseError at the location."""
@@ -41,31 +37,6 @@ class TestComponentSection(Section):
 
     component: str
     parameters: dict[str, Raw | Elements] = {}
-
-
-class MetricSection(Section):
-    """A metric with a title, display unit or window; plain text is the expression alone."""
-
-    expression: str
-    unit: str | None = None
-    title: str = ""
-    over: list[Plain] | Plain | None = None
-
-
-class RequirementSection(Section):
-    """A bound on a metric."""
-
-    metric: str
-    title: str = ""
-    at_most: Plain | None = None
-    at_least: Plain | None = None
-    exercised_when: str | None = None
-    met_in: Plain = ALL_BUT_FEW
-    on: str | list[str] = Field(default_factory=list)
-    text: str = ""
-    source: str = ""
-    rationale: str = ""
-    severity: str = ""
 
 
 class FigureSection(Section):
@@ -100,14 +71,15 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
     problems = Problems()
     stop = read_positive(entry["simulation"]["stop"], file.simulation.stop, "s", Problems()) or math.inf
     labels = _Labels(file.test_components, find_component)
-    metrics = _metrics(entry["metrics"], file, stop, labels, problems)
-    requirements = []
+    metrics = read_metrics(entry["metrics"], file.metrics, stop, labels.numbered, problems)
     named = any(section.on for section in file.requirements.values())
     known = {path.name.removesuffix(".yaml") for path in (inside / "testbenches").rglob("*.yaml")} if named else set()
+    sections = {}
     for name, section in file.requirements.items():
         with problems:
             if _applies(entry["requirements"][name]["on"], section.on, file.testbench, known):
-                requirements.append(_requirement(entry["requirements"][name], section, set(file.metrics)))
+                sections[name] = section
+    requirements, bounds = read_requirements(entry["requirements"], sections, file.metrics, metrics, problems)
     connections = read_connections(entry["connections"], file.connections, problems)
     try:
         design = find_design(file.design, entry["design"].where)
@@ -151,8 +123,8 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
         (*connections, *made.connections),
         parameters,
         simulation,
-        metrics,
-        tuple(requirements),
+        (*metrics, *bounds),
+        requirements,
         tuple(figures),
         file.title,
         entry["testbench"].where,
@@ -192,6 +164,16 @@ def _test_components(
     return tuple(parts)
 
 
+def _applies(entry: Entry, on: str | list[str], bench: str, known: set[str]) -> bool:
+    """Whether a requirement *on* some of the *known* benches is one of this *bench*. DseError for an unknown one."""
+    named = [on] if isinstance(on, str) else on
+    for number, name in enumerate(named):
+        if name not in (bench, *known):
+            where = (entry if isinstance(on, str) else entry[number]).where
+            raise fail(f"unknown test bench '{name}'", where, closest(name, known))
+    return not named or bench in named
+
+
 class _Labels:
     """Elements of arrays of test components, by name: ``traffic.states[CutIn]`` as ``traffic.states[12]``."""
 
@@ -218,93 +200,6 @@ class _Labels:
                 f"'{part}.{port}' has no element '{label}'", where, closest(label, [n.split("/")[-1] for n in names])
             )
         return found[0]
-
-
-def _metrics(entries: Entry, file: BenchFile, stop: float, labels: _Labels, problems: Problems) -> tuple[Metric, ...]:
-    metrics = []
-    for name, written in file.metrics.items():
-        entry = entries[name]
-        check_name(name, entry.key, problems)
-        if name == "time":
-            problems.add("in metrics 'time' is the simulation time", entry.key, "rename the metric")
-        with problems:
-            if isinstance(written, str):
-                metrics.append(Metric(name, parse_expression(labels.numbered(written, entry.where), entry.origin)))
-            else:
-                unit = read_unit(written.unit or "", entry["unit"].where)
-                text = labels.numbered(written.expression, entry["expression"].where)
-                expression = parse_expression(text, entry["expression"].origin)
-                over = None if written.over is None else _window(entry["over"], written.over, stop)
-                metrics.append(Metric(name, expression, unit, written.title, over))
-    return tuple(metrics)
-
-
-def _applies(entry: Entry, on: str | list[str], bench: str, known: set[str]) -> bool:
-    """Whether a requirement *on* some of the *known* benches is one of this *bench*. DseError for an unknown one."""
-    named = [on] if isinstance(on, str) else on
-    for number, name in enumerate(named):
-        if name not in (bench, *known):
-            where = (entry if isinstance(on, str) else entry[number]).where
-            raise fail(f"unknown test bench '{name}'", where, closest(name, known))
-    return not named or bench in named
-
-
-def _window(entry: Entry, written: list[Plain] | Plain, stop: float) -> tuple[float, float]:
-    """The window of a metric, in seconds, of a run until *stop*. Raises DseError if it is not within the run."""
-    if not isinstance(written, list) or len(written) != 2:
-        raise fail("'over' needs a start and an end", entry.where, _OVER)
-    second = read_unit("s", entry.where)
-    ends = (stop if text == "end" else read_number(text, second, entry[at].where) for at, text in enumerate(written))
-    start, end = ends
-    shown = f"the window [{written[0]}, {written[1]}]"
-    if start < 0.0 or end > stop * (1 + 1e-9):
-        what = f"{shown} is not within the run, which is from 0 s to {stop:g} s"
-        raise fail(what, entry.where, "end it with 'end', or simulate for longer ('stop')")
-    if not start < end:
-        raise fail(f"{shown} does not end after its start", entry.where, _OVER)
-    return start, end
-
-
-def _requirement(entry: Entry, section: RequirementSection, metrics: set[str]) -> Requirement:
-    name = entry.name
-    problems = Problems()
-    check_name(name, entry.key, problems)
-    if section.metric not in metrics:
-        problems.add(f"unknown metric '{section.metric}'", entry["metric"].where, closest(section.metric, metrics))
-    if section.at_most is None and section.at_least is None:
-        problems.add(f"requirement '{name}' has no bound", entry.key, "give at_most or at_least")
-    bounds: dict[str, float] = {}
-    unit: Unit | None = None
-    for key, raw in (("at_most", section.at_most), ("at_least", section.at_least)):
-        if raw is not None:
-            quantity = read_quantity(raw, entry[key].where)
-            if unit is not None and unit.dimension != quantity.unit.dimension:
-                problems.add(f"the bounds of '{name}' have different units", entry[key].where)
-            bounds[key], unit = float(quantity.si), quantity.unit
-    if len(bounds) == 2 and bounds["at_least"] > bounds["at_most"]:
-        what = f"the range of '{name}' is empty: at_least {section.at_least} > at_most {section.at_most}"
-        problems.add(what, entry["at_least"].where)
-    condition = None
-    if section.exercised_when is not None:
-        condition = parse_expression(section.exercised_when, entry["exercised_when"].origin)
-    share = read_number(section.met_in, DIMENSIONLESS, entry["met_in"].where)
-    if not 0 < share <= 1:
-        problems.add(
-            f"met_in must be more than 0 and at most 100 %, not {section.met_in}", entry["met_in"].where, "95 %"
-        )
-    raise_if_any(problems)
-    return Requirement(
-        name,
-        section.metric,
-        bounds.get("at_most"),
-        bounds.get("at_least"),
-        unit or DIMENSIONLESS,
-        condition,
-        section.title,
-        entry.key,
-        share,
-        Trace(section.text, section.source, section.rationale, section.severity),
-    )
 
 
 def _figure(

@@ -87,7 +87,12 @@ class Place:
         for component, least, most in self.limits():
             if low < least or high > most:
                 what = f"the range of '{self.name}' leaves what component {component.name} allows"
-                raise fail(what, where, f"stay within min {least} and max {most} (SI)")
+                raise fail(what, where, f"it allows {self._in_unit(least)} … {self._in_unit(most)}")
+
+    def _in_unit(self, value: float) -> str:
+        return (
+            f"{self.unit.from_si(value):g} {self.unit}".strip() if math.isfinite(value) else "∞" if value > 0 else "-∞"
+        )
 
     def given(self, bench: TestBench) -> float | None:
         """The value the bench has for it, SI; None if it has none."""

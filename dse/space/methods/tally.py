@@ -16,7 +16,7 @@ _WRITTEN_OUT = 10**36
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """A count; exact, or an estimate with its 95 % confidence interval [low, high]."""
+    """A count: *value* is *exact*, or an estimate with its 95 % confidence interval from *low* to *high*."""
 
     value: int
     exact: bool = True

@@ -39,11 +39,11 @@ class Broken:
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """What is to be said of what is *chosen*.
+    """Whether what is *chosen* is possible, and why not.
 
-    If that is a whole configuration, *choices* are its, *broken* the constraints it breaks and *nearest* the valid
-    configuration next to it. Else *choices* are those of the first valid configuration that has it, None if there is
-    none; then *conflict* are the constraints that stand in the way, none if the choices exclude each other.
+    If that is a whole configuration (*is_whole*), *choices* are its, *broken* the constraints it breaks and *nearest*
+    the valid configuration next to it. Else *choices* are those of the first valid configuration that has it, None if
+    there is none; then *conflict* are the constraints that prevent it, none if the choices exclude each other.
     """
 
     chosen: Choices

@@ -127,11 +127,14 @@ function significant(value: number): number {
   return Number.isNaN(value) ? Infinity : Number(value.toPrecision(DIGITS));
 }
 
-/** Missed verdicts of each class that has some: `2 of 9 major`; of one class `2 of 45`. */
+/** Missed verdicts of each class that has some: `2 of 9 major (1 doubtful)`; of one class `2 of 45`. */
 export function missedText({ classes }: DesignOrder, design: number): string {
   const parts = classes.map(({ severity, judged, certain, doubtful }) => {
     const missed = certain[design]! + doubtful[design]!;
-    return missed ? `${missed} of ${judged[design]} ${severity || (classes.length > 1 ? "others" : "")}`.trim() : "";
+    if (!missed) return "";
+    const unsure = doubtful[design]!;
+    const how = unsure === missed ? " (doubtful)" : unsure ? ` (${unsure} doubtful)` : "";
+    return `${`${missed} of ${judged[design]} ${severity || (classes.length > 1 ? "others" : "")}`.trim()}${how}`;
   });
   return parts.filter(Boolean).join(", ") || "none";
 }

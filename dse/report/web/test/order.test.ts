@@ -140,6 +140,18 @@ test("a requirement that is switched off does not count in the order", () => {
   equal(missedText(orderAt(store), 1), "none");
 });
 
+test("doubtful verdicts are named as such beside the missed ones", () => {
+  const told = cases.cases.flatMap((wanted) => {
+    const order = orderAt(studied(wanted));
+    return [...order.ranked].map((design): [string, boolean] => [
+      missedText(order, design),
+      order.classes.some(({ doubtful }) => doubtful[design]! > 0),
+    ]);
+  });
+  ok(told.some(([, isDoubtful]) => isDoubtful));
+  for (const [text, isDoubtful] of told) equal(text.includes("doubtful"), isDoubtful);
+});
+
 test("a bound that is moved gives another design", () => {
   const store = studied({ designs: "ab", objectives: [["cost", false]] });
   equal(choiceOf(createModel(store))!.first, 1);

@@ -119,6 +119,18 @@ test("every case of the design rule is judged as in Python", () => {
   });
 });
 
+test("a condition at which no design has a value does not count", () => {
+  const values = [NaN, 2, NaN, 3];
+  const study = studyOf(4, {
+    variables: [variable("design", [0, 0, 1, 1]), variable("condition", [0, 1, 0, 1], { role: "condition" })],
+    metrics: [metric("use", values)],
+  });
+  for (const sense of ["min", "max", ""] as const)
+    equal(Array.from(aggregated(study, Float64Array.from(values), sense)).join(), "2,3");
+  const failed = { ...study, done: Uint8Array.from([0, 1, 1, 1]) };
+  ok(Number.isNaN(aggregated(failed, Float64Array.from(values), "min")[0]));
+});
+
 test("margin that is asked for moves bounds inwards by its share of their scale", () => {
   const study = studyOf(4, {
     variables: [variable("x", [0, 1, 2, 3])],

@@ -125,7 +125,7 @@ function columnsOf(model: Model): Column[] {
       hint: !isMeasured
         ? ""
         : sense
-          ? `The ${way} of all conditions; a mean over what is uncertain`
+          ? `Of each condition the mean over what is uncertain; of these means the ${way}. A single run may be worse`
           : "Over all its runs",
       numeric: true,
       value: (design) => (hasVariable(model, key, design) ? values[design]! : NaN),
@@ -177,7 +177,7 @@ function columnsOf(model: Model): Column[] {
           {
             key: "missed",
             title: "Missed verdicts",
-            hint: "Verdicts on requirements at all conditions, by severity",
+            hint: "Verdicts on requirements at all conditions, by severity. Doubtful ones may change with more draws of what is uncertain, or with finer numerics",
             numeric: false,
             value: (design: number) => order.place[design]!,
             text: (design: number) => missedText(order, design),
@@ -327,7 +327,7 @@ function noteOf(model: Model, shown: number): string {
       ? "Score: TOPSIS over the feasible designs shown (Hwang and Yoon 1981), criteria in vector normalisation, weights by their share."
       : "",
     several
-      ? "Values are means over what is uncertain at the worst condition; a design has to meet every requirement in all its runs, and be shown to in one at least."
+      ? "Values are means over what is uncertain at the worst condition, so that a single run may be worse; a design has to meet every requirement in all its runs, and be shown to in one at least."
       : "",
     shown < grouping.size ? `${grouping.size - shown} designs are outside the brushes.` : "",
     "A row selects the run that decides; tick up to five to compare.",

@@ -37,23 +37,40 @@ export function senseOf({ study, state }: Store, key: string): Sense {
   return senses.length && senses.every((sense) => sense === senses[0]) ? senses[0]! : "";
 }
 
-/** NaN where any run of a design has none; without a sense the mean of all runs. */
+/** NaN where any run of a design has none; without a sense the mean of all runs. Conditions at which all runs came to
+ * their end and none has a value, as on a bench without the metric, are left out. */
 export function aggregated(study: Study, values: Float64Array, sense: Sense): Float64Array {
   const grouping = groupingOf(study);
   if (grouping.size === study.size) return values;
+  const measured = new Uint8Array(grouping.conditions);
+  for (const [run, value] of values.entries()) {
+    if (grouping.of[run]! >= 0 && !(study.done[run] && Number.isNaN(value))) measured[grouping.condition[run]!] = 1;
+  }
   const found = new Float64Array(grouping.size);
-  for (let design = 0; design < found.length; design++) found[design] = worstMean(grouping, values, sense, design);
+  for (let design = 0; design < found.length; design++)
+    found[design] = worstMean(grouping, measured, values, sense, design);
   return found;
 }
 
-function worstMean({ start, rows, condition }: Grouping, values: Float64Array, sense: Sense, design: number): number {
+function worstMean(
+  { start, rows, condition }: Grouping,
+  measured: Uint8Array,
+  values: Float64Array,
+  sense: Sense,
+  design: number,
+): number {
   const end = start[design + 1]!;
   let worst = NaN;
   for (let i = start[design]!; i < end; ) {
     const at = condition[rows[i]!];
     let sum = 0;
     let count = 0;
-    for (; i < end && (sense === "" || condition[rows[i]!] === at); i++, count++) sum += values[rows[i]!]!;
+    for (; i < end && (sense === "" || condition[rows[i]!] === at); i++) {
+      if (!measured[condition[rows[i]!]!]) continue;
+      sum += values[rows[i]!]!;
+      count++;
+    }
+    if (!count) continue;
     const mean = sum / count;
     if (Number.isNaN(mean)) return NaN;
     if (Number.isNaN(worst) || (sense === "max" ? mean < worst : mean > worst)) worst = mean;
