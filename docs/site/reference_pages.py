@@ -13,7 +13,7 @@ import typer
 
 import dse
 from dse.cli.app import app
-from dse.cli.commands import register
+from dse.cli.commands import COMMANDS, register
 from dse.domain.component import Component
 from dse.domain.expression import ROLLUPS
 from dse.loading import FILE_KINDS, Workspace, file_schema
@@ -60,7 +60,10 @@ def commands() -> str:
     register()
     text = "# Commands\n\n`dse COMMAND --help` prints these texts. A command ends with an "
     text += "[exit code](../docs/formats.md#exit-codes).\n"
-    return text + "".join(_command(f"dse {name}", command) for name, command in _below(typer.main.get_command(app)))
+    # In the order of the help, whichever was imported first here.
+    places = {each.partition(".")[0].replace("_", "-").rstrip("-"): place for place, each in enumerate(COMMANDS)}
+    listed = sorted(_below(typer.main.get_command(app)), key=lambda each: places.get(each[0], len(places)))
+    return text + "".join(_command(f"dse {name}", command) for name, command in listed)
 
 
 def _below(group: Any) -> Iterable[tuple[str, Any]]:

@@ -14,7 +14,6 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, cast
 
 from dse.api import Results, choice_lines, listing, open as open_workspace, ranking_as_data
-
 from dse.cli.diagnostics import Checked, as_data
 from dse.cli.spaces import constraint_data, tally_data
 from dse.cli.terminal import plain_data
