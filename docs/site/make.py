@@ -18,7 +18,7 @@ HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 BUILD = ROOT / "build"
 
-FOLDERS = ("docs", "components", "clients", "examples", "benchmarks", "changes", "dse/domain")
+FOLDERS = ("docs", "components", "clients", "examples", "benchmarks", "changes", "dse")
 """What pages are in, or link to."""
 
 SECTIONS = {
@@ -54,7 +54,7 @@ def main() -> int:
     for folder in (pages, site):
         shutil.rmtree(folder, ignore_errors=True)
     for name in FOLDERS:
-        shutil.copytree(ROOT / name, pages / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / name, pages / name, ignore=shutil.ignore_patterns("__pycache__", "web", "*.so"))
     for page in ROOT.glob("*.md"):
         shutil.copyfile(page, pages / page.name)
     (pages / "README.md").rename(pages / "index.md")
