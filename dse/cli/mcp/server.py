@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 INSTRUCTIONS = """\
 dse explores cyber-physical products: design spaces of alternative components, test benches that simulate them, studies
-that vary parameters, and requirements. Begin with `contents`; `summary` tells which design of a study to take, and why.
-Name the run, the verdict, the margin and the error bar with each number that you report, and say which verdicts are
+that vary parameters, and requirements. Begin with `contents`; `summary` names the design of a study to take, and the reason.
+Name the run, the verdict, the margin and the error bar with each number that you report, and which verdicts are
 doubtful. Results are engineering predictions by simulation."""
 
 READING = (
@@ -56,26 +56,26 @@ def server_of(root: Path, budget: int = 0) -> MCPServer:
     server = MCPServer("dse", version=__version__, instructions=INSTRUCTIONS, log_level="WARNING")
     reads = ToolAnnotations(read_only_hint=True, open_world_hint=False)
     for name in READING:
-        server.add_tool(_told(getattr(tools, name), Image), annotations=reads)
+        server.add_tool(_answering(getattr(tools, name), Image), annotations=reads)
     if budget:
         import anyio.from_thread
 
         def explore(study: str, context: Context[Any, Any]) -> dict[str, Any]:
-            def tell(progress: Progress) -> None:
+            def report(progress: Progress) -> None:
                 what = f"{progress.stage}: {progress.done} of {progress.total}"
                 anyio.from_thread.run(context.report_progress, progress.done, progress.total, what)
 
-            return tools.explore(study, tell)
+            return tools.explore(study, report)
 
         explore.__doc__ = tools.explore.__doc__
         explore.__annotations__ |= {"study": str, "context": Context[Any, Any], "return": dict[str, Any]}
         writes = ToolAnnotations(read_only_hint=False, destructive_hint=False, open_world_hint=False)
         for each in (explore, tools.simulate):
-            server.add_tool(_told(each, Image), annotations=writes)
+            server.add_tool(_answering(each, Image), annotations=writes)
     return server
 
 
-def _told(tool: Callable[..., Any], image: Callable[..., Any]) -> Callable[..., Any]:
+def _answering(tool: Callable[..., Any], image: Callable[..., Any]) -> Callable[..., Any]:
     """*tool*, whose problems are answers, and whose bytes are a picture."""
     from mcp.server.mcpserver.exceptions import ToolError
 
