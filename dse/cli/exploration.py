@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 import typer
 
@@ -23,38 +23,60 @@ from dse.cli.terminal import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from dse.api import Explored, ExploreOptions, Plan, Progress, Results, Summary
     from dse.domain.study import Study
 
+<<<<<<< HEAD
 _MOST_PROBLEMS, _MOST_NUMBERS = 5, 4
+=======
+
+class Watched(TypedDict):
+    """Who is told how far it is."""
+
+    on_progress: Callable[[Progress], None]
+    tell: Callable[[str], None]
+
+
+_MOST_PROBLEMS, _MOST_NUMBERS, _MOST_SHOWN = 5, 4, 3
+>>>>>>> 07087af946dfaa2a54d44042de35b3c331e24744
 _MOST_LOOKED_AT = 20_000
 """Runs that can be looked at in a second or two."""
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
-def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gate: bool) -> None:
-    """Explore *study* into *folder* with a progress bar, say what came of it, and exit as it deserves."""
-    from dse.api import ExplorationInterruptedError, Results, explore_into, progress_bar
+@contextmanager
+def progress_shown(folder: Path) -> Iterator[Watched]:
+    """What exploring into *folder* is to be told to: its steps in words, and then its runs on a progress bar.
 
-    screen = console(stderr=True)
-
-    def show_changes(plan: Plan) -> None:
-        for line in _plan_lines(plan):
-            print_line(line, stderr=True)
+    Ctrl-C ends it with what was stored.
+    """
+    from dse.api import ExplorationInterruptedError, progress_bar
 
     try:
-        with ExitStack() as waiting, progress_bar(screen) as show:
+        with ExitStack() as waiting, progress_bar(console(stderr=True)) as show:
             tell = waiting.enter_context(status_line())
 
             def advance(progress: Progress) -> None:
                 waiting.close()
                 show(progress)
 
-            explored = explore_into(study, folder, options, on_progress=advance, tell=tell, on_changes=show_changes)
+            yield {"on_progress": advance, "tell": tell}
     except ExplorationInterruptedError as stop:
         raise KeyboardInterrupt(f"{folder}: {stop}") from None
+
+
+def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gate: bool) -> None:
+    """Explore *study* into *folder* with a progress bar, say what came of it, and exit as it deserves."""
+    from dse.api import Results, explore_into
+
+    def show_changes(plan: Plan) -> None:
+        for line in _plan_lines(plan):
+            print_line(line, stderr=True)
+
+    with progress_shown(folder) as watched:
+        explored = explore_into(study, folder, options, on_changes=show_changes, **watched)
     results = Results(options.folder(folder), explored)
     summary = results.summary
     _show_outcome(results, summary, explored, is_shard=options.shard is not None)

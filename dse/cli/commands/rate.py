@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,12 +13,12 @@ from dse.cli.arguments import Configuration, Design, Format, Output, Where, Work
 from dse.cli.completion import ratings
 from dse.cli.configurations import chosen_configurations
 from dse.cli.endings import DONE, RUNS_FAILED
-from dse.cli.terminal import console, plain_table, print_json, print_line, print_table, status_line
+from dse.cli.exploration import progress_shown
+from dse.cli.terminal import plain_table, print_json, print_line, print_table
 from dse.errors import fail
 from dse.places import RATING
 
 if TYPE_CHECKING:
-    from dse.api import Progress
     from dse.loading import Rating, Workspace
     from dse.rating import RatedConfiguration, RatedDesign
 
@@ -48,7 +47,7 @@ def rate(
     official calculator, and shows its points. No rating is claimed. Without -c, --where or --best, the first valid
     configuration is rated. Needs the extra 'ncap'.
     """
-    from dse.api import ExplorationInterruptedError, ExploreOptions, progress_bar
+    from dse.api import ExploreOptions
     from dse.rating import rate as rate_design, write_page
 
     space = workspace_of(design)
@@ -56,19 +55,8 @@ def rate(
     wanted = _rating(space, rating, part.space.name)
     chosen = chosen_configurations(part, [] if configuration is None else [configuration], where, best)
     place = folder or new_folder(space, f"{wanted.name}-{part.space.name}")
-    try:
-        with ExitStack() as waiting, progress_bar(console(stderr=True)) as show:
-            tell = waiting.enter_context(status_line())
-
-            def advance(progress: Progress) -> None:
-                waiting.close()
-                show(progress)
-
-            rated = rate_design(
-                wanted, part.space, chosen, place, ExploreOptions(workers), on_progress=advance, tell=tell
-            )
-    except ExplorationInterruptedError as stop:
-        raise KeyboardInterrupt(f"{place}: {stop}") from None
+    with progress_shown(place) as watched:
+        rated = rate_design(wanted, part.space, chosen, place, ExploreOptions(workers), **watched)
     files = []
     for each in rated.rated:
         files.append(place / f"{wanted.name}-{each.id}.xlsx")

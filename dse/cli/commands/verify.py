@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,11 +14,11 @@ from dse.cli.arguments import Format, Gate, Output, Where, Workers
 from dse.cli.completion import designs, procedures
 from dse.cli.configurations import chosen_configurations
 from dse.cli.endings import DONE, RUNS_FAILED
-from dse.cli.terminal import console, plain, plain_table, print_json, print_line, print_table, status_line
+from dse.cli.exploration import progress_shown
+from dse.cli.terminal import plain, plain_table, print_json, print_line, print_table
 from dse.errors import closest, fail
 
 if TYPE_CHECKING:
-    from dse.api import Progress
     from dse.domain.design import DesignSpace
     from dse.loading import Procedure
     from dse.rating import CaseVerdict, Verification
@@ -59,7 +58,7 @@ def verify(
     worst first. Makes one study for each test; only missing runs are simulated. Without -c, --where or --best, the
     first valid configuration is checked.
     """
-    from dse.api import ExplorationInterruptedError, ExploreOptions, progress_bar
+    from dse.api import ExploreOptions
     from dse.rating import verify as verify_design
     from dse.space import open_space
 
@@ -68,17 +67,8 @@ def verify(
     mine = _design(wanted, design)
     chosen = chosen_configurations(open_space(mine, where=condition_of(where)), configuration or [], where, best)
     place = folder or new_folder(space, f"{wanted.name}-{mine.name}")
-    try:
-        with ExitStack() as waiting, progress_bar(console(stderr=True)) as show:
-            tell = waiting.enter_context(status_line())
-
-            def advance(progress: Progress) -> None:
-                waiting.close()
-                show(progress)
-
-            found = verify_design(wanted, mine, chosen, place, ExploreOptions(workers), on_progress=advance, tell=tell)
-    except ExplorationInterruptedError as stop:
-        raise KeyboardInterrupt(f"{place}: {stop}") from None
+    with progress_shown(place) as watched:
+        found = verify_design(wanted, mine, chosen, place, ExploreOptions(workers), **watched)
     if form is Output.JSON:
         print_json(_data(found))
     else:
