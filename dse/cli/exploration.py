@@ -28,9 +28,6 @@ if TYPE_CHECKING:
     from dse.api import Explored, ExploreOptions, Plan, Progress, Results, Summary
     from dse.domain.study import Study
 
-<<<<<<< HEAD
-_MOST_PROBLEMS, _MOST_NUMBERS = 5, 4
-=======
 
 class Watched(TypedDict):
     """Who is told how far it is."""
@@ -39,8 +36,7 @@ class Watched(TypedDict):
     tell: Callable[[str], None]
 
 
-_MOST_PROBLEMS, _MOST_NUMBERS, _MOST_SHOWN = 5, 4, 3
->>>>>>> 07087af946dfaa2a54d44042de35b3c331e24744
+_MOST_PROBLEMS, _MOST_NUMBERS = 5, 4
 _MOST_LOOKED_AT = 20_000
 """Runs that can be looked at in a second or two."""
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
