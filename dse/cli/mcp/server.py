@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 INSTRUCTIONS = """\
 dse explores cyber-physical products: design spaces of alternative components, test benches that simulate them, studies
-that vary parameters, and requirements. Begin with `contents`; `summary` names the design of a study
-to take, with the reason. Name the run, the verdict, the margin and the error bar with each number that you report, and which verdicts are
+that vary parameters, and requirements. Begin with `contents`; `summary` names the design of a study to take, with the
+reason. Name the run, the verdict, the margin and the error bar with each number that you report, and which verdicts are
 doubtful. Results are engineering predictions by simulation."""
 
 READING = (
