@@ -28,14 +28,14 @@ def failure_findings(table: RunTable) -> tuple[Finding, ...]:
             each.requirement,
             f"{each.requirement} ({titles[each.requirement]})"
             + (f", {each.configuration}" if len(found) > 1 else "")
-            + f": {'; '.join(_told(table, each))}",
+            + f": {'; '.join(_sentence(table, each))}",
             asdict(each),
         )
         for each in found
     )
 
 
-def _told(table: RunTable, found: FailureShare) -> Iterator[str]:
+def _sentence(table: RunTable, found: FailureShare) -> Iterator[str]:
     share = found.share
     if not share.failing:
         yield f"none of {found.asked:,} runs fails; at most {_percent(share.high)} of the space do (95 % confidence)"
