@@ -5,7 +5,7 @@ for packages that add to it. Everything else is private and may change from one 
 before it is used.
 """
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 
 def __getattr__(name: str) -> object:
