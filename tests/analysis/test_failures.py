@@ -35,7 +35,7 @@ def test_the_share_that_fails_is_stated_with_an_interval_and_the_mildest_failure
     folder = written(tmp_path / "w", {**FILES, "testbenches/wall.yaml": BENCH, "testbenches/rare.pet.yaml": STUDY})
     done = run_dse(folder, "explore", "rare", cache=tmp_path / "cache")
     assert done.returncode == 0, done.stderr
-    assert "R1 (soft impact): fails in 0." in done.stdout
+    assert "R1 (soft impact): fails in 0." in run_dse(folder, "findings", "out/rare", cache=tmp_path / "cache").stdout
     told = run_dse(folder, "findings", "out/rare", "--format", "json", cache=tmp_path / "cache")
     found = next(each for each in json.loads(told.stdout) if each["topic"] == "share that fails")
     assert found["about"] == "R1"

@@ -161,7 +161,7 @@ def test_schemas_that_a_workspace_has_are_left_as_they_are(dse_in, tmp_path):
     assert dse_in(tmp_path, "new", "component", "a").returncode == 0
     assert [path.name for path in (tmp_path / "schemas").iterdir()] == ["component.json"]
     assert dse_in(tmp_path, "schema", "-o", "schemas").returncode == 0
-    assert len(list((tmp_path / "schemas").iterdir())) == 8
+    assert len(list((tmp_path / "schemas").iterdir())) == 9
     assert (tmp_path / "schemas" / "design.json").read_text(encoding="utf-8") == dse_in(
         tmp_path, "schema", "design"
     ).stdout
