@@ -109,12 +109,12 @@ namespace DseUdp
             }
         }
 
-        /// <summary>The newest that was heard in this session; false without one.</summary>
+        /// <summary>The newest that was heard in this session; false without one, and (free) before its start was taken.</summary>
         public bool TryLatest(out Request newest)
         {
             lock (gate)
             {
-                newest = session != 0 ? latest : null;
+                newest = session != 0 && !(isFree && requests.Count > 0) ? latest : null;
                 return newest != null;
             }
         }
