@@ -62,6 +62,11 @@ class Listing:
     ratings: tuple[ListedFile, ...] = ()
     procedures: tuple[ListedFile, ...] = ()
 
+    @property
+    def files(self) -> Mapping[str, tuple[ListedFile, ...]]:
+        """All but the results, by kind."""
+        return {kind: getattr(self, kind) for kind in ("designs", "benches", "studies", "ratings", "procedures")}
+
 
 def listing(workspace: Workspace) -> Listing:
     """What is in *workspace*. A file or folder that cannot be read is listed with its problem."""

@@ -56,7 +56,7 @@ def study_folder(path: Path) -> Path:
     root = find_root(Path())
     named = root / OUT / path.name if root else path
     if root and not named.is_dir() and (kind := Workspace(root).kind_of(path.name)) in (STUDY_FILE, BENCH_FILE):
-        what = f"the {kind.words.partition(' ')[2]} '{path.name}' has no results in {shown(named)}"
+        what = f"the {kind.name} '{path.name}' has no results in {shown(named)}"
         raise fail(what, hint=f"simulate it first: {kind.command} {path.name}")
     return Path(shown(named)) if named.is_dir() else path
 

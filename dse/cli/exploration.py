@@ -75,8 +75,15 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
         explored = explore_into(study, folder, options, on_changes=show_changes, **watched)
     results = Results(options.folder(folder), explored)
     summary = results.summary
+    _show_outcome(results, summary, explored)
     following = f"dse report {folder}; in sentences: dse findings {folder}"
-    _show_outcome(results, summary, explored, f"dse merge {folder}" if options.shard else following)
+    if options.shard:
+        following = f"dse merge {folder}"
+    elif summary.finished <= _MOST_LOOKED_AT:
+        show_choice(results.choice(), results.definition, briefly=True)
+    if summary.unsettled:
+        print_line("to try failed runs again: the same command with --retry-failed")
+    print_line(f"next: {following}")
     failed = summary.unsettled or (gate and not summary.is_passed)
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
@@ -118,8 +125,8 @@ def _duration(seconds: float) -> str:
     return "less than a second" if seconds < 1 else f"about {timedelta(seconds=round(seconds))}"
 
 
-def _show_outcome(results: Results, summary: Summary, explored: Explored, following: str) -> None:
-    """The counts of verdicts, what has to be told of runs, and which design to take."""
+def _show_outcome(results: Results, summary: Summary, explored: Explored) -> None:
+    """The counts of verdicts, and the problems of runs."""
     from dse.api import requirement_labels
 
     screen, folder = console(), results.folder
@@ -157,11 +164,6 @@ def _show_outcome(results: Results, summary: Summary, explored: Explored, follow
         screen.print(f"  {plain(line)}", soft_wrap=True)
     if len(said) > _MOST_PROBLEMS:
         screen.print(f"  and {len(said) - _MOST_PROBLEMS} other problems: dse results {folder}", soft_wrap=True)
-    if not following.startswith("dse merge") and summary.finished <= _MOST_LOOKED_AT:
-        show_choice(results.choice(), results.definition, briefly=True)
-    if summary.unsettled:
-        screen.print("to try failed runs again: the same command with --retry-failed", soft_wrap=True)
-    screen.print(f"next: {following}", soft_wrap=True)
 
 
 def outcome_text(summary: Summary) -> list[str]:

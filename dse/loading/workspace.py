@@ -223,9 +223,8 @@ class Workspace:
             other = self.kind_of(name)
             if other is not None and where is None:
                 hint = f"{other.command} {name} {other.does}"
-                raise fail(f"'{name}' is {other.words}, not {wanted.words}", where, hint)
-            kind = wanted.words.partition(" ")[2]
-            raise fail(f"unknown {kind} '{name}'", where, closest(name, found) or f"there is none in {folder}/")
+                raise fail(f"'{name}' is a {other.name}, not a {wanted.name}", where, hint)
+            raise fail(f"unknown {wanted.name} '{name}'", where, closest(name, found) or f"there is none in {folder}/")
         return found[name]
 
     def kind_of(self, name: str) -> FileKind | None:
@@ -241,22 +240,22 @@ class Workspace:
 class FileKind:
     """Files in *folder* whose names end in *suffix*; *command* *does* something with one."""
 
-    words: str
+    name: str
     folder: str
     suffix: str
     command: str
     does: str
 
 
-STUDY_FILE = FileKind("a study", "testbenches", STUDY, "dse explore", "simulates it")
-BENCH_FILE = FileKind("a test bench", "testbenches", ".yaml", "dse run", "simulates it")
+STUDY_FILE = FileKind("study", "testbenches", STUDY, "dse explore", "simulates it")
+BENCH_FILE = FileKind("test bench", "testbenches", ".yaml", "dse run", "simulates it")
 _KINDS = (
     STUDY_FILE,
     BENCH_FILE,
-    FileKind("a rating", "testbenches", RATING, "dse rate DESIGN --rating", "predicts its points"),
-    FileKind("a procedure", "testbenches", PROCEDURE, "dse verify", "checks it"),
-    FileKind("a design space", "designs", ".yaml", "dse enumerate", "lists its configurations"),
-    FileKind("a road", "roads", ".yaml", "dse figure", "draws it"),
+    FileKind("rating", "testbenches", RATING, "dse rate DESIGN --rating", "predicts its points"),
+    FileKind("procedure", "testbenches", PROCEDURE, "dse verify", "checks it"),
+    FileKind("design space", "designs", ".yaml", "dse enumerate", "lists its configurations"),
+    FileKind("road", "roads", ".yaml", "dse figure", "draws it"),
 )
 
 

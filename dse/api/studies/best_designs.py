@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Self
 
 from dse.analysis import Choice, Finding, Ranking, claim
 from dse.api.presentation.choice_text import choice_lines
@@ -17,25 +17,24 @@ if TYPE_CHECKING:
     from dse.domain.definition import StudyDefinition
 
 
-T = TypeVar("T")
+class _OfStudy:
+    """A noun of the analysis with the *definition* of its study, which has the units of its numbers."""
+
+    __slots__ = ()
+
+    @classmethod
+    def of(cls, plain: Choice | Ranking, definition: StudyDefinition) -> Self:
+        """*plain*, whose numbers have the units of *definition*."""
+        made = cls(*(getattr(plain, field.name) for field in fields(plain)))
+        object.__setattr__(made, "definition", definition)  # what is frozen is set once
+        return made
 
 
-def _with_definition(class_: type[T], plain: Choice | Ranking, definition: StudyDefinition) -> T:
-    made = class_(*(getattr(plain, field.name) for field in fields(plain)))
-    object.__setattr__(made, "definition", definition)  # what is frozen is set once
-    return made
-
-
-class BestDesigns(Ranking):
+class BestDesigns(_OfStudy, Ranking):
     """A ranking of designs of the study *definition*: see `dse.analysis.Ranking`. Notebooks show it as a table."""
 
     __slots__ = ("definition",)
     definition: StudyDefinition
-
-    @classmethod
-    def of(cls, ranking: Ranking, definition: StudyDefinition) -> BestDesigns:
-        """*ranking*, whose numbers have the units of *definition*."""
-        return _with_definition(cls, ranking, definition)
 
     def to_pandas(self, units: str = "shown") -> pd.DataFrame:
         """A row for each of the best designs by its place: its configuration with choices, design variables, objectives
@@ -77,16 +76,11 @@ class BestDesigns(Ranking):
         return f"{claim(self)}; {' and '.join(map(str, self.objectives)) or 'by their least margin'}"
 
 
-class DesignChoice(Choice):
+class DesignChoice(_OfStudy, Choice):
     """Which design of the study *definition* to take: see `dse.analysis.Choice`. Notebooks show it in sentences."""
 
     __slots__ = ("definition",)
     definition: StudyDefinition
-
-    @classmethod
-    def of(cls, choice: Choice, definition: StudyDefinition) -> DesignChoice:
-        """*choice*, whose numbers have the units of *definition*."""
-        return _with_definition(cls, choice, definition)
 
     def __repr__(self) -> str:
         name, lines = choice_lines(self, self.definition)

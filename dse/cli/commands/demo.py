@@ -48,15 +48,16 @@ def _shipped() -> Path | None:
 
 def _simulated(folder: Path) -> Path:
     """The report of the study, simulated in a new workspace in *folder*, or gone on with in one of an earlier demo."""
-    from dse.api import ExploreOptions, Results, explore_into, open as open_workspace, progress_bar
-    from dse.cli.terminal import console, status_line
+    from dse.api import ExploreOptions, Results, explore_into, open as open_workspace
+    from dse.cli.exploration import progress_shown
+    from dse.cli.terminal import status_line
 
     if not (folder / "testbenches" / f"{_STUDY}.pet.yaml").is_file():
         lay_out(folder)
         print_line(f"{folder}: a workspace with the example")
     place = folder / "out" / _STUDY
-    with progress_bar(console(stderr=True)) as advance:
-        explore_into(open_workspace(folder).studies[_STUDY].noun, place, ExploreOptions(), on_progress=advance)
+    with progress_shown(place) as watched:
+        explore_into(open_workspace(folder).studies[_STUDY].noun, place, ExploreOptions(), **watched)
     results = Results(place)
     if results.summary.failed:
         raise fail(f"{results.summary.failed} runs failed to run", hint=f"dse results {shlex.quote(str(place))}")

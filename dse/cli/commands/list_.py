@@ -39,14 +39,7 @@ def list_(
     if any(each.state == "running" for each in found.results):
         streams.record.content = None  # that ends without a trace in a file
     if output is Output.JSON:
-        kinds = {
-            "designs": found.designs,
-            "benches": found.benches,
-            "studies": found.studies,
-            "ratings": found.ratings,
-            "procedures": found.procedures,
-        }
-        files = {kind: [_data(each) for each in listed] for kind, listed in kinds.items()}
+        files = {kind: [_data(each) for each in listed] for kind, listed in found.files.items()}
         folders = [{**asdict(each), "folder": each.folder.as_posix()} for each in found.results]
         print_json({**files, "results": folders})
         return

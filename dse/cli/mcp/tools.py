@@ -39,19 +39,18 @@ class Tools:
         self._count = threading.Lock()
 
     def contents(self) -> Data:
-        """List the design spaces, test benches, studies, ratings and study folders of the workspace.
+        """List the design spaces, test benches, studies, ratings, procedures and study folders of the workspace.
 
         Start here. `results` are the folders that the tools about results take.
         """
         found = listing(self._open().files)
-        files = {"designs": found.designs, "benches": found.benches, "studies": found.studies, "ratings": found.ratings}
         named = {
             kind: [
                 {"name": each.name, "title": each.title, **each.facts}
                 | ({"problem": each.problem} if each.problem else {})
                 for each in listed
             ]
-            for kind, listed in files.items()
+            for kind, listed in found.files.items()
         }
         folders = [{**asdict(each), "folder": self._shown(each.folder)} for each in found.results]
         return _plain({**named, "results": folders, "runs_left": self.left})
