@@ -25,7 +25,16 @@ SECTIONS = {
     "Tutorials": ["docs/tour", "docs/tutorial", "docs/notebooks/*", "gallery"],
     "How-to guides": [
         *("docs/bring-your-fmu", "docs/ssp", "docs/modelica", "docs/simulink", "docs/python", "docs/questions"),
-        *("docs/boundary", "docs/world", "docs/opendrive", "docs/scenarios", "docs/drive", "docs/rating", "docs/serve"),
+        *(
+            "docs/boundary",
+            "docs/world",
+            "docs/opendrive",
+            "docs/scenarios",
+            "docs/drive",
+            "docs/rating",
+            "docs/serve",
+            "docs/live_page",
+        ),
         *("docs/clusters", "docs/udp", "docs/udp_clients", "docs/two_machines", "docs/ci", "docs/assistants"),
     ],
     "Explanations": [

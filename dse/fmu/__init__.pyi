@@ -7,6 +7,7 @@ from .c.describe import (
 )
 from .component_build import build as build, build_all as build_all, with_platforms as with_platforms
 from .fusion.fuse import Wanted as Wanted, fuse_all as fuse_all
+from .fusion.web import WebModule as WebModule, WebSystem as WebSystem, web_module as web_module
 from .parallel import Tell as Tell, in_parallel as in_parallel
 from .reading.description import BASE_UNITS as BASE_UNITS, base_unit as base_unit, read_description as read_description
 from .reading.variables import VALUE_KINDS as VALUE_KINDS

@@ -14,6 +14,7 @@ from .machine import (
     worst_codes as worst_codes,
 )
 from .program import MetricProgram as MetricProgram, compile_metrics as compile_metrics, judge_failed as judge_failed
+from .program_data import program_as_data as program_as_data
 from .resolution import between_rows as between_rows
 from .rows import (
     RowProgram as RowProgram,

@@ -326,8 +326,8 @@ def implies(x: Any, y: Any) -> Any:
 
 
 def select(condition: Any, yes: Any, no: Any) -> Any:
-    """*yes* where the condition holds, else *no*."""
-    if np.ndim(condition) == 0:
+    """*yes* where the condition holds, else *no*; a waveform if one of the three is."""
+    if np.ndim(condition) == np.ndim(yes) == np.ndim(no) == 0:
         return yes if condition else no
     return np.where(condition, yes, no)
 

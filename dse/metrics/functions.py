@@ -196,7 +196,7 @@ def rolling_mean(time: Waveform, x: Waveform, window: float) -> Waveform:
     where x is not finite within the window, and everywhere if the run is shorter or *window* is not above zero.
     """
     slack = 1e-9 * max(abs(time.item(-1)), window)
-    if not window > 0 or time.item(-1) - time.item(0) < window - slack:
+    if not (window > 0 and time.item(-1) - time.item(0) >= window - slack):
         return np.full_like(x, math.nan)
     undefined = ~np.isfinite(x)
     flat = np.where(undefined, 0.0, x)

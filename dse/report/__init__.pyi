@@ -47,6 +47,7 @@ from .page.html import (
 )
 from .page.payload import script_json as script_json
 from .page.pdf import print_report as print_report
+from .page.simulation import PageSimulation as PageSimulation
 from .roads import road_picture as road_picture, with_driven as with_driven
 from .scene.data import Ground as Ground, Scene as Scene
 from .scene.film import VIEWS as VIEWS, Shot as Shot, film as film, require_target as require_target

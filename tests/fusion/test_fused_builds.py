@@ -17,6 +17,7 @@ from dse.errors import DseError
 from dse.fmu.fusion.fuse import Wanted, fuse, fuse_all
 from dse.fmu.fusion.part import build_part
 from dse.fmu.fusion.sources import own_sources
+from dse.fmu.fusion.web import WebSystem, web_module
 from dse.fmu.toolchain.compiler import find_compiler
 
 CODE = "void {0}_init({0} *c) {{ c->out.y = 1; }}\nvoid {0}_step({0} *c, double h) {{ c->out.y += h * c->in.u; }}"
@@ -173,3 +174,15 @@ def test_another_compiler_builds_the_same_loop(workshop, monkeypatch, tmp_path):
     assert find_compiler().identity.startswith("ziglang ")
     zig = replace(workshop, cache=tmp_path / "zig")
     both_ways(zig, pair(zig), RECORD, [{}, {}])
+
+
+def test_what_cannot_be_in_a_page_is_told_by_name(workshop):
+    system = pair(workshop)
+    coupled = Method(steps={"a": 0.02})
+    newer = system_of({"c": replace(system.elements[0].model, version=3)}, [], ["c.y"])
+    with pytest.raises(DseError) as caught:
+        web_module([WebSystem(system, tuple(RECORD), (), coupled), WebSystem(newer, ("c.y",))])
+    assert [problem.what for problem in caught.value.problems] == [
+        "a page simulates with inputs held, fixed steps, no coupling, no bonds, and no elements that lead",
+        "c: a page has components of FMI 2 only",
+    ]

@@ -232,6 +232,7 @@ def test_a_rolling_mean_is_undefined_only_while_the_hole_is_in_its_window():
 def test_a_mean_that_rolls_over_a_window_without_length_is_undefined():
     assert np.isnan(value("rolling_mean", TIME, 0.0)).all()
     assert np.isnan(value("rolling_mean", TIME, -1.0)).all()
+    assert np.isnan(value("rolling_mean", TIME, math.inf)).all()
 
 
 @pytest.mark.parametrize("q", [0.0, 0.05, 0.5, 0.95, 1.0])

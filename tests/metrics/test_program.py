@@ -92,6 +92,7 @@ def value(text):
         ("duration(world.detected xor controller.active)", 1.5),
         ("duration(world.detected or world.gap > 149 m)", 2.0),
         ("maximum(if world.detected then world.gap else 1 m)", 40.0),
+        ("at_first(if controller.active then 5 m else world.gap, world.detected)", 5.0),
         ("if controller.active then 1 else 2", 1.0),
         ("if true then maximum(world.gap) else 2 m", 150.0),
         ("maximum(abs(world.closing))", 19.0),

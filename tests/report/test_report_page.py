@@ -16,6 +16,7 @@ from dse.report.figure import shown_figures
 from dse.report.page import html as page
 from dse.report.page.html import page_of, write_report
 from dse.report.page.payload import payload_of
+from dse.report.page.simulation import PageSimulation
 
 HOSTILE = '</script><img src=x onerror="window.pwned=1"><!-- \'&amp;\u2028\u2029'
 
@@ -66,6 +67,19 @@ def test_the_policy_names_the_page_s_own_code_and_nothing_else(sliced: ReportCon
         assert code is not None
         digest = base64.b64encode(hashlib.sha256(code[1].encode()).digest()).decode()
         assert f"{kind} 'sha256-{digest}'" in policy[1]
+
+
+def test_a_page_that_simulates_may_start_workers_and_compile_modules_and_nothing_else(sliced: ReportContent) -> None:
+    policies = []
+    for simulation in (None, PageSimulation({"study": HOSTILE}, b"module")):
+        text = page_of(sliced, simulation=simulation)
+        found = re.search(r'Content-Security-Policy" content="([^"]*)"', text)
+        assert found is not None
+        policies.append(found[1])
+    plain, simulating = ({part.strip() for part in policy.split(";")} for policy in policies)
+    scripts = next(part for part in plain if part.startswith("script-src"))
+    assert simulating - plain == {f"{scripts} 'wasm-unsafe-eval'", "worker-src blob:"}
+    assert plain - simulating == {scripts}
 
 
 def test_the_page_names_no_address_to_load_from(sliced: ReportContent) -> None:

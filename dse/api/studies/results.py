@@ -12,6 +12,7 @@ from dse.api.presentation.html import table
 from dse.api.presentation.quantities import units_called
 from dse.api.spaces.design import several
 from dse.api.studies.run import Run
+from dse.domain.noise import DRAW
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,6 +39,10 @@ T = TypeVar("T")
 def results(folder: str | Path) -> Results:
     """The results in a study folder, finished or not. Raises DseError if it is not a study folder, or is damaged."""
     return Results(Path(folder))
+
+
+_MOST_DRAWS = 10
+"""Of noise, that a live page can be set to."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -312,18 +317,28 @@ class Results:
         target: str | Path | None = None,
         *,
         waveforms: int = 4000,
+        live: bool = False,
+        workspace: str | Path | None = None,
         on_problems: Callable[[Sequence[Problem]], None] | None = None,
+        tell: Callable[[str], None] | None = None,
     ) -> Path:
         """Write the HTML report to *target* (``report.html`` in the folder) and return its path.
 
-        It contains the waveforms of at most so many runs. Nothing is simulated. *on_problems* is called with problems:
-        waveforms that are missing or damaged, and figures that could not be drawn; by default these are warnings.
+        It contains the waveforms of at most so many runs. Nothing is simulated; a *live* page can simulate by itself,
+        for which the configurations are compiled from *workspace*, found as `replay_page` finds it. *on_problems* is
+        called with problems: waveforms that are missing or damaged, and figures that could not be drawn; by default
+        these are warnings. *tell* takes messages about the progress. Raises DseError for what cannot be in a live page.
         """
         from dse.report import read_report, with_replays, write_report
 
         page = Path(target) if target is not None else self.folder / "report.html"
+        simulation = None
+        if live:
+            from dse.api.studies.page_simulation import page_simulation
+
+            simulation = page_simulation(self.definition, self.folder, workspace, tell=tell, draws=self._draws())
         content = with_replays(read_report(self.folder, waveforms), self.replays(page.parent))
-        if problems := (*content.missing, *write_report(content, page)):
+        if problems := (*content.missing, *write_report(content, page, simulation)):
             (on_problems or _warn)(problems)
         return page
 
@@ -453,6 +468,11 @@ class Results:
     def _repr_html_(self) -> str:
         labels = definition_rows.requirement_labels(self.definition)
         return self.summary.as_html(labels, self.definition.title)
+
+    def _draws(self) -> list[float]:
+        """The first draws of noise that runs were made with."""
+        drawn = self._read(lambda store: store.table().points.get(DRAW, ()))
+        return sorted({float(draw) for draw in drawn})[:_MOST_DRAWS]
 
     def _read(self, question: Callable[[StudyFolder], T]) -> T:
         from dse.storage import StudyFolder

@@ -38,6 +38,11 @@ MostWaveforms = Annotated[
     int, typer.Option("--waveforms", min=0, help="Maximum number of runs whose waveforms are in the page.")
 ]
 
+Live = Annotated[
+    bool,
+    typer.Option("--live", help="Let the page simulate: its configurations are compiled into it, with ziglang."),
+]
+
 
 @app.command()
 def report(
@@ -47,20 +52,25 @@ def report(
     waveforms: MostWaveforms = 4000,
     replay: ReplayedRuns = None,
     replays: ManyReplays = None,
+    is_live: Live = False,
     is_opened: Opened = False,
 ) -> None:
     """Write the HTML report of a study, print it (--pdf), or write 3D replays of runs (--replay).
 
     One page that works offline: constraint plot, thresholds, waveforms, run table. It links to the replays beside it.
+    A --live page also simulates: a slider for every parameter, and waveforms, verdicts and the plot follow.
 
-    Reads only the study folder; only the runs of --replay and --replays are simulated again.
+    Reads only the study folder; only the runs of --replay and --replays are simulated again, and --live reads the
+    workspace.
     """
     from dse.api import Results
     from dse.errors import DseError, Problem, raise_if_any
 
     results = Results(folder)
-    if pdf and (replay or replays or is_opened):
-        raise typer.BadParameter("what is printed has no replays, and is not opened", param_hint="--pdf")
+    if pdf and (replay or replays or is_live or is_opened):
+        raise typer.BadParameter(
+            "what is printed has no replays, does not simulate, and is not opened", param_hint="--pdf"
+        )
     problems: list[Problem] = []
     refused: list[Problem] = []
     made: list[Path] = []
@@ -73,7 +83,9 @@ def report(
                 refused += error.problems
         if target or not pdf:
             tell(f"reading {len(results)} runs, drawing the page")
-            made.append(results.report(target, waveforms=waveforms, on_problems=problems.extend))
+            made.append(
+                results.report(target, waveforms=waveforms, live=is_live, on_problems=problems.extend, tell=tell)
+            )
         if pdf:
             tell(f"reading {len(results)} runs, printing the page")
             made.append(results.print(pdf, waveforms=waveforms, on_problems=problems.extend))

@@ -100,10 +100,7 @@ def _library(
     cache: Path | None,
 ) -> FusedLibrary:
     system = wanted.system
-    libraries = [element.model.library for element in system.elements]
-    elements = [
-        FusedElement(parts[library].prefix, parts[library].layout, sources[library].is_model) for library in libraries
-    ]
+    elements, used = _elements(system, sources, parts)
     files = {name: runtime_file(name) for name in ("fused_values.h", "csolve/fused_abi.h")}
     algorithm = wanted.method.algorithm
     files["loop.c"] = loop_text(system, wanted.record, elements, algorithm).encode()
@@ -112,7 +109,6 @@ def _library(
     target = cache_folder(cache) / "fused" / f"{_stem(system.name)}-{content_key(keyed)}{platform.suffix}"
 
     def linked() -> bytes:
-        used = sorted({path for library in libraries for path in parts[library].objects}, key=lambda path: path.name)
         objects = {path.name: path.read_bytes() for path in used}
         objects["loop.o"] = compile_object(compiler, files, "loop.c")
         return link_library(compiler, objects, target.name)
@@ -123,6 +119,31 @@ def _library(
         raise fail(f"{system.name}: cannot be fused: {_diagnostics_text(error)}", hint=_REPORT) from error
     prefixes = {element.name: parts[element.model.library].prefix for element in system.elements}
     return FusedLibrary(target, system, wanted.record, prefixes, algorithm)
+
+
+def fused_elements(
+    wanted: Sequence[Wanted], compiler: Compiler, cache: Path | None
+) -> tuple[list[list[FusedElement]], list[Path]]:
+    """The elements of a loop over each of *wanted*, and the objects that *compiler* makes of all their components.
+
+    Raises one DseError naming all that cannot be fused.
+    """
+    sources = _sources(wanted)
+    parts = in_parallel(sources, lambda library: _part(library, sources[library], compiler, cache))
+    found = [_elements(each.system, sources, parts) for each in wanted]
+    used = {path.name: path for _, objects in found for path in objects}
+    return [elements for elements, _ in found], [used[name] for name in sorted(used)]
+
+
+def _elements(
+    system: SystemStructure, sources: Mapping[Path, OwnSources], parts: Mapping[Path, Part]
+) -> tuple[list[FusedElement], list[Path]]:
+    libraries = [element.model.library for element in system.elements]
+    elements = [
+        FusedElement(parts[library].prefix, parts[library].layout, sources[library].is_model) for library in libraries
+    ]
+    used = {path for library in libraries for path in parts[library].objects}
+    return elements, sorted(used, key=lambda path: path.name)
 
 
 def _diagnostics_text(error: CompilationError) -> str:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from dse.errors import fail
 from dse.fmu.parallel import in_parallel
-from dse.fmu.toolchain.compiler import Compiler, environment, no_compiler
+from dse.fmu.toolchain.compiler import WEB, Compiler, environment, no_compiler
 from dse.scratch import ScratchFolder
 
 # No contraction: a*b+c rounds twice everywhere, so results do not depend on the processor's instructions.
@@ -62,7 +62,7 @@ def options(compiler: Compiler) -> tuple[str, ...]:
 def _compile_options(compiler: Compiler) -> tuple[str, ...]:
     checks = (f"-Werror={check}" for check in _CHECKS)
     common = (*LANGUAGE_OPTIONS, "-fvisibility=hidden", *checks)
-    return common if compiler.system == "win32" else (*common, "-fPIC")
+    return common if compiler.system in ("win32", WEB) else (*common, "-fPIC")
 
 
 def _link_options(compiler: Compiler) -> tuple[str, ...]:
@@ -106,6 +106,14 @@ def compile_assembly(compiler: Compiler, files: Mapping[str, bytes], unit: str, 
 def link_library(compiler: Compiler, objects: Mapping[str, bytes], library: str) -> bytes:
     """The shared library *library* made of *objects* by file name. Raises CompilationError."""
     return _made(compiler, objects, [*_link_options(compiler), *objects], library, _libraries(compiler))
+
+
+def link_module(compiler: Compiler, objects: Mapping[str, bytes]) -> bytes:
+    """A WebAssembly module of *objects* by file name, which exports what web.h offers a page. CompilationError."""
+    exports = (f"-Wl,--export=dse_web_{name}" for name in ("run", "starts", "rows", "said", "step"))
+    return _made(
+        compiler, objects, ["-mexec-model=reactor", "-s", "-Wl,--gc-sections", *exports, *objects], "m.wasm", ()
+    )
 
 
 def compile_program(compiler: Compiler, files: Mapping[str, bytes], unit: str, program: str, *extra: str) -> bytes:

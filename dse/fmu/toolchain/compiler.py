@@ -95,6 +95,21 @@ def find_windows_compiler() -> Compiler:
     raise NoCompilerError(Problem(what, hint=f"run: {_ZIGLANG}, or install {_MINGW}"))
 
 
+WEB = "wasi"
+"""The system that modules for pages are compiled for."""
+
+
+def find_web_compiler() -> Compiler:
+    """The compiler for modules in pages: that of the ziglang wheel. Raises NoCompilerError if it is not here."""
+    if importlib.util.find_spec("ziglang") is None:
+        what = "the ziglang package, which compiles what a page simulates, is not installed"
+        raise NoCompilerError(Problem(what, hint=f"run: {_ZIGLANG}"))
+    triple = "wasm32-wasi"
+    # What every browser of the last years has.
+    command = (sys.executable, "-m", "ziglang", "cc", "-target", triple, "-mcpu=generic+simd128+bulk_memory")
+    return Compiler(command, f"ziglang {importlib.metadata.version('ziglang')}; {triple}", system=WEB)
+
+
 def with_compiler(cache: Path | None, work: Callable[[Compiler], T]) -> T:
     """What *work* gives with the compiler of this machine.
 

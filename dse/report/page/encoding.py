@@ -40,7 +40,12 @@ class Block:
 
     def text(self) -> str:
         """Everything added, as zlib data in base64; the same arrays give the same text (no clock, no name inside)."""
-        return base64.b64encode(zlib.compress(b"".join(self.parts), _EFFORT)).decode("ascii")
+        return packed_text(b"".join(self.parts), _EFFORT)
+
+
+def packed_text(content: bytes, effort: int = 9) -> str:
+    """*content* as zlib data in base64; *effort* is zlib's."""
+    return base64.b64encode(zlib.compress(content, effort)).decode("ascii")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

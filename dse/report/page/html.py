@@ -13,6 +13,7 @@ from dse.errors import Problem, fail
 from dse.report.content.data import ReportContent
 from dse.report.figure import ShownFigure, shown_figures
 from dse.report.page.payload import payload_of, script_json
+from dse.report.page.simulation import POLICY, PageSimulation
 from dse.scratch import write_whole
 
 HEAD = """<!doctype html>
@@ -35,7 +36,7 @@ _PAGE = (
 <div id="page"><noscript>This report draws itself with JavaScript, which is switched off.</noscript></div>
 <script type="application/json" id="document">{document}</script>
 <script type="application/octet-stream;base64" id="columns">{columns}</script>
-<script type="application/octet-stream;base64" id="waveforms">{waveforms}</script>{live}
+<script type="application/octet-stream;base64" id="waveforms">{waveforms}</script>{live}{simulation}
 <script>{script}</script>
 </body>
 </html>
@@ -48,13 +49,14 @@ ICON = "data:image/svg+xml;base64," + base64.b64encode(
 ).decode("ascii")
 
 
-def write_report(content: ReportContent, target: Path) -> tuple[Problem, ...]:
+def write_report(content: ReportContent, target: Path, simulation: PageSimulation | None = None) -> tuple[Problem, ...]:
     """Write the page to *target*, whole or not at all. Raises DseError if the file or the bundle cannot be used.
 
-    Returns the problems of figures that could not be drawn; the page names them in their place.
+    With a *simulation* it can simulate. Returns the problems of figures that could not be drawn; the page names them in
+    their place.
     """
     shown = shown_figures(content)
-    text = page_of(content, shown)
+    text = page_of(content, shown, simulation=simulation)
     write_whole(target, text)
     return tuple(figure.problem for figure in shown if figure.problem)
 
@@ -65,16 +67,22 @@ def served_page(content: ReportContent, live: Mapping[str, object]) -> str:
     return page_of(content, shown_figures(content), entry)
 
 
-def page_of(content: ReportContent, shown: Sequence[ShownFigure] = (), live: str = "") -> str:
+def page_of(
+    content: ReportContent,
+    shown: Sequence[ShownFigure] = (),
+    live: str = "",
+    simulation: PageSimulation | None = None,
+) -> str:
     """The page as text, with the figures *shown*; the same content gives the same text.
 
-    With the script element *live* it may ask the server it came from.
+    With the script element *live* it may ask the server it came from, with a *simulation* it can simulate.
     """
     script, style = bundle("report.js"), bundle("report.css")
     payload = payload_of(content, shown)
+    compiled, workers = POLICY if simulation else ("", "")
     policy = (
-        f"default-src 'none'; script-src '{hash_of(script)}'; style-src '{hash_of(style)}'; "
-        "img-src data:; base-uri 'none'; form-action 'none'" + ("; connect-src 'self'" if live else "")
+        f"default-src 'none'; script-src '{hash_of(script)}'{compiled}; style-src '{hash_of(style)}'; "
+        "img-src data:; base-uri 'none'; form-action 'none'" + ("; connect-src 'self'" if live else "") + workers
     )
     return _PAGE.format(
         policy=policy,
@@ -85,6 +93,7 @@ def page_of(content: ReportContent, shown: Sequence[ShownFigure] = (), live: str
         columns=payload.columns,
         waveforms=payload.waveforms,
         live=live,
+        simulation=simulation.elements(bundle("simulate.js")) if simulation else "",
         script=script,
     )
 

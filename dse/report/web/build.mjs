@@ -7,6 +7,8 @@ const common = { bundle: true, minify: true, charset: "ascii", legalComments: "n
 
 const code = { ...common, format: "iife", target: "es2022", metafile: true };
 const script = await build({ ...code, entryPoints: ["src/main.ts"], outfile: "dist/report.js" });
+// What its workers do, where it simulates by itself; of no library.
+const worker = await build({ ...code, entryPoints: ["src/simulate/worker.ts"], outfile: "dist/simulate.js" });
 // Pages of the server around the reports; of no library.
 await build({ ...code, entryPoints: ["src/serve.ts"], outfile: "dist/serve.js" });
 await build({ ...common, entryPoints: ["src/style/serve.css"], outfile: "dist/serve.css" });
@@ -21,6 +23,7 @@ await build({ ...common, entryPoints: ["src/style/drive.css"], outfile: "dist/dr
 
 for (const [file, { metafile }] of [
   ["dist/report.js", script],
+  ["dist/simulate.js", worker],
   ["dist/scene.js", scene],
   ["dist/drive.js", drive],
 ]) {
@@ -40,6 +43,7 @@ function licences(inputs) {
     if (!licence) throw new Error(`${name} is bundled but carries no licence text`);
     texts.set(licence, [...(texts.get(licence) ?? []), name]);
   }
+  if (!texts.size) return "";
   const parts = [...texts].map(([licence, names]) => `${names.join(", ")}\n\n${licence}`);
   return `\n/*!\n${parts.join("\n\n----\n\n").replaceAll("*/", "* /")}\n*/\n`;
 }

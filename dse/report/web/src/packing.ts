@@ -23,7 +23,8 @@ export async function unpack(directory: Entry[], base64: string): Promise<Map<st
   return arrays;
 }
 
-async function inflate(base64: string): Promise<Uint8Array<ArrayBuffer>> {
+/** Packed bytes, as dse/report/page/encoding.py packs them. */
+export async function inflate(base64: string): Promise<Uint8Array<ArrayBuffer>> {
   const letters = atob(base64);
   const packed = new Uint8Array(letters.length);
   // A callback for each of ten million letters takes half a second.

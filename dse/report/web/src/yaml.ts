@@ -51,6 +51,37 @@ export function nextStudy(store: Store): string {
   return `${lines.join("\n")}\n`;
 }
 
+interface Told {
+  name: string;
+  unit: string;
+  low: number;
+  high: number;
+  value: number;
+  isMoved: boolean;
+  isAxis: boolean;
+}
+
+/** The study of a plane that was simulated in the page of another: two axes, and what was moved besides them. */
+export function simulatedStudy(of: string, bench: string, configuration: string, told: Told[]): string {
+  const moved = told.filter(({ isAxis, isMoved }) => isMoved && !isAxis);
+  const lines = [
+    `# simulated in the page of ${of}`,
+    ...(moved.length ? [`# the parameters of ${bench} were then, besides those below:`] : []),
+    ...moved.map(({ name, unit, value }) => `#   ${scalar(name)}: ${quantity(rounded(value), unit)}`),
+    `study: ${scalar(`${of}_next`)}`,
+    `testbench: ${scalar(bench)}`,
+    `configurations: [${scalar(configuration)}]`,
+    "design_variables:",
+  ];
+  for (const { name, unit, low, high, value } of told.filter(({ isAxis }) => isAxis)) {
+    const nominal = quantity(rounded(Math.min(high, Math.max(low, value))), unit);
+    lines.push(
+      `  ${scalar(name)}: {range: [${quantity(rounded(low), unit)}, ${quantity(rounded(high), unit)}], levels: 25, nominal: ${nominal}}`,
+    );
+  }
+  return `${lines.join("\n")}\nsampler: full_factorial\n`;
+}
+
 function reachOf(values: Float64Array, within: Uint8Array): [number, number] {
   let [low, high] = [Infinity, -Infinity];
   for (let run = 0; run < within.length; run++) {

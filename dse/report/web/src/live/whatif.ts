@@ -1,21 +1,12 @@
 // A point of the study simulated now, by the server: any point of the plot, whether there is a run or not.
-import uPlot from "uplot";
 import { el, field } from "../dom";
 import { number, withUnit } from "../format";
+import { createTrace, type Lines, type TraceFigure } from "../simulate/traces";
 import type { Store } from "../store";
 import { axisLabel } from "../study";
-import { palette } from "../theme";
 import { post } from "./requests";
 
-interface Waveform {
-  title: string;
-  unit: string;
-  current: string;
-  target: string;
-  time: number[];
-  values: (number | null)[];
-  targets: (number | null)[] | null;
-}
+type Waveform = TraceFigure & Lines;
 
 interface Tried {
   /** Not if something has changed that the user has not accepted. */
@@ -31,7 +22,6 @@ interface Tried {
 /** What the plot tells when it is clicked where no run is: values on its two axes. */
 export type PointedAt = CustomEvent<{ x: number; y: number }>;
 
-const HEIGHT = 190;
 const CLASSES: Record<string, string> = {
   pass: "pass",
   fail: "fail",
@@ -202,7 +192,11 @@ function shown(tried: Tried, seconds: number, plots: (() => void)[]): HTMLElemen
   const judged = tried.metrics.filter(([, , requirement]) => requirement);
   const rest = tried.metrics.filter(([, , requirement]) => !requirement);
   if (judged.length) parts.push(listed(judged, "try-metrics"));
-  for (const figure of tried.figures) parts.push(drawing(figure, plots));
+  for (const figure of tried.figures) {
+    const chart = createTrace(figure, "of the point simulated");
+    parts.push(chart.element);
+    plots.push(() => chart.show(figure));
+  }
   const others = listed(rest, "try-others");
   if (rest.length)
     parts.push(
@@ -235,52 +229,4 @@ function listed(metrics: Tried["metrics"], id: string): HTMLElement {
   }
   const head = el("thead", {}, el("tr", {}, ...heads.map((text) => el("th", { scope: "col" }, text))));
   return el("div", { class: "scroll" }, el("table", { class: "metrics", id }, head, body));
-}
-
-function drawing(figure: Waveform, plots: (() => void)[]): HTMLElement {
-  const holder = el("div", { class: "trace", role: "img", "aria-label": `${figure.title} of the point simulated` });
-  plots.push(() => {
-    const colours = palette();
-    const axis = {
-      stroke: colours.ink,
-      font: `12px ${colours.font}`,
-      grid: { stroke: colours.line, width: 1 },
-      ticks: { stroke: colours.line, width: 1, size: 5 },
-    };
-    const values = (_: uPlot, ticks: number[]): string[] => ticks.map((tick) => number(tick, 6));
-    const series: uPlot.Series[] = [{}, { stroke: colours.current, width: 2, points: { show: false } }];
-    if (figure.targets) series.push({ stroke: colours.target, width: 1.6, dash: [7, 5], points: { show: false } });
-    new uPlot(
-      {
-        width: holder.clientWidth,
-        height: HEIGHT,
-        legend: { show: false },
-        cursor: { y: false, points: { size: 6 } },
-        scales: { x: { time: false } },
-        axes: [
-          { ...axis, size: 30, values },
-          { ...axis, size: 52, values },
-        ],
-        series,
-      },
-      [figure.time, figure.values, ...(figure.targets ? [figure.targets] : [])] as uPlot.AlignedData,
-      holder,
-    );
-  });
-  const keys = [
-    figure.targets && el("span", { class: "of target" }, figure.target),
-    el("span", { class: "of current" }, figure.current),
-  ];
-  return el(
-    "figure",
-    {},
-    el(
-      "figcaption",
-      {},
-      el("b", {}, figure.title),
-      el("span", {}, `${withUnit("", figure.unit).trim() || "\u2013"} over time [s]`),
-      ...keys,
-    ),
-    holder,
-  );
 }

@@ -1,11 +1,11 @@
 // The selected run: its parameters, its metrics against the thresholds, and its parameters as YAML.
 import { el } from "../dom";
 import { checked, count, number, percent, withUnit } from "../format";
-import { copyText } from "../save";
 import type { Store } from "../store";
 import type { Study } from "../study";
 import { CLASSES, drawsAt, errorOf, isDoubtful, margin, SIGNS, type Threshold, WORDS, wordFor } from "../verdicts";
 import { variablesOf, yamlOf } from "../yaml";
+import { copyParts } from "./copy";
 import { replaying } from "./replay";
 
 const ROOMY = "(min-width: 1800px)";
@@ -158,26 +158,5 @@ function signed(value: number, unit: string): string {
 }
 
 function yamlParts(study: Study, run: number, open: boolean, toggled: (open: boolean) => void): HTMLElement[] {
-  const text = yamlOf(study, run);
-  const shown = el("pre", { id: "yaml", tabindex: 0 }, text);
-  const said = el("span", { class: "muted", role: "status" });
-  const copy = el(
-    "button",
-    {
-      id: "copy-yaml",
-      type: "button",
-      click: () => {
-        details.open = true;
-        void copyText(text, shown).then((done) => (said.textContent = done ? "copied" : "selected: press Ctrl+C"));
-      },
-    },
-    "Copy as YAML",
-  );
-  const details = el(
-    "details",
-    { class: "yaml", open, toggle: () => toggled(details.open) },
-    el("summary", {}, "Parameters as YAML"),
-    shown,
-  );
-  return [details, el("div", { class: "copy" }, said, copy)];
+  return copyParts("yaml", "Parameters as YAML", "Copy as YAML", () => yamlOf(study, run), open, toggled);
 }

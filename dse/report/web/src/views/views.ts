@@ -9,6 +9,7 @@ import { pairView } from "./pair/pair";
 import { plotView } from "./plot";
 import { runsView } from "./runs";
 import { sheetView } from "./sheet/sheet";
+import { simulateView } from "./simulate";
 import { studyView } from "./study";
 import { understandingView } from "./understanding/understanding";
 import type { View } from "./view";
@@ -20,6 +21,7 @@ const withPlane: View = { ...overviewView, suits: (study) => overviewView.suits(
 export const VIEWS: readonly View[] = [
   withoutPlane,
   plotView,
+  simulateView,
   withPlane,
   designsView,
   pairView,
