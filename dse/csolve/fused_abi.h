@@ -23,8 +23,9 @@ typedef struct {
     volatile int64_t *progress;  /* element, FMI call and step; stored before each operation that may crash or hang */
     int64_t call_step, call_get; /* the numbers of these FMI calls; that of the type is added to the second */
     double step;
+    int64_t first; /* the step at which it begins: 0, but for who has stopped it there before */
     int64_t steps;
-    double *out; /* [steps + 1][recorded] */
+    double *out; /* [steps + 1][recorded], from the row of the first step */
     /* Outputs: */
     int64_t status, has_ended; /* has_ended: the component has ended the simulation */
     double time;               /* the last time the component reached */

@@ -54,8 +54,8 @@ from .scene.film import VIEWS as VIEWS, Shot as Shot, film as film, require_targ
 from .scene.from_signals import SceneSignals as SceneSignals
 from .scene.ground import ground_of as ground_of, straight_ground as straight_ground
 from .scene.html import (
+    LiveScene as LiveScene,
     scene_document as scene_document,
     scene_mark as scene_mark,
     scene_page as scene_page,
-    write_scene as write_scene,
 )

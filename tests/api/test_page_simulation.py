@@ -30,7 +30,9 @@ SIMULATE = """async points => {
     const module = await WebAssembly.compile(await inflated("module"));
     const worker = new Worker(URL.createObjectURL(new Blob([given("worker")])));
     worker.postMessage({ document: told, module });
-    worker.postMessage({ points: points.map(point => ({ ...point, values: Float64Array.from(point.values) })) });
+    const typed = given => ({ ...given, values: Float64Array.from(given.values) });
+    const asked = points.map(point => ({ ...typed(point), changes: (point.changes ?? []).map(typed) }));
+    worker.postMessage({ points: asked });
     const { data } = await new Promise(done => worker.addEventListener("message", done));
     return JSON.parse(JSON.stringify(data.runs, (_, v) => (ArrayBuffer.isView(v) ? Array.from(v) : v)));
 }"""
@@ -116,6 +118,27 @@ def test_what_fails_in_a_page_is_told_and_the_next_run_is_right(results: dse.Res
     document, (broken, *runs) = simulated(live, broken_first)
     assert broken["problem"] != ""
     assert_equal(results, document, runs)
+
+
+def test_what_changes_during_a_run_counts_from_then_on(results: dse.Results, live: Path) -> None:
+    changed_at = 1500
+
+    def three(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+        point = {**points_of(results, document)[0], "columns": True}
+        settings = document["systems"][0]["settings"]
+        names = [document["settings"][at]["name"] for at, _, _ in settings]
+        slower = [0.5 * v if n == "controller.set_speed" else v for n, v in zip(names, point["values"], strict=True)]
+        change = {"first": changed_at, "values": point["values"]}
+        return [point, {**point, "changes": [change]}, {**point, "changes": [{**change, "values": slower}]}]
+
+    document, (plain, same, other) = simulated(live, three)
+    assert same["columns"] == plain["columns"]
+    stride = document["systems"][0]["stride"]
+    before = slice(0, changed_at // stride + 1)
+    speeds = [run["columns"]["world.speed"] for run in (plain, other)]
+    assert speeds[0][before] == speeds[1][before]
+    # It follows at 50 km/h, and is set to half of 70 km/h.
+    assert speeds[1][-1] / speeds[0][-1] == pytest.approx(0.7, rel=1e-3)
 
 
 def test_noise_conditions_and_solvers_are_the_same_in_a_page(folder: Path, tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from dse.domain.component import Kind, Type
 from dse.domain.study import Selection
 from dse.errors import DseError
 from dse.loading import Workspace
-from dse.report import SceneSignals, scene_mark, scene_page, write_scene
+from dse.report import SceneSignals, scene_mark, scene_page
 from dse.report.roads import standing_lights
 from dse.report.scene.data import COLOURS, Host
 from dse.testbench import bench_study
@@ -118,9 +118,9 @@ def test_the_mark_of_a_page_is_read_again_and_of_no_other_file(tmp_path) -> None
     assert scene_mark(page) == ""
     page.write_text("<html></html>", encoding="utf-8")
     assert scene_mark(page) == ""
-    write_scene(scene(mark="0a1b"), page)
+    page.write_text(scene_page(scene(mark="0a1b")), "utf-8")
     assert scene_mark(page) == "0a1b"
-    write_scene(scene(mark="--><script>"), page)
+    page.write_text(scene_page(scene(mark="--><script>")), "utf-8")
     assert scene_mark(page) == "c"
     assert scene_mark(tmp_path) == ""
 
@@ -220,3 +220,42 @@ def test_a_run_on_a_road_is_shown_where_it_was_driven(studied, tmp_path):
     assert gap == pytest.approx(45.0, abs=0.2)  # initial_gap; it has driven for no step or one
     assert [sensor.title for sensor in made.sensors] == ["Long-range radar, 77 GHz"]
     assert json.loads(re.search(r'id="document">(.*?)</script>', scene_page(made))[1])["others"] == 1
+
+
+@pytest.mark.thorough
+def test_a_live_replay_shows_the_run_and_from_any_moment_another(studied, browser, tmp_path):
+    bench = ROOT / "testbenches" / "road_braking.yaml"
+    live = studied.write_scene(0, tmp_path / "live.html", source=bench, live=True)
+    plain = studied.write_scene(0, tmp_path / "plain.html", source=bench)
+    pages = [browser.new_page() for _ in range(2)]
+    told: list[str] = []
+    pages[0].on("pageerror", lambda error: told.append(str(error)))
+    for page, file in zip(pages, (live, plain), strict=True):
+        page.goto(f"{file.as_uri()}#t=1")
+    pages[0].wait_for_selector(".driving[data-runs='1']")
+
+    def read(page, moment: float) -> list[str]:
+        page.evaluate("moment => (location.hash = `t=${moment}`)", moment)
+        page.wait_for_function("moment => document.documentElement.dataset.at === `${moment}`", arg=moment)
+        return page.locator(".instruments > section output").all_inner_texts()
+
+    moments = (1, 4.04, 9)
+    was = [read(pages[0], moment) for moment in moments]
+    assert was == [read(pages[1], moment) for moment in moments]
+    read(pages[0], 2)
+    # A car that is told to stand still does what it did, and then slows down.
+    pages[0].evaluate("document.querySelectorAll('.driving details').forEach(each => (each.open = true))")
+    entry = pages[0].locator(".setting[data-name='controller.set_speed'] input[type=number]")
+    entry.fill("0")
+    entry.press("Enter")
+    pages[0].wait_for_selector(".driving[data-runs='2']")
+    assert pages[0].inner_text(".driving .changes li").startswith("from 2.0 s: ")
+    now = [read(pages[0], moment) for moment in moments]
+    assert now[0] == was[0]
+    assert now[2] != was[2]
+    pages[0].click(".driving .all-back")
+    pages[0].wait_for_selector(".driving[data-runs='3']")
+    assert [read(pages[0], moment) for moment in moments] == was
+    assert told == []
+    for page in pages:
+        page.close()

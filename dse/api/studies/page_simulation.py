@@ -16,7 +16,7 @@ from dse.domain.noise import DRAW
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.domain.study import Selection
 from dse.errors import Location, fail
-from dse.fmu import WebModule, WebSystem, web_module
+from dse.fmu import WebSystem, web_module
 from dse.metrics import program_as_data
 from dse.report import PageSimulation
 from dse.storage import changed_inputs
@@ -25,7 +25,7 @@ from dse.units import parse_unit
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
-    from dse.domain.definition import StudyDefinition
+    from dse.domain.definition import DefinedVariable, StudyDefinition
     from dse.testbench import PreparedBench, PreparedStudy
 
 MOST_CONFIGURATIONS = 200
@@ -53,22 +53,48 @@ def page_simulation(
     planned = ready(replace(bench_study(first, Selection(ids)), others=tuple(others)), tell=tell)
     _require_unchanged(definition, planned)
     benches = [(place, each) for place, name in enumerate(ids) for each in singly(planned.benches[name])]
+    known = [bench for _ in ids for bench in planned.study.benches]
+    found = [OnBench(place, each, bench) for (place, each), bench in zip(benches, known, strict=True)]
+    return simulation_of(definition, found, draws, tell=tell)
+
+
+@dataclass(frozen=True, slots=True)
+class OnBench:
+    """The configuration at *place* in a study, *prepared* on its *bench*."""
+
+    place: int
+    prepared: PreparedBench
+    bench: TestBench
+
+
+def simulation_of(
+    definition: StudyDefinition,
+    benches: Sequence[OnBench],
+    draws: Sequence[float] = (),
+    *,
+    also: frozenset[str] = frozenset(),
+    tell: Tell | None = None,
+) -> PageSimulation:
+    """What a page needs for *benches*, which record the columns *also* besides those of metrics and figures.
+
+    Raises DseError naming all that cannot be in a page.
+    """
     if tell:
         tell("compiling for the page")
-    gathered = _Gathered(definition, draws or (0.0,), [bench.name for bench in planned.study.benches])
+    names = [*dict.fromkeys(each.bench.name for each in benches)]
+    gathered = _Gathered(definition, draws or (0.0,), names, also)
     wanted = [
         WebSystem(
-            prepared.system,
-            tuple(prepared.recording.variables[at] for at in gathered.columns(prepared)),
-            tuple(setting.target for setting in prepared.settings.values() if setting.target),
-            prepared.simulation.method,
+            each.prepared.system,
+            tuple(each.prepared.recording.variables[at] for at in gathered.columns(each.prepared)),
+            tuple(setting.target for setting in each.prepared.settings.values() if setting.target),
+            each.prepared.simulation.method,
         )
-        for _, prepared in benches
+        for each in benches
     ]
     module = web_module(wanted)
-    for number, (place, prepared) in enumerate(benches):
-        bench = planned.study.benches[len(gathered.systems) % len(planned.study.benches)]
-        gathered.add(number, place, prepared, bench, module)
+    for each, starts in zip(benches, module.starts, strict=True):
+        gathered.add(each, starts)
     return PageSimulation(gathered.document(), module.content)
 
 
@@ -88,23 +114,22 @@ class _Gathered:
     definition: StudyDefinition
     draws: Sequence[float]
     benches: list[str]
+    also: frozenset[str]
     systems: list[dict[str, Any]] = field(default_factory=list)
     programs: dict[str, Any] = field(default_factory=dict)
     settings: dict[tuple[Any, ...], int] = field(default_factory=dict)
 
     def columns(self, prepared: PreparedBench) -> list[int]:
-        """The places of the columns that metrics and figures use."""
+        """The places of the columns that are used."""
         shown = {name for figure in self.definition.figures for name in (figure.current, figure.target)}
-        wanted = shown.union(prepared.program.signals)
+        wanted = shown.union(prepared.program.signals, self.also)
         return [at for at, name in enumerate(prepared.recording.columns) if name in wanted]
 
-    def add(
-        self, number: int, configuration: int, prepared: PreparedBench, bench: TestBench, module: WebModule
-    ) -> None:
-        """The system with this *number*: a *configuration*, by its place in the study, on its *bench*."""
-        simulation, starts = prepared.simulation, module.starts[number]
+    def add(self, on: OnBench, starts: Mapping[str, float]) -> None:
+        """The next system, with the start values that its module takes."""
+        prepared, simulation = on.prepared, on.prepared.simulation
         slots = {name: place for place, name in enumerate(starts)}
-        components = wire_bench(bench, prepared.configuration).parts
+        components = wire_bench(on.bench, prepared.configuration).parts
         streams = {stream.name for stream in prepared.streams}
         settings = []
         for name, setting in prepared.settings.items():
@@ -118,8 +143,8 @@ class _Gathered:
         program = program_as_data(prepared.program)
         self.systems.append(
             {
-                "configuration": configuration,
-                "bench": self.benches.index(bench.name),
+                "configuration": on.place,
+                "bench": self.benches.index(on.bench.name),
                 "steps": simulation.steps,
                 "step": simulation.step,
                 "stop": simulation.stop,
@@ -148,8 +173,9 @@ class _Gathered:
             "draws": len(self.draws),
             "programs": [*self.programs.values()],
             "settings": [dict(zip(_SETTING, entry, strict=True)) for entry in self.settings],
-            "variables": [_scale(each.unit) for each in self.definition.variables],
-            "requirements": [requirement.name for requirement in self.definition.requirements],
+            "variables": [_variable(each) for each in self.definition.variables],
+            "requirements": [each.name for each in self.definition.requirements],
+            "titles": [each.title or each.name for each in self.definition.requirements],
             "metrics": [{"name": each.name, **_scale(each.unit)} for each in self.definition.metrics],
             "figures": [
                 {
@@ -181,12 +207,20 @@ class _Gathered:
         return found.index(key)
 
 
+def _variable(variable: DefinedVariable) -> dict[str, Any]:
+    """Its range in its unit."""
+    unit = parse_unit(variable.unit)
+    low, high = unit.from_si(variable.low), unit.from_si(variable.high)
+    names = {"name": variable.name, "title": variable.title or variable.name, "unit": variable.unit}
+    return {**names, "low": low, "high": high, **_scale(variable.unit)}
+
+
 def _scale(unit: str) -> dict[str, float]:
     meaning = parse_unit(unit)
     return {"factor": float(meaning.factor), "offset": float(meaning.offset)}
 
 
-_SETTING = ("name", "title", "unit", "factor", "offset", "kind", "items", "low", "high")
+_SETTING = ("name", "title", "unit", "factor", "offset", "kind", "items", "low", "high", "tunable")
 
 
 def _setting(name: str, kind: Kind, items: tuple[str, ...], unit: str, parameter: Parameter | None) -> tuple[Any, ...]:
@@ -195,4 +229,6 @@ def _setting(name: str, kind: Kind, items: tuple[str, ...], unit: str, parameter
     bounds = (parameter.minimum, parameter.maximum) if parameter else (None, None)
     low, high = (None if each is None or math.isinf(each) else float(each) for each in bounds)
     title = parameter.title if parameter else ""
-    return (name, title or name, unit, float(meaning.factor), float(meaning.offset), str(kind), items, low, high)
+    tunable = parameter is None or parameter.tunable
+    scale = float(meaning.factor), float(meaning.offset)
+    return (name, title or name, unit, *scale, str(kind), items, low, high, tunable)

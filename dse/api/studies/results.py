@@ -208,34 +208,43 @@ class Results:
         return self._read(lambda store: EXPORTS[kind](store, units_called(units)))
 
     def write_scene(
-        self, run: int, target: str | Path | None = None, *, source: str | Path | None = None, tell: Tell | None = None
+        self,
+        run: int,
+        target: str | Path | None = None,
+        *,
+        source: str | Path | None = None,
+        live: bool = False,
+        tell: Tell | None = None,
     ) -> Path:
         """Write a page with the *run* of this number in three dimensions; returns its path.
+
+        A *live* page can be driven on: its reader changes a parameter at any moment, and it simulates what follows.
 
         It is *target*, or ``replays/run_RUN.html`` in the folder. The run is simulated once more: its study is found in
         the file *source*, else in the workspace around the folder or around here, if that is trusted. Raises DseError
         if it is not, if the run gives something else, or if nothing in it says where a car is.
         """
-        from dse.api.studies.scenes import replay_file, scene_of
-        from dse.report import write_scene
-        from dse.scratch import make_folder
+        from dse.api.studies.scenes import replay_file, scene_page_of
+        from dse.scratch import make_folder, write_whole
 
         page = Path(target) if target is not None else replay_file(self.folder, run)
-        scene = scene_of(self.run(run), source=source or self.source, near=self.folder, tell=tell)
+        found = scene_page_of(self.run(run), source=source or self.source, near=self.folder, live=live, tell=tell)
         make_folder(page.parent)
-        write_scene(scene, page)
+        write_whole(page, found)
         return page
 
-    def replay_page(self, run: int, folder: str | Path | None = None, *, tell: Tell | None = None) -> Path:
+    def replay_page(
+        self, run: int, folder: str | Path | None = None, *, live: bool = False, tell: Tell | None = None
+    ) -> Path:
         """The page that `write_scene` writes of a *run*, below *folder* (the study's): the one that is there, if it is
-        of this run as it is now. Raises DseError."""
+        of this run as it is now; a *live* one is always made. Raises DseError."""
         from dse.api.studies.scenes import mark_of, replay_file
         from dse.report import scene_mark
 
         page = replay_file(Path(folder or self.folder), run)
-        if scene_mark(page) == mark_of(self.run(run)):
+        if not live and scene_mark(page) == mark_of(self.run(run)):
             return page
-        return self.write_scene(run, page, tell=tell)
+        return self.write_scene(run, page, live=live, tell=tell)
 
     def runs_to_replay(self, which: str | int) -> tuple[int, ...]:
         """Numbers of the runs that came to their end: ``all`` of them, those that ``failed`` a requirement, or so many,
@@ -280,15 +289,14 @@ class Results:
 
         Its study is taken from *source* or *workspace*, else found as `write_scene` does.
         """
-        from dse.api.studies.scenes import mark_of, replay_file, scene_of
-        from dse.report import scene_mark, scene_page
+        from dse.api.studies.scenes import mark_of, replay_file, scene_page_of
+        from dse.report import scene_mark
 
         stored, page = self.run(run), replay_file(self.folder, run)
         if scene_mark(page) == mark_of(stored):
             return page.read_text(encoding="utf-8")
-        return scene_page(
-            scene_of(stored, source=source or self.source, near=self.folder, workspace=workspace, tell=tell)
-        )
+        where = source or self.source
+        return scene_page_of(stored, source=where, near=self.folder, workspace=workspace, tell=tell)
 
     def scene_mark(self, run: int) -> str:
         """A digest of what a *run*'s page in three dimensions is made of: as long as it is the same, so is the page."""

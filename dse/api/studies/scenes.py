@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from dse.api.studies.single_run import Tell
     from dse.domain.bench import Simulation, TestBench
     from dse.domain.component import Component
-    from dse.report import Ground, Scene, SceneSignals
-    from dse.testbench import WiredBench
+    from dse.domain.run import Waveforms
+    from dse.report import Ground, LiveScene, Scene, SceneSignals
+    from dse.testbench import PreparedStudy, WiredBench
 
     Floats = NDArray[np.float64]
 
@@ -47,7 +48,30 @@ def scene_of(
     Raises DseError if nothing in it says where a car is, or if it does not come to the same metrics again.
     """
     with ScratchFolder() as scratch:
-        return _scene_on(_bench_of(stored, source, Path(near), workspace, Path(scratch)), stored, fmi, tell)
+        made = _made_again(_bench_of(stored, source, Path(near), workspace, Path(scratch)), stored, fmi, tell)
+        return made.scene(made.waveforms.values, made.waveforms.time)
+
+
+def scene_page_of(
+    stored: Run,
+    *,
+    source: str | Path | None = None,
+    near: str | Path = "",
+    workspace: Path | None = None,
+    live: bool = False,
+    tell: Tell | None = None,
+) -> str:
+    """The page of *stored* in three dimensions, from `scene_of`; a *live* one can be driven on by its reader.
+
+    Raises DseError as `scene_of` does, and naming all that cannot be in a live page.
+    """
+    from dse.report import scene_page
+
+    if not live:
+        return scene_page(scene_of(stored, source=source, near=near, workspace=workspace, tell=tell))
+    with ScratchFolder() as scratch:
+        made = _made_again(_bench_of(stored, source, Path(near), workspace, Path(scratch)), stored, 2, tell)
+        return scene_page(made.scene(made.waveforms.values, made.waveforms.time), _live(made, tell))
 
 
 def _bench_of(stored: Run, source: str | Path | None, near: Path, workspace: Path | None, scratch: Path) -> TestBench:
@@ -67,7 +91,28 @@ def _bench_of(stored: Run, source: str | Path | None, near: Path, workspace: Pat
     return with_values(found[on], point)
 
 
-def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Scene:
+@dataclass(frozen=True, slots=True)
+class _Made:
+    """*stored* simulated again for the eye, as *planned*, on *bench*; *told* tells what is to be seen."""
+
+    stored: Run
+    bench: TestBench
+    wired: WiredBench
+    told: SceneSignals
+    planned: PreparedStudy
+    waveforms: Waveforms
+
+    def scene(self, columns: Mapping[str, Floats], time: Floats) -> Scene:
+        """The scene of *columns*, with the ground that belongs to the run."""
+        host = self.told.host(self.waveforms.values).columns
+        way = np.column_stack([host["x"], host["y"]])
+        known = self.stored.definition
+        scene = scene_of_signals(self.wired, self.told, columns, time, way=way)
+        subtitle = f"run {self.stored.number}"
+        return replace(scene, title=known.title or known.study, subtitle=subtitle, mark=mark_of(self.stored))
+
+
+def _made_again(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> _Made:
     from dse.api.studies.single_run import alone
     from dse.domain.study import Selection
     from dse.report import SceneSignals
@@ -80,16 +125,31 @@ def _scene_on(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> Sce
         what = "no part gives the position of a car: neither 'motion.x' nor 'position', 'gap' and 'lead.speed'"
         raise fail(f"run {stored.number} of bench '{bench.name}' is not a scene: {what}", Location(bench.name))
     again = replace(bench, simulation=_recording(bench, told.wanted))
-    made, _ = alone(bench_study(again, Selection((chosen.id,))), fmi, tell=tell)
+    made, planned = alone(bench_study(again, Selection((chosen.id,))), fmi, tell=tell)
     if made.problem and stored.is_done:
         what = f"run {stored.number} failed this time: {made.problem}"
         raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' lists what changed")
     if made.waveforms is None or not _is_same(made.metrics, stored.metrics):
         what = f"run {stored.number} did not give the same again"
         raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' lists what changed")
-    scene = scene_of_signals(wired, told, made.waveforms.values, made.waveforms.time)
-    title = stored.definition.title or stored.definition.study
-    return replace(scene, title=title, subtitle=f"run {stored.number}", mark=mark_of(stored))
+    return _Made(stored, again, wired, told, planned, made.waveforms)
+
+
+def _live(made: _Made, tell: Tell | None) -> LiveScene:
+    from dse.api.studies.page_simulation import OnBench, simulation_of
+    from dse.domain.noise import DRAW
+    from dse.report import LiveScene
+    from dse.testbench import singly
+
+    ((prepared,),) = map(singly, made.planned.benches.values())
+    draws = (float(made.stored.point.get(DRAW, 0.0)),)
+    names = made.told.wanted
+    on = OnBench(0, prepared, made.bench)
+    simulation = simulation_of(made.stored.definition, [on], draws, also=frozenset(names), tell=tell)
+    # All that is to be seen is a sum of signals and a constant: that of none, and of each alone, tells which.
+    alone = np.vstack([np.zeros(len(names)), np.eye(len(names))])
+    sums = made.scene(dict(zip(names, alone.T, strict=True)), np.arange(len(alone), dtype=np.float64))
+    return LiveScene(sums, names, simulation)
 
 
 def scene_of_signals(

@@ -58,7 +58,8 @@ def report(
     """Write the HTML report of a study, print it (--pdf), or write 3D replays of runs (--replay).
 
     One page that works offline: constraint plot, thresholds, waveforms, run table. It links to the replays beside it.
-    A --live page also simulates: a slider for every parameter, and waveforms, verdicts and the plot follow.
+    A --live page also simulates: a slider for every parameter, and waveforms, verdicts and the plot follow. A --live
+    replay can be driven on from any moment.
 
     Reads only the study folder; only the runs of --replay and --replays are simulated again, and --live reads the
     workspace.
@@ -78,7 +79,9 @@ def report(
     with status_line() as tell:
         for run in dict.fromkeys([*(replay or ()), *_chosen(results, replays)]):
             try:
-                seen.append(results.replay_page(run, (target or folder / "report.html").parent, tell=tell))
+                seen.append(
+                    results.replay_page(run, (target or folder / "report.html").parent, live=is_live, tell=tell)
+                )
             except DseError as error:  # the others can be driven all the same
                 refused += error.problems
         if target or not pdf:

@@ -55,7 +55,7 @@ def loop_text(
         "    bool is_usual = true;",
         *(f"    {declaring(signal)}" for signal in outputs.values()),
         *(f"    {line}" for line in before),
-        f"    for (int64_t k = 0;; k++, row += {len(record)}) {{",
+        f"    for (int64_t k = run->first;; k++, row += {len(record)}) {{",
         "        progress[0] = 0, progress[2] = k;",
         "        if (k == steps) {",
         "            return DSE_FUSED_STOPPED;",

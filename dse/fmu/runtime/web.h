@@ -142,14 +142,26 @@ static int dse_settle(const dse_web_system *of) {
     return DSE_WEB_UNSETTLED;
 }
 
+/* The start values that a run was given; those that have changed since, or all. */
+static bool dse_take(const dse_web_system *of, bool only_changed) {
+    static double given[DSE_MOST_STARTS];
+    for (int s = 0; s < of->starts; s++) {
+        if (only_changed && dse_starts[s] == given[s])
+            continue;
+        given[s] = dse_starts[s];
+        if (!dse_set(of, of->start[s], dse_starts[s]))
+            return false;
+    }
+    return true;
+}
+
 static int dse_start(const dse_web_system *of, double stop) {
     for (int e = 0; e < of->elements; e++)
         if (!dse_is_good(of->element[e].reset(of->instance[e])) ||
             !dse_is_good(of->element[e].setup(of->instance[e], 0, 0.0, 0.0, 1, stop)))
             return DSE_WEB_ERROR;
-    for (int s = 0; s < of->starts; s++)
-        if (!dse_set(of, of->start[s], dse_starts[s]))
-            return DSE_WEB_ERROR;
+    if (!dse_take(of, false))
+        return DSE_WEB_ERROR;
     for (int e = 0; e < of->elements; e++)
         if (!dse_is_good(of->element[e].enter(of->instance[e])))
             return DSE_WEB_ERROR;
@@ -174,25 +186,33 @@ DSE_PAGE const char *dse_web_said(void) { return dse_said; }
 /* The step at which a run stopped. */
 DSE_PAGE int dse_web_step(void) { return (int)dse_progress[2]; }
 
-DSE_PAGE int dse_web_run(int system, int steps, double step, double stop) {
+/* Makes a system ready for a run of so many steps. */
+DSE_PAGE int dse_web_begin(int system, int steps, double stop) {
     const dse_web_system *of = &dse_systems[system];
     dse_said[0] = '\0';
+    dse_progress[2] = 0;
     if (!dse_has_all_instances(of))
         return DSE_WEB_NO_INSTANCE;
     free(dse_rows);
     dse_rows = calloc(((size_t)steps + 1) * (size_t)(of->recorded + 1), sizeof *dse_rows);
-    dse_progress[2] = 0;
-    const int started = dse_start(of, stop);
-    if (!dse_rows || started != DSE_WEB_DONE)
-        return dse_rows ? started : DSE_WEB_NO_INSTANCE;
+    return dse_rows ? dse_start(of, stop) : DSE_WEB_NO_INSTANCE;
+}
+
+/* Makes the steps from *first* to *last*, and records the row of each and the one behind them. Start values that have
+ * changed since are given to the components before, as far as they take them during a run. */
+DSE_PAGE int dse_web_go(int system, int first, int last, double step) {
+    const dse_web_system *of = &dse_systems[system];
+    if (first > 0 && !dse_take(of, true))
+        return DSE_WEB_ERROR;
     dse_fused_run run = {.instances = (void *const *)of->instance, .stride = sizeof(void *),
-                         .progress = dse_progress, .step = step, .steps = steps, .out = dse_rows};
+                         .progress = dse_progress, .step = step, .first = first, .steps = last,
+                         .out = dse_rows + (size_t)first * of->recorded};
     if (of->simulate(&run) != DSE_FUSED_STOPPED)
         return DSE_WEB_ERROR;
-    if (dse_progress[2] != steps)
+    if (dse_progress[2] != last)
         return DSE_WEB_STOPPED;
     for (int r = 0; r < of->recorded; r++)
-        if (!dse_get(of, of->record[r], dse_rows + (size_t)steps * of->recorded + r))
+        if (!dse_get(of, of->record[r], dse_rows + (size_t)last * of->recorded + r))
             return DSE_WEB_ERROR;
     return DSE_WEB_DONE;
 }

@@ -110,7 +110,7 @@ def link_library(compiler: Compiler, objects: Mapping[str, bytes], library: str)
 
 def link_module(compiler: Compiler, objects: Mapping[str, bytes]) -> bytes:
     """A WebAssembly module of *objects* by file name, which exports what web.h offers a page. CompilationError."""
-    exports = (f"-Wl,--export=dse_web_{name}" for name in ("run", "starts", "rows", "said", "step"))
+    exports = (f"-Wl,--export=dse_web_{name}" for name in ("begin", "go", "starts", "rows", "said", "step"))
     return _made(
         compiler, objects, ["-mexec-model=reactor", "-s", "-Wl,--gc-sections", *exports, *objects], "m.wasm", ()
     )

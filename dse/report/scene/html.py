@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import os
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
@@ -15,8 +16,8 @@ from dse.report.drawing.road_picture import StandingLight, Strip
 from dse.report.page.encoding import Block
 from dse.report.page.html import HEAD, ICON, bundle, hash_of
 from dse.report.page.payload import script_json
+from dse.report.page.simulation import POLICY, PageSimulation
 from dse.report.scene.data import CLASSES, COLOURS, Scene
-from dse.scratch import write_whole
 
 _PAGE = (
     HEAD
@@ -24,7 +25,7 @@ _PAGE = (
 <body>
 <div id="scene"><noscript>This scene draws itself with JavaScript, which is switched off.</noscript></div>
 <script type="application/json" id="document">{document}</script>
-<script type="application/octet-stream;base64" id="columns">{columns}</script>
+<script type="application/octet-stream;base64" id="columns">{columns}</script>{simulation}
 <script>{script}</script>
 </body>
 </html>
@@ -42,21 +43,33 @@ class Columns(Protocol):
     def add(self, name: str, kind: str, values: Floats) -> None: ...  # noqa: D102
 
 
-def write_scene(scene: Scene, target: Path) -> None:
-    """Write the page to *target*, whole or not at all. Raises DseError if the file or the bundle cannot be used."""
-    write_whole(target, scene_page(scene))
+@dataclass(frozen=True, slots=True, eq=False)
+class LiveScene:
+    """What a page needs to simulate its scene: each column is a sum of *signals* and a constant.
+
+    *sums* is the scene in n + 1 frames: of no signal, and of each of the n alone at 1. They are columns of the only
+    system of *simulation*.
+    """
+
+    sums: Scene
+    signals: tuple[str, ...]
+    simulation: PageSimulation
 
 
-def scene_page(scene: Scene) -> str:
-    """The page as text; the same scene gives the same text."""
+def scene_page(scene: Scene, live: LiveScene | None = None) -> str:
+    """The page as text; the same scene gives the same text. With *live* it can be driven on from any moment."""
     script, style = bundle("scene.js"), bundle("scene.css")
+    compiled, workers = POLICY if live else ("", "")
     policy = (
-        f"default-src 'none'; script-src '{hash_of(script)}'; style-src '{hash_of(style)}' 'unsafe-inline'; "
-        "img-src data: blob:; base-uri 'none'; form-action 'none'"
+        f"default-src 'none'; script-src '{hash_of(script)}'{compiled}; style-src '{hash_of(style)}' 'unsafe-inline'; "
+        f"img-src data: blob:; base-uri 'none'; form-action 'none'{workers}"
     )
     columns = Block()
     document = _document(scene, columns)
     document["columns"] = columns.directory
+    if live:
+        sums = _Sums()
+        document["live"] = {"document": _document(live.sums, sums), "sums": sums.found, "signals": live.signals}
     return _PAGE.format(
         policy=policy,
         title=html.escape(scene.title),
@@ -64,9 +77,23 @@ def scene_page(scene: Scene) -> str:
         style=style,
         document=script_json(document),
         columns=columns.text(),
+        simulation=live.simulation.elements(bundle("simulate.js")) if live else "",
         script=script,
         mark=re.sub(r"[^0-9a-f]", "", scene.mark),
     )
+
+
+class _Sums:
+    """Columns in frames of no signal, and of each alone, as ``[constant, [signal, factor], …]`` by name."""
+
+    def __init__(self) -> None:
+        self.found: dict[str, list[object]] = {}
+
+    def add(self, name: str, kind: str, values: Floats) -> None:
+        del kind
+        # A sum with the constant has rounded what is added to it.
+        factors = [round(float(value - values[0]), 9) for value in values[1:]]
+        self.found[name] = [float(values[0]), *([at, factor] for at, factor in enumerate(factors) if factor)]
 
 
 def scene_mark(page: Path) -> str:

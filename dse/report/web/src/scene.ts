@@ -2,6 +2,7 @@
 import { el } from "./dom";
 import { type Recording, readRecording } from "./scene/data";
 import { buildInstruments } from "./scene/instruments";
+import { createDriving } from "./scene/live";
 import { Resolution } from "./scene/resolution";
 import { sensorColour } from "./scene/sensors";
 import { buildStage, VIEWS, type View } from "./scene/stage";
@@ -109,7 +110,18 @@ function play(page: HTMLElement, recording: Recording): void {
     rate,
     el("div", { class: "cameras", role: "group", "aria-label": "Camera" }, ...cameras),
   );
-  page.replaceChildren(el("main", {}, canvas, el("div", { class: "over" }, heading, key), bar), instruments.element);
+  const beside = instruments.element;
+  if (recording.document.live && !first.isPicture) {
+    document.documentElement.classList.add("drives-on");
+    beside.append(
+      createDriving(
+        recording,
+        () => time,
+        () => (shown = -1),
+      ),
+    );
+  }
+  page.replaceChildren(el("main", {}, canvas, el("div", { class: "over" }, heading, key), bar), beside);
 
   document.addEventListener("keydown", (event) => {
     if (event.target instanceof HTMLSelectElement || event.ctrlKey || event.altKey || event.metaKey) return;

@@ -6,7 +6,7 @@ import type { Ran } from "../src/simulate/engine";
 import { coarseFirst, gridStudy, LEVELS, valueAt } from "../src/simulate/grid";
 import { controlsOf } from "../src/simulate/sliders";
 import { simulatedStudy } from "../src/yaml";
-import { metric, requirement, studyOf, variable } from "./study";
+import { metric, requirement, studyOf } from "./study";
 
 const X = { name: "a.x", title: "x", unit: "m", low: 1, high: 25 };
 const Y = { name: "a.y", title: "y", unit: "", low: -24, high: 0 };
@@ -32,6 +32,7 @@ test("a grid is a study of its two axes, with the runs where they are", () => {
       marks: Uint8Array.of(node === LEVELS - 1 ? 2 : 0),
       close: Uint8Array.of(0),
       traces: [],
+      columns: {},
     };
   });
   for (const stride of [4, 2, 1]) {
@@ -59,16 +60,14 @@ test("a slider has the study's range, else the parameter's, else one around its 
     setting("a.far", 0, 1e6),
     setting("a.x", 0, 9),
   ];
+  const varied = { name: "a.x", title: "the x", unit: "dm", low: 0.1, high: 0.5, factor: 10, offset: 0 };
   const system = { settings: settings.map((_, at) => [at, at, 2]) };
   const document = {
     settings,
     systems: [system],
-    variables: [{ factor: 10, offset: 0 }],
+    variables: [varied],
   } as unknown as SimulationDocument;
-  const study = studyOf(1, {
-    variables: [variable("a.x", [0.1], { low: 0.1, high: 0.5, title: "the x", unit: "dm" })],
-  });
-  const found = controlsOf(document, study, 0).map(({ setting: { name }, low, high }) => [name, low, high]);
+  const found = controlsOf(document, 0).map(({ setting: { name }, low, high }) => [name, low, high]);
   assert.deepEqual(found, [
     ["a.x", 0.1, 0.5],
     ["a.free", 0, 4],

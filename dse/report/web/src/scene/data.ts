@@ -32,6 +32,14 @@ export interface Document {
   sensors: { name: string; title: string; mount: number; reach: number; angle: number; returns: number }[];
   instruments: { title: string; unit: string; items: string[]; hasTarget: boolean }[];
   columns: Entry[];
+  live?: LiveScene;
+}
+
+/** Each column is a constant and a sum of signals of a system that the page can simulate. */
+export interface LiveScene {
+  document: Document;
+  sums: Record<string, [constant: number, ...parts: [signal: number, factor: number][]]>;
+  signals: string[];
 }
 
 export interface Source {
@@ -54,6 +62,8 @@ export interface Source {
 
 export interface Recording extends Source {
   seconds: number;
+  /** Has these columns from now on. */
+  become(columns: ReadonlyMap<string, ArrayLike<number>>): void;
 }
 
 /** From `start` to `end`, `share` of the way; for angles the short way round. */
@@ -68,6 +78,15 @@ export async function readRecording(): Promise<Recording> {
   const text = (id: string): string => document.getElementById(id)!.textContent!;
   const read = JSON.parse(text("document")) as Document;
   const columns = await unpack(read.columns, text("columns"));
+  // One that can be driven on has room for all that may come to be seen.
+  return recordingOf(
+    read.live ? { ...read.live.document, steps: read.steps, step: read.step, live: read.live } : read,
+    columns,
+  );
+}
+
+function recordingOf(read: Document, first: ReadonlyMap<string, ArrayLike<number>>): Recording {
+  let columns = first;
   const last = read.steps - 1;
   const step = read.step || 1;
   const at = (name: string, time: number, isAngle: boolean): number => {
@@ -77,22 +96,33 @@ export async function readRecording(): Promise<Recording> {
     const frame = Math.min(Math.floor(exact), Math.max(last - 1, 0));
     return between(values[frame]!, values[frame + 1] ?? values[frame]!, exact - frame, isAngle);
   };
-  const speed = columns.get("host.speed");
   const sums = new Float64Array(read.steps);
-  for (let i = 1; i < read.steps; i++)
-    sums[i] = sums[i - 1]! + (step * ((speed?.[i - 1] ?? 0) + (speed?.[i] ?? 0))) / 2;
+  const roll = (): void => {
+    const speed = columns.get("host.speed");
+    for (let i = 1; i < read.steps; i++)
+      sums[i] = sums[i - 1]! + (step * ((speed?.[i - 1] ?? 0) + (speed?.[i] ?? 0))) / 2;
+  };
+  roll();
   return {
     document: read,
     version: 0,
     seconds: last * step,
+    become(others) {
+      columns = others;
+      this.version++;
+      roll();
+    },
     span: () => [0, last * step],
     at: (name, time) => at(name, time, false),
     angle: (name, time) => at(name, time, true),
     held: (name, time) => columns.get(name)?.[Math.min(Math.max(Math.floor(time / step + 1e-6), 0), last)] ?? 0,
     rolled: (time) => {
       const frame = Math.min(Math.max(Math.floor(time / step), 0), last);
-      return sums[frame]! + (speed?.[frame] ?? 0) * (time - frame * step);
+      return sums[frame]! + (columns.get("host.speed")?.[frame] ?? 0) * (time - frame * step);
     },
-    each: (name, use) => columns.get(name)?.forEach((value, frame) => use(frame * step, value)),
+    each: (name, use) => {
+      const values = columns.get(name);
+      for (let frame = 0; values && frame < values.length; frame++) use(frame * step, values[frame]!);
+    },
   };
 }

@@ -18,6 +18,8 @@ export interface Setting extends Scaled {
   /** In SI; null where there is no bound. */
   low: number | null;
   high: number | null;
+  /** Whether it may be changed during a run. */
+  tunable: boolean;
 }
 
 export interface SimulatedFigure extends Scaled {
@@ -54,9 +56,11 @@ export interface SimulationDocument {
   draws: number;
   programs: MetricProgram[];
   settings: Setting[];
+  /** Their names, and what they are called. */
   requirements: string[];
-  /** As the variables of the page, in their order. */
-  variables: Scaled[];
+  titles: string[];
+  /** What the study varies, with ranges in their units. */
+  variables: ({ name: string; title: string; unit: string; low: number; high: number } & Scaled)[];
   metrics: ({ name: string } & Scaled)[];
   figures: SimulatedFigure[];
   systems: System[];

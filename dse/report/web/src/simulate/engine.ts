@@ -20,6 +20,14 @@ export interface Ran {
   close: Uint8Array;
   /** By figure, if they were asked for. */
   traces: Trace[];
+  /** The columns of the system, as often as waveforms are kept, if they were asked for. */
+  columns: Record<string, Float64Array>;
+}
+
+/** From the step *first* on the settings have *values*. */
+export interface Change {
+  first: number;
+  values: Float64Array;
 }
 
 /** A run at *values* of the settings of a system (SI, in its order). */
@@ -28,6 +36,9 @@ export interface Point {
   draw: number;
   values: Float64Array;
   traces: boolean;
+  /** In the order of their steps. */
+  changes?: Change[];
+  columns?: boolean;
 }
 
 /** Relative to the bound: what differences in the last bits of a function can come to. */
@@ -40,7 +51,8 @@ interface Exports {
   dse_web_rows(): number;
   dse_web_said(): number;
   dse_web_step(): number;
-  dse_web_run(system: number, steps: number, step: number, stop: number): number;
+  dse_web_begin(system: number, steps: number, stop: number): number;
+  dse_web_go(system: number, first: number, last: number, step: number): number;
 }
 
 const WAYS_TO_FAIL = ["", "it cannot be started", "a component refused", "its connections do not settle", "it stopped"];
@@ -63,37 +75,38 @@ export class Engine {
       marks: new Uint8Array(requirements.length).fill(NOT_APPLICABLE),
       close: new Uint8Array(requirements.length),
       traces: [],
+      columns: {},
     };
     try {
       this.#measure(point, ran);
     } catch (error) {
+      if (error instanceof NoRun) {
+        ran.problem = error.message;
+        return ran;
+      }
       this.#instance = null; // its memory may be anything
       ran.problem = `a component crashed: ${(error as Error).message}`;
     }
     return ran;
   }
 
-  #measure({ system, draw, values, traces }: Point, ran: Ran): void {
-    const { programs, settings, metrics, requirements, figures, systems } = this.#document;
+  #measure({ system, draw, values, traces, changes = [], columns: isAll }: Point, ran: Ran): void {
+    const { programs, metrics, requirements, figures, systems } = this.#document;
     const of = systems[system]!;
     this.#instance ??= instantiated(this.#module);
     const instance = this.#instance;
-    const constants = { ...of.constants };
-    const starts = Float64Array.from(of.starts);
-    of.settings.forEach(([at, slot], place) => {
-      constants[settings[at]!.name] = starts[slot] = values[place]!;
-    });
-    for (const [slot, byDraw] of of.seeds) starts[slot] = byDraw[draw]!;
-    for (const [name, slot, program] of of.derived) {
-      const value = evaluate(programs[program]!, constants);
-      if (!Number.isFinite(value)) {
-        ran.problem = `${name} is derived from this point as ${value}`;
-        return;
-      }
-      constants[name] = starts[slot] = value;
+    const { starts, constants } = this.#given(of, values, draw);
+    const take = (given: Float64Array): void =>
+      new Float64Array(instance.memory.buffer, instance.dse_web_starts(), given.length).set(given);
+    take(starts);
+    let code = instance.dse_web_begin(system, of.steps, of.stop);
+    const parts = [{ first: 0, starts }];
+    for (const each of changes) parts.push({ first: each.first, starts: this.#given(of, each.values, draw).starts });
+    for (let part = 0; part < parts.length && !code; part++) {
+      const { first, starts } = parts[part]!;
+      take(starts);
+      code = instance.dse_web_go(system, first, parts[part + 1]?.first ?? of.steps, of.step);
     }
-    new Float64Array(instance.memory.buffer, instance.dse_web_starts(), starts.length).set(starts);
-    const code = instance.dse_web_run(system, of.steps, of.step, of.stop);
     if (code) {
       const at = code > 3 ? ` at ${(instance.dse_web_step() * of.step).toPrecision(6)} s` : "";
       ran.problem = textAt(instance, instance.dse_web_said()) || WAYS_TO_FAIL[code]! + at;
@@ -113,8 +126,33 @@ export class Engine {
       ran.close[at] = Number(Math.abs(found.margins[name]!) <= CLOSE * Math.max(1, Math.abs(found.bounds[name]!)));
     });
     if (traces) ran.traces = figures.map((figure) => traceOf(figure, of, time, columns, constants));
+    if (isAll) for (const [name, rows] of Object.entries(columns)) ran.columns[name] = everyNth(rows, of.stride);
+  }
+
+  /** Start values, and what metrics know, at *values* of the settings. Throws if what is derived from them is none. */
+  #given(
+    of: System,
+    values: Float64Array,
+    draw: number,
+  ): { starts: Float64Array<ArrayBuffer>; constants: Record<string, number> } {
+    const { programs, settings } = this.#document;
+    const constants = { ...of.constants };
+    const starts = Float64Array.from(of.starts);
+    of.settings.forEach(([at, slot], place) => {
+      constants[settings[at]!.name] = starts[slot] = values[place]!;
+    });
+    for (const [slot, byDraw] of of.seeds) starts[slot] = byDraw[draw]!;
+    for (const [name, slot, program] of of.derived) {
+      const value = evaluate(programs[program]!, constants);
+      if (!Number.isFinite(value)) throw new NoRun(`${name} is derived from this point as ${value}`);
+      constants[name] = starts[slot] = value;
+    }
+    return { starts, constants };
   }
 }
+
+/** Nothing was simulated. */
+class NoRun extends Error {}
 
 function instantiated(module: WebAssembly.Module): Exports {
   // There are no files and no streams: whoever prints is told so, and whoever ends the process ends the run.
@@ -150,6 +188,10 @@ function columnsOf({ memory, dse_web_rows }: Exports, { columns, steps }: System
   );
 }
 
+function everyNth(rows: Float64Array, stride: number): Float64Array {
+  return Float64Array.from({ length: Math.ceil(rows.length / stride) }, (_, row) => rows[row * stride]!);
+}
+
 function traceOf(
   figure: SimulatedFigure,
   { stride }: System,
@@ -157,8 +199,7 @@ function traceOf(
   columns: Record<string, Float64Array>,
   constants: Record<string, number>,
 ): Trace {
-  const kept = (rows: Float64Array): Float64Array =>
-    Float64Array.from({ length: Math.ceil(rows.length / stride) }, (_, row) => rows[row * stride]!);
+  const kept = (rows: Float64Array): Float64Array => everyNth(rows, stride);
   const drawn = (rows: Float64Array | undefined): Float64Array | null =>
     rows ? kept(rows).map((value) => shown(value, figure)) : null;
   const times = kept(time);

@@ -67,6 +67,7 @@ export function createPool(script: string, document: SimulationDocument, module:
           marks: new Uint8Array(nothing.marks),
           close: new Uint8Array(nothing.marks),
           traces: [],
+          columns: {},
         });
       if (isClosed) return;
       worker = started();

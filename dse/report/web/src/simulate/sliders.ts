@@ -1,7 +1,6 @@
 // A slider for everything that a run may be given: first what the study varies, then every part's parameters.
 import { choose, el } from "../dom";
 import { number } from "../format";
-import type { Study } from "../study";
 import { type Setting, type SimulationDocument, shown } from "./document";
 
 /** A setting of a system as the reader moves it. */
@@ -23,15 +22,12 @@ export interface Control {
 /** A bound that is so many times the value away is no end for a slider. */
 const FAR = 10;
 
-export function controlsOf(document: SimulationDocument, study: Study, system: number): Control[] {
+/** Those that the study varies come first. */
+export function controlsOf(document: SimulationDocument, system: number): Control[] {
   const found = document.systems[system]!.settings.map(([at, , value], place): Control => {
     const setting = document.settings[at]!;
-    const index = study.variables.findIndex(({ name }) => name === setting.name);
-    const varied = study.variables[index];
-    if (varied) {
-      const { title, unit, low, high } = varied;
-      return { place, setting, title, unit, ...document.variables[index]!, low, high, isVaried: true };
-    }
+    const varied = document.variables.find(({ name }) => name === setting.name);
+    if (varied) return { ...varied, place, setting, isVaried: true };
     const { title, unit, factor, offset } = setting;
     const [low, high] = rangeOf(setting, shown(value, setting));
     return { place, setting, title, unit, factor, offset, low, high, isVaried: false };

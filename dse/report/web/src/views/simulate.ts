@@ -100,7 +100,7 @@ function fill(box: HTMLElement, store: Store, document: SimulationDocument, pool
     system = chosen;
     const entries = document.systems[system]!.settings;
     values = Float64Array.from(entries, ([at, , value]) => known.get(document.settings[at]!.name) ?? value);
-    controls = controlsOf(document, study, system);
+    controls = controlsOf(document, system);
     const numbers = controls.filter(({ setting }) => setting.kind === "real");
     const wanted =
       axes?.map(({ setting }) => setting.name) ?? [store.state.x, store.state.y].map((at) => study.variables[at]?.name);
