@@ -129,7 +129,7 @@ def test_a_car_is_chosen_driven_braked_and_its_result_opened(opened):
     assert heard(it, "set_speed")[-1] == pytest.approx(115 / 3.6)
     assert heard(it, "gap_setting")[-1] == 3
     assert "echo" in page.text_content(".pace")
-    page.keyboard.press("Escape")
+    page.keyboard.press("End")
     page.wait_for_selector(".ending")
     assert page.locator(".verdicts .badge").all_text_contents() == ["pass", "fail", "not exercised"]
     page.wait_for_selector(".boards td")

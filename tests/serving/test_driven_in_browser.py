@@ -41,7 +41,7 @@ def test_a_car_is_chosen_driven_and_braked_behind_another_and_its_report_opened(
         page.keyboard.down("Space")
         page.wait_for_function(f"() => Number(document.querySelector('.digits b').textContent) < {at_first - 20}")
         page.keyboard.up("Space")
-        page.keyboard.press("Escape")
+        page.keyboard.press("End")
         page.wait_for_selector(".verdicts .badge")
         page.get_by_role("link", name="Open the report").click()
         page.wait_for_url("**/study/drive_following/**")

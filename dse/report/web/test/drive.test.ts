@@ -1,6 +1,6 @@
 import { deepEqual, equal, ok } from "node:assert/strict";
 import test from "node:test";
-import { Controls, FULL } from "../src/drive/controls";
+import { Controls, FULL, type KeyPress, press } from "../src/drive/controls";
 import { readChoices, written } from "../src/drive/messages";
 import { between, type Document } from "../src/scene/data";
 import { Resolution } from "../src/scene/resolution";
@@ -28,6 +28,68 @@ test("a pedal goes down as long as its key is pressed, and up faster", () => {
   ok(near(controls.values(0.1).brake!, 0.54));
   controls.release();
   equal(controls.values(2).brake, 0);
+});
+
+const NOTHING = { look: () => {}, help: () => {}, finish: () => {} };
+const down = (code: string, more: Partial<KeyPress> = {}): KeyPress => ({
+  type: "keydown",
+  code,
+  ctrlKey: false,
+  altKey: false,
+  metaKey: false,
+  repeat: false,
+  isTaken: false,
+  isHelp: false,
+  ...more,
+});
+
+test("no pedal stays down, whatever is pressed in what order", () => {
+  const keys = ["ArrowUp", "KeyW", "Space", "KeyH", "KeyA", "Control", "Meta", "Escape", "Tab", "KeyC"];
+  let seed = 1;
+  const random = (below: number): number => {
+    seed = (seed * 48271) % 2147483647;
+    return seed % below;
+  };
+  for (let drive = 0; drive < 10_000; drive++) {
+    const controls = new Controls(false, 20, 0);
+    const held = new Set<string>();
+    let isHelp = false;
+    const tell = (type: string, code: string): void => {
+      const [ctrlKey, metaKey] = [held.has("Control"), held.has("Meta")];
+      const told = down(code, { type, ctrlKey, metaKey, isHelp, isTaken: random(5) === 0 });
+      press(controls, { ...NOTHING, help: () => (isHelp = true) }, told);
+      if (code === "Escape") isHelp = false;
+    };
+    for (let event = 0; event < 20; event++) {
+      const code = keys[random(keys.length)]!;
+      if (held.delete(code)) {
+        // Some systems do not tell what goes up while Meta is down.
+        if (!held.has("Meta") || random(2)) tell("keyup", code);
+      } else {
+        held.add(code);
+        tell("keydown", code);
+      }
+    }
+    // Meta goes up last, and nobody tells what went up before.
+    for (const code of [...held].filter((each) => each !== "Meta")) {
+      held.delete(code);
+      if (!held.has("Meta")) tell("keyup", code);
+    }
+    if (held.delete("Meta")) tell("keyup", "Meta");
+    const { accelerator, brake, steering } = controls.values(5);
+    deepEqual([accelerator, brake, steering], [0, 0, 0]);
+  }
+});
+
+test("Escape brakes with any other key, over any field, and when the help is open", () => {
+  for (const more of [{}, { ctrlKey: true }, { metaKey: true }, { isTaken: true }, { isHelp: true }]) {
+    const controls = new Controls(false, 20, 0);
+    press(controls, NOTHING, down("ArrowUp"));
+    press(controls, NOTHING, down("Escape", more));
+    equal(controls.values(1).brake, 1);
+    press(controls, NOTHING, down("Escape", { ...more, type: "keyup" }));
+    equal(controls.values(1).brake, 0);
+  }
 });
 
 test("steering turns back faster than away, and hands stay at the wheel for a moment", () => {

@@ -4,7 +4,7 @@ import { buildInstruments } from "../scene/instruments";
 import { Resolution } from "../scene/resolution";
 import { sensorColour } from "../scene/sensors";
 import { buildStage, type View } from "../scene/stage";
-import { Controls, GAPS, KEYS } from "./controls";
+import { Controls, GAPS, KEYS, press } from "./controls";
 import { buildGauges } from "./gauges";
 import type { Drive, Tunable } from "./messages";
 import { buildTouch } from "./touch";
@@ -63,7 +63,7 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
   page.replaceChildren(
     el(
       "main",
-      { class: "drive" },
+      { class: "drive waiting" },
       canvas,
       el("div", { class: "over" }, el("header", {}, el("h1", {}, title), el("span", {}, subtitle)), legend || null),
       tools,
@@ -86,27 +86,24 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
       detail && target instanceof Element && target.closest<HTMLElement>("button, summary, input[type=checkbox]");
     if (button && !help.contains(button)) button.blur();
   };
+  const actions = {
+    look: (camera: number) => look(CAMERAS[camera]![0]),
+    help: () => help.showModal(),
+    finish: () => drive.finish(),
+  };
   const key = (event: KeyboardEvent): void => {
-    if (event.ctrlKey || event.altKey || event.metaKey || help.open) return;
-    const isDown = event.type === "keydown";
-    if (isDown && isTaken(event)) return;
-    if (isDown && event.repeat && !/^(Equal|Minus|Numpad|Slash|Bracket)/.test(event.code)) {
-      if (/^(Arrow|Space)/.test(event.code)) event.preventDefault();
-      return;
-    }
-    const camera = /^Digit([1-3])$/.exec(event.code);
-    if (controls.key(event.code, isDown)) event.preventDefault();
-    else if (!isDown) return;
-    else if (camera) look(CAMERAS[Number(camera[1]) - 1]![0]);
-    else if (event.code === "KeyH") help.showModal();
-    else if (event.code === "Escape") drive.finish();
+    const { type, code, ctrlKey, altKey, metaKey, repeat } = event;
+    const told = { type, code, ctrlKey, altKey, metaKey, repeat, isTaken: isTaken(event), isHelp: help.open };
+    if (press(controls, actions, told)) event.preventDefault();
   };
   const release = (): void => controls.release();
   const wires = new AbortController();
   document.addEventListener("keydown", key, { signal: wires.signal });
   document.addEventListener("keyup", key, { signal: wires.signal });
   page.addEventListener("click", leave, { signal: wires.signal });
-  window.addEventListener("blur", release, { signal: wires.signal });
+  for (const lost of ["blur", "contextmenu", "pagehide"])
+    window.addEventListener(lost, release, { signal: wires.signal });
+  document.addEventListener("visibilitychange", release, { signal: wires.signal });
 
   let said: Record<string, number> = {};
   const say = (passed: number): void => {
@@ -138,6 +135,8 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
     last = now;
     if (stream.version) {
       const time = stream.moment(now);
+      // Before the first data nothing is shown, least of all pedals.
+      if (!pictures) page.querySelector(".waiting")?.classList.remove("waiting");
       stage.show(time, view);
       gauges.show(time, controls);
       if (shown.open) signals.show(time);

@@ -17,6 +17,7 @@ const PRESSED: Record<string, "accelerate" | "brake" | "left" | "right"> = {
   ArrowDown: "brake",
   KeyS: "brake",
   Space: "brake",
+  Escape: "brake",
   ArrowLeft: "left",
   KeyA: "left",
   ArrowRight: "right",
@@ -25,15 +26,53 @@ const PRESSED: Record<string, "accelerate" | "brake" | "left" | "right"> = {
 
 export const KEYS: [string, string][] = [
   ["\u2191 or W", "accelerate"],
-  ["\u2193, S or space", "brake"],
+  ["\u2193, S, space or Esc", "brake; Esc brakes whatever else is pressed or open"],
   ["\u2190 \u2192 or A D", "steer"],
   ["C", "cruise control on, off"],
   ["+ \u2212", "set speed, in steps of 5 km/h"],
   ["G", "gap to the vehicle ahead"],
   ["1 2 3", "camera: chase, driver, top"],
   ["H", "this help"],
-  ["Esc", "finish the drive"],
+  ["End", "finish the drive"],
 ];
+
+/** A key event, and what stands in its way: a field that takes the key, the help that is open. */
+export interface KeyPress extends Pick<KeyboardEvent, "type" | "code" | "ctrlKey" | "altKey" | "metaKey" | "repeat"> {
+  isTaken: boolean;
+  isHelp: boolean;
+}
+
+/** What keys do besides driving. */
+export interface KeyActions {
+  look(camera: number): void;
+  help(): void;
+  finish(): void;
+}
+
+/** Passes a key on to *controls* or *actions*; whether it meant something.
+ *
+ * A key that goes up always goes up, whatever is pressed or open: a pedal that stays down is the worst that can happen.
+ * While Meta is down some systems do not tell which keys go up, so all do.
+ */
+export function press(controls: Controls, actions: KeyActions, key: KeyPress): boolean {
+  const { type, code, isTaken, isHelp, repeat } = key;
+  if (/^(Meta|OS)/.test(code)) controls.release();
+  if (type !== "keydown") return controls.key(code, false);
+  if (code === "Escape") {
+    controls.key(code, true);
+    return !isHelp; // which it closes as well
+  }
+  if (key.ctrlKey || key.altKey || key.metaKey || isHelp || isTaken) return false;
+  if (repeat && !/^(Equal|Minus|Numpad|Slash|Bracket)/.test(code)) return /^(Arrow|Space)/.test(code);
+  if (controls.key(code, true)) return true;
+  const camera = /^Digit([1-3])$/.exec(code);
+  if (camera) actions.look(Number(camera[1]) - 1);
+  else if (code === "KeyH") {
+    controls.release();
+    actions.help();
+  } else if (code === "End") actions.finish();
+  return false;
+}
 
 export interface Fingers {
   accelerate: number;
