@@ -74,6 +74,35 @@ def test_a_fault_in_the_last_step_is_found_too(workshop, faulty):
     assert failed.time == pytest.approx(1.0, abs=0.011 if workshop.method == IN_TURN else 1e-9)
 
 
+BROKEN = """
+void broken_init(broken *c) { (void)c; }
+void broken_step(broken *c, double h) {
+    (&c->out.a)[c->par.which] = ++c->n == 20 ? INFINITY : h;
+}
+"""
+BROKEN_MEMBERS = "struct { double a, b, c; } out; struct { int which; } par; int n;"
+SUM_MEMBERS = "struct { double a, b, c; } in; struct { double y; } out;"
+SUM = """
+void sum_init(sum *c) { (void)c; }
+void sum_step(sum *c, double h) { c->out.y += h * (c->in.a + c->in.b + c->in.c); }
+"""
+
+
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("taking", ["first", "last"])
+def test_each_of_several_values_side_by_side_is_looked_at(workshop, taking):
+    """It is not finite for one step only, and taken by who has its turn before or after."""
+    three = dict.fromkeys("abc", REAL)
+    bad = workshop.c("broken", BROKEN_MEMBERS, BROKEN, ports({}, three), [Parameter("which", WHOLE, 0)])
+    total = workshop.c("sum", SUM_MEMBERS, SUM, ports(three, {"y": REAL}))
+    wires = [f"bad.{name} -> {taking}.{name}" for name in three]
+    system = system_of({"first": total, "bad": bad, "last": total}, wires, ["first.y", "last.y"])
+    for which, name in enumerate(three):
+        failed = assert_same(failures(workshop, system, ["last.y"], {"bad.which": which}))
+        assert failed.time == pytest.approx(0.2, abs=0.011)
+        assert f"bad.{name}" in str(failed) or f"'{name}'" in str(failed)
+
+
 @pytest.mark.sampled(2)
 def test_after_a_failed_run_the_next_one_is_right(workshop, faulty, method):
     fused = workshop.fuse(faulty, ["b.y"])

@@ -116,6 +116,40 @@ def workshop_of_once(tmp_path_factory, cache):
     return workshop, spring(workshop), damper(workshop)
 
 
+SEVERAL = dict(zip("abcnmtfd", (REAL, REAL, REAL, WHOLE, WHOLE, TRUTH, TRUTH, REAL), strict=True))
+SEVERAL_MEMBERS = """
+struct { double a, b, c; int n, m; bool t, f; double d; } in;
+struct { double to_a, to_b, to_c; int to_n, to_m; bool to_t, to_f; double to_d; } out;
+struct { double seed; } par;
+"""
+SEVERAL_CODE = """
+void several_init(several *c) { c->out.to_n = 16; }
+void several_step(several *c, double h) {
+    const double whole = c->in.n - 2 * c->in.m + c->in.t - 3 * c->in.f + c->par.seed;
+    const double now = c->in.a + 2 * c->in.b + 3 * c->in.c + 5 * c->in.d + whole;
+    c->out.to_a = cos(now), c->out.to_b = 2 + sin(now), c->out.to_c = 4 + h + sin(2 * now);
+    c->out.to_d = 8 + cos(3 * now);
+    c->out.to_n = 16 + c->in.m % 5 + (int)(4 * sin(5 * now));
+    c->out.to_m = 32 + c->in.n % 7 + (int)(4 * cos(5 * now));
+    c->out.to_t = sin(7 * now) > 0, c->out.to_f = cos(9 * now) > 0;
+}
+"""
+
+
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("order", ["abcnmtfd", "cbanmftd", "bcamntfd", "acd"])
+def test_values_side_by_side_go_each_to_its_place(workshop, order):
+    """Also where they lie in another order on the other side, or apart."""
+    outputs = {f"to_{name}": kind for name, kind in SEVERAL.items()}
+    interface, seed = ports(SEVERAL, outputs), Parameter("seed", REAL, 0.0)
+    model = workshop.c("several", SEVERAL_MEMBERS, SEVERAL_CODE, interface, [seed])
+    pairs = list(zip(SEVERAL, order, strict=False))
+    wires = [f"{one}.to_{name} -> {other}.{to}" for one, other in ("ef", "fe") for name, to in pairs]
+    record = [f"{element}.{name}" for element in "ef" for name in outputs]
+    (run,) = both_ways(workshop, system_of({"e": model, "f": model}, wires, record), record, [{"f.seed": 1.0}])
+    assert len({column.tobytes() for column in run.T}) == len(record)
+
+
 MIXED = (
     "struct { float r; int8_t n; bool t; } in; struct { double y; int hits; bool odd; } out; struct { double by; } par;"
 )

@@ -29,46 +29,39 @@ static knot knot_at(const lateral_in *in, int index) {
     return beside;
 }
 
-/* Number of points of the preview: each is farther ahead than the one before. */
-static int count(const lateral_in *in) {
-    int n = 0;
-    for (double last = 0; n < LATERAL_POINTS && in->preview[n].distance > last; ++n) last = in->preview[n].distance;
-    return n;
-}
-
-/* Advances *from* to the last knot before *distance*. */
-static int knot_before(const lateral_in *in, double distance, int *from) {
-    int last = count(in);
-    while (*from < last && in->preview[*from].distance <= distance) ++*from;
-    return *from;
+/* Whether the preview has no more than *points* points: each is farther ahead than the one before. */
+static bool ends_after(const lateral_in *in, int points) {
+    double last = points > 0 ? in->preview[points - 1].distance : 0;
+    return points == LATERAL_POINTS || !(in->preview[points].distance > last);
 }
 
 double lateral_curvature(const lateral_in *in, double distance, int *from) {
-    int index = knot_before(in, distance, from);
-    knot before = knot_at(in, index);
-    if (index == count(in)) return before.curvature;
-    knot next = knot_at(in, index + 1);
+    while (!ends_after(in, *from) && in->preview[*from].distance <= distance) ++*from;
+    knot before = knot_at(in, *from);
+    if (ends_after(in, *from)) return before.curvature;
+    knot next = knot_at(in, *from + 1);
     double part = (distance - before.distance) / (next.distance - before.distance);
     return before.curvature + part * (next.curvature - before.curvature);
 }
 
-/* Cubic of Hermite between two knots: coefficients of u, u from 0 to 1. */
-typedef struct {
-    double x[4], y[4];
-} segment;
-
-static segment segment_between(const knot *from, const knot *to) {
+/* Of Hermite, between two knots with their directions. */
+static lateral_cubic cubic_between(const knot *from, lateral_point out, const knot *to, lateral_point in) {
     double length = to->distance - from->distance, x = to->x - from->x, y = to->y - from->y;
-    double vx = length * cos(from->heading), vy = length * sin(from->heading);
-    double wx = length * cos(to->heading), wy = length * sin(to->heading);
-    segment found = {
+    double vx = length * out.x, vy = length * out.y;
+    double wx = length * in.x, wy = length * in.y;
+    lateral_cubic found = {
         {from->x, vx, 3 * x - 2 * vx - wx, vx + wx - 2 * x},
         {from->y, vy, 3 * y - 2 * vy - wy, vy + wy - 2 * y},
     };
     return found;
 }
 
-static lateral_point point_at(const segment *s, double u) {
+static lateral_point direction_of(const knot *at) {
+    lateral_point direction = {cos(at->heading), sin(at->heading)};
+    return direction;
+}
+
+static lateral_point point_at(const lateral_cubic *s, double u) {
     lateral_point point = {
         s->x[0] + u * (s->x[1] + u * (s->x[2] + u * s->x[3])),
         s->y[0] + u * (s->y[1] + u * (s->y[2] + u * s->y[3])),
@@ -76,17 +69,31 @@ static lateral_point point_at(const segment *s, double u) {
     return point;
 }
 
-lateral_point lateral_path(const lateral_in *in, double distance, int *from) {
-    int index = knot_before(in, distance, from);
-    knot before = knot_at(in, index);
-    if (index == count(in)) {
-        double on = distance - before.distance;
-        lateral_point point = {before.x + on * cos(before.heading), before.y + on * sin(before.heading)};
+lateral_line lateral_line_of(const lateral_in *in) {
+    lateral_line line = {.pieces = 0};
+    knot at = knot_at(in, 0);
+    line.direction = direction_of(&at);
+    while (!ends_after(in, line.pieces)) {
+        knot next = knot_at(in, line.pieces + 1);
+        lateral_point there = direction_of(&next);
+        line.cubic[line.pieces++] = cubic_between(&at, line.direction, &next, there);
+        line.distance[line.pieces] = next.distance;
+        line.direction = there;
+        at = next;
+    }
+    line.end.x = at.x;
+    line.end.y = at.y;
+    return line;
+}
+
+lateral_point lateral_path(const lateral_line *line, double distance, int *from) {
+    while (*from < line->pieces && line->distance[*from + 1] <= distance) ++*from;
+    double on = distance - line->distance[*from];
+    if (*from == line->pieces) {
+        lateral_point point = {line->end.x + on * line->direction.x, line->end.y + on * line->direction.y};
         return point;
     }
-    knot next = knot_at(in, index + 1);
-    segment s = segment_between(&before, &next);
-    return point_at(&s, (distance - before.distance) / (next.distance - before.distance));
+    return point_at(&line->cubic[*from], on / (line->distance[*from + 1] - line->distance[*from]));
 }
 
 static bool is_inside(lateral_point point, double behind, double radius) {
@@ -95,12 +102,12 @@ static bool is_inside(lateral_point point, double behind, double radius) {
 }
 
 lateral_point lateral_path_on_circle(const lateral_in *in, double behind, double radius) {
-    int last = count(in), index = 0;
+    int index = 0;
     knot before, next = knot_at(in, 0);
     lateral_point point = {next.x, next.y};
     if (!is_inside(point, behind, radius)) return point;
     while (is_inside(point, behind, radius)) {
-        if (index == last) { /* straight continuation of the last one: |point + u direction| = radius */
+        if (ends_after(in, index)) { /* straight continuation of the last one: |point + u direction| = radius */
             double cosine = cos(next.heading), sine = sin(next.heading), x = point.x + behind;
             double along = x * cosine + point.y * sine, across = x * sine - point.y * cosine;
             double on = sqrt(fmax(radius * radius - across * across, 0)) - along;
@@ -112,7 +119,7 @@ lateral_point lateral_path_on_circle(const lateral_in *in, double behind, double
         point.x = next.x;
         point.y = next.y;
     }
-    segment s = segment_between(&before, &next);
+    lateral_cubic s = cubic_between(&before, direction_of(&before), &next, direction_of(&next));
     double low = 0, high = 1;
     for (int halving = 0; halving < 50; ++halving) { /* to the last digits of a double */
         double middle = 0.5 * (low + high);
@@ -130,7 +137,7 @@ static double beyond(lateral_point point, lateral_point direction, double ahead)
     return (point.x - ahead) * direction.x + point.y * direction.y;
 }
 
-static lateral_point direction_at(const segment *s, double u) {
+static lateral_point direction_at(const lateral_cubic *s, double u) {
     lateral_point direction = {
         s->x[1] + u * (2 * s->x[2] + u * 3 * s->x[3]),
         s->y[1] + u * (2 * s->y[2] + u * 3 * s->y[3]),
@@ -139,21 +146,21 @@ static lateral_point direction_at(const segment *s, double u) {
 }
 
 lateral_place lateral_place_of(const lateral_in *in, double ahead) {
-    int last = count(in), index = 0;
+    int index = 0;
     knot before = knot_at(in, 0), next = before;
-    lateral_point point = {before.x, before.y}, direction = {cos(before.heading), sin(before.heading)};
+    lateral_point point = {before.x, before.y}, direction = direction_of(&before);
     bool is_before = beyond(point, direction, ahead) < 0, is_between = false;
-    while (is_before && !is_between && index < last) {
+    while (is_before && !is_between && !ends_after(in, index)) {
         before = next;
         next = knot_at(in, ++index);
-        lateral_point end = {next.x, next.y}, there = {cos(next.heading), sin(next.heading)};
+        lateral_point end = {next.x, next.y}, there = direction_of(&next);
         is_between = beyond(end, there, ahead) >= 0;
         point = end;
         direction = there;
     }
     double distance = next.distance;
     if (is_between) {
-        segment s = segment_between(&before, &next);
+        lateral_cubic s = cubic_between(&before, direction_of(&before), &next, direction_of(&next));
         double low = 0, high = 1;
         for (int halving = 0; halving < 50; ++halving) { /* to the last digits of a double */
             double middle = 0.5 * (low + high);

@@ -42,9 +42,23 @@ double lateral_steering(double wanted, double last, double max_angle, double max
  * the last point, its own. *from* counts the points before; it starts at 0 and increases with growing distances. */
 double lateral_curvature(const lateral_in *in, double distance, int *from);
 
-/* The path at that distance ahead along it, on cubics with its directions, straight beyond the last point. *from* as
- * above. */
-lateral_point lateral_path(const lateral_in *in, double distance, int *from);
+/* Coefficients of u, u from 0 to 1. */
+typedef struct {
+    double x[4], y[4];
+} lateral_cubic;
+
+/* The path on cubics with the directions of its points, straight beyond the last one. */
+typedef struct {
+    int pieces;
+    double distance[LATERAL_POINTS + 1]; /* where each piece begins, and the last one ends */
+    lateral_cubic cubic[LATERAL_POINTS];
+    lateral_point end, direction;        /* of the last piece */
+} lateral_line;
+
+lateral_line lateral_line_of(const lateral_in *in);
+
+/* The path at that distance ahead along it; *from* as above. */
+lateral_point lateral_path(const lateral_line *line, double distance, int *from);
 
 /* Where the path leaves a circle of *radius* about the point *behind* m behind the centre of gravity; the point beside
  * the car if that is outside. */

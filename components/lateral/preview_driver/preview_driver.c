@@ -34,13 +34,14 @@ static double wanted(const preview_driver *self) {
     int row = (int)fmin(place, DRIVER_SPEEDS - 2), from = 0;
     double part = place - row, reach = DRIVER_SPEED_STEP * (place + 1) * self->par.preview_time;
     double above = 0, below = 0;
+    lateral_line line = lateral_line_of(in);
     for (int n = 0; n < DRIVER_GLANCES; ++n) {
         double rate = self->moved[row][n].by_rate, yaw = self->moved[row][n].by_yaw_rate;
         double turn = self->moved[row][n].by_steering;
         rate += part * (self->moved[row + 1][n].by_rate - rate);
         yaw += part * (self->moved[row + 1][n].by_yaw_rate - yaw);
         turn += part * (self->moved[row + 1][n].by_steering - turn);
-        lateral_point path = lateral_path(in, reach * (n + 1) / DRIVER_GLANCES, &from);
+        lateral_point path = lateral_path(&line, reach * (n + 1) / DRIVER_GLANCES, &from);
         above += turn * (path.y - rate * in->motion.lateral_speed - yaw * in->motion.yaw_rate);
         below += turn * turn;
     }

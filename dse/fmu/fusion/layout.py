@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from dse.fmu.fusion.sources import OwnSources
 from dse.fmu.slot_table import Row
 
-_MARK = b"dse struct layout"
+_MARK = b"dse struct layout..."
+"""Of four bytes and four, as the numbers behind it are."""
 _NOT_FUSED = ("TEXT", "BINARY")
 
 
@@ -80,11 +81,10 @@ def layout_unit(sources: OwnSources) -> str:
             '#include "names.h"',
             '#include "../runtime/instance.h"',
             '_Static_assert(sizeof(((struct dse_instance *)0)->at.is_changed) == sizeof(uint16_t), "");',
-            "#define BYTE(number, place) (unsigned char)((uint32_t)(number) >> 8 * (place) & 255u)",
-            "#define NUMBER(number) BYTE(number, 0), BYTE(number, 1), BYTE(number, 2), BYTE(number, 3)",
-            f"const unsigned char dse_struct_layout[] = {{{mark},",
-            *(f"    NUMBER({number})," for number in numbers),
-            "};",
+            f"const struct {{ unsigned char mark[{len(_MARK)}]; uint32_t numbers[{len(numbers)}]; }}",
+            f"dse_struct_layout = {{{{{mark}}}, {{",
+            *(f"    (uint32_t)({number})," for number in numbers),
+            "}};",
             "",
         )
     )

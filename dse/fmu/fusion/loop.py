@@ -14,7 +14,7 @@ from typing import TypeAlias
 from dse.domain.method import Algorithm
 from dse.domain.system import SystemStructure
 from dse.fmu.fusion.layout import InstanceLayout
-from dse.fmu.fusion.values import ACCESSORS, Signal, checking, declaring, reading, writing
+from dse.fmu.fusion.values import ACCESSORS, Signal, checking, declaring, finite, reading, writing
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ def loop_text(
         "    const double step = run->step;",
         "    double *row = run->out;",
         "    bool is_usual = true;",
-        *(f"    {declaring(signal)}" for signal in outputs.values()),
+        *(f"    {line}" for signal in outputs.values() for line in declaring(signal)),
         *(f"    {line}" for line in before),
         f"    for (int64_t k = run->first;; k++, row += {len(record)}) {{",
         "        progress[0] = 0, progress[2] = k;",
@@ -117,7 +117,7 @@ def _in_parallel(
             lines = list(_showing(index, elements[index], own, element.model.version))
             may_be_unusual |= any("is_usual" in line for line in lines)
             yield from lines
-        yield from _finite(source for source, _ in pairs)
+        yield from finite(source for source, _ in pairs)
         for source, target in pairs:
             yield from checking(source, target)
         yield from _UNUSUAL
@@ -140,14 +140,19 @@ def _in_turn(
         if any("is_usual" in line for line in lines):
             yield from _stopping_before(index + 1)
 
+    # What an element shows to one whose turn comes later is looked at there, and is the same as the next step begins.
+    first = {source.number: target.index for source, target in reversed(pairs) if source.index < target.index}
+
     def during() -> _Lines:
-        yield from _finite(source for source, _ in pairs)
+        yield from finite(source for source, _ in pairs if source.number not in first)
+        yield "if (k == 0) {"
+        yield from finite(source for source, _ in pairs if source.number in first)
+        yield "}"
         yield from _UNUSUAL
         yield from _recording(outputs, record)
         for index, fused in enumerate(elements):
             own = [(source, target) for source, target in pairs if target.index == index]
-            # Those that come later in turn have shown nothing since all were looked at.
-            checks = list(_finite(source for source, _ in own if source.index < index))
+            checks = list(finite(source for source, _ in own if first.get(source.number) == index))
             for source, target in own:
                 checks += checking(source, target)
             yield from checks
@@ -176,11 +181,6 @@ def _showing(index: int, fused: FusedElement, own: Sequence[Signal], version: in
         yield from reading(signal)
 
 
-def _finite(sources: Iterator[Signal]) -> _Lines:
-    for value in sorted({source.number for source in sources if source.is_real}):
-        yield f"is_usual &= v{value} - v{value} == 0.0; /* finite */"
-
-
 def _stopping_before(index: int) -> _Lines:
     yield "if (!is_usual) {"
     yield f"    progress[0] = {index};"
@@ -194,8 +194,7 @@ def _recording(outputs: _Outputs, record: Sequence[str]) -> _Lines:
 
 
 def _writing(elements: Sequence[FusedElement], pairs: _Pairs) -> _Lines:
-    for source, target in pairs:
-        yield from writing(source, target)
+    yield from writing(pairs)
     for index in dict.fromkeys(target.index for _, target in pairs if target.is_model):
         yield f"dse_put_u16(e{index} + {elements[index].layout.changed_at}, 1);"
 

@@ -1,12 +1,13 @@
 """How one value is read from a component and written to another, as C: what FMI's accessors and the kernel between do.
 
-Wherever one of them would refuse the value, ``is_usual`` becomes false. Reals are doubles called ``v1``, all else are
-whole numbers called ``w1``.
+Wherever one of them would refuse the value, ``is_usual`` becomes false. Doubles of a component in C are read where they
+lie. Other reals are doubles called ``v1``, all else are whole numbers called ``w1``. Values side by side that go to
+places side by side are copied at once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from dse.domain.fmu import Variable
@@ -47,9 +48,14 @@ class Signal:
         return self.place.row.kind == "REAL"
 
     @property
+    def is_in_place(self) -> bool:
+        """Whether the value of an output is read where it lies: it can be any double."""
+        return self.place.c_type.accessor == "f64" and not self.is_model
+
+    @property
     def real(self) -> str:
         """The value of an output as a double."""
-        return f"v{self.number}"
+        return f"dse_get_f64({self.member})" if self.is_in_place else f"v{self.number}"
 
     @property
     def whole(self) -> str:
@@ -68,13 +74,16 @@ class Signal:
         return f"e{self.index} + {self.place.at}"
 
 
-def declaring(output: Signal) -> str:
+def declaring(output: Signal) -> Iterator[str]:
     """Where the value of *output* goes."""
-    return f"double {output.real};" if output.is_real else f"int64_t {output.whole}; double {output.real};"
+    if not output.is_in_place:
+        yield f"double {output.real};" if output.is_real else f"int64_t {output.whole}; double {output.real};"
 
 
 def reading(output: Signal) -> Iterator[str]:
     """Read *output*."""
+    if output.is_in_place:
+        return
     got = f"dse_get_{output.place.c_type.accessor}({output.member})"
     if output.is_real:
         yield f"{output.real} = {got};"
@@ -92,6 +101,16 @@ def reading(output: Signal) -> Iterator[str]:
     yield f"{output.real} = (double){output.whole};"
 
 
+def finite(outputs: Iterable[Signal]) -> Iterator[str]:
+    """Whether those of *outputs* that are real are finite."""
+    reals = {output.number: output for output in outputs if output.is_real}
+    for number in sorted(number for number, output in reals.items() if not output.is_in_place):
+        yield f"is_usual &= v{number} - v{number} == 0.0; /* finite */"
+    places = sorted((output.index, output.place.at) for output in reals.values() if output.is_in_place)
+    for index, _, at, _, size in _joined((index, index, at, at, 8) for index, at in places):
+        yield f"is_usual &= dse_are_finite(e{index} + {at}, {size // 8});"
+
+
 def checking(source: Signal, target: Signal) -> Iterator[str]:
     """Whether the input *target* takes the value of the output *source*, already known to be finite."""
     if target.is_real:
@@ -106,12 +125,39 @@ def checking(source: Signal, target: Signal) -> Iterator[str]:
         yield f"is_usual &= dse_is_within({source.whole}, {_literal(lowest)}, {_literal(highest)});"
 
 
-def writing(source: Signal, target: Signal) -> Iterator[str]:
-    """Give the input *target* the value of the output *source*, which it takes."""
-    whole = f"u{target.number}" if source.is_real else source.whole
-    accessor = target.place.c_type.accessor
-    value = source.real if target.is_real else f"(double){whole}" if accessor == "whole" else whole
-    yield f"dse_put_{accessor}({target.member}, {value});"
+def writing(pairs: Iterable[tuple[Signal, Signal]]) -> Iterator[str]:
+    """Give inputs, the second of *pairs*, the values of outputs, which they take."""
+    copied = []
+    for source, target in pairs:
+        accessor = target.place.c_type.accessor
+        if accessor in _SIZES and accessor == source.place.c_type.accessor:
+            copied.append((target.index, source.index, target.place.at, source.place.at, _SIZES[accessor]))
+            continue
+        whole = f"u{target.number}" if source.is_real else source.whole
+        value = source.real if target.is_real else f"(double){whole}" if accessor == "whole" else whole
+        yield f"dse_put_{accessor}({target.member}, {value});"
+    for taker, giver, to, at, size in _joined(sorted(copied)):
+        yield f"memcpy(e{taker} + {to}, e{giver} + {at}, {size});"
+
+
+# The sizes of types whose accessors pass on every value as it is; of a float and a whole double they do not.
+_SIZES = {"f64": 8, "bool": 1} | {f"{sign}{bits}": bits // 8 for sign in "iu" for bits in (8, 16, 32, 64)}
+
+_Copy = tuple[int, int, int, int, int]
+
+
+def _joined(copies: Iterable[_Copy]) -> Iterator[_Copy]:
+    """*copies* (target, source, place in each, size), with those as one that lie side by side in both."""
+    last: _Copy | None = None
+    for copy in copies:
+        if last and (*last[:2], last[2] + last[4], last[3] + last[4]) == copy[:4]:
+            last = (*last[:4], last[4] + copy[4])
+            continue
+        if last:
+            yield last
+        last = copy
+    if last:
+        yield last
 
 
 def _readable(output: Signal) -> _Range:

@@ -45,6 +45,18 @@ DSE_MEMBER(u32, uint32_t, int64_t)
 DSE_MEMBER(u64, uint64_t, int64_t) /* a value beyond int64_t is read as a negative number */
 DSE_MEMBER(whole, double, double)  /* a double with integer values only */
 
+/* Whether *count* doubles that lie in a row are finite. The exponent of one that is not has all its bits set. */
+static inline bool dse_are_finite(const char *from, int64_t count) {
+    const uint64_t exponent = UINT64_C(0x7ff0000000000000), lowest = UINT64_C(0x0010000000000000);
+    uint64_t found = 0;
+    for (int64_t k = 0; k < count; k++) {
+        uint64_t bits;
+        memcpy(&bits, from + k * (int64_t)sizeof bits, sizeof bits);
+        found |= (bits & exponent) + lowest;
+    }
+    return found >> 63 == 0;
+}
+
 static inline bool dse_is_within(int64_t value, int64_t lowest, int64_t highest) {
     return value >= lowest && value <= highest;
 }
