@@ -9,8 +9,8 @@ from typing import Any
 
 from dse.errors import Location, Problem
 from dse.modelica.frontend.literal import WRAPPER
-from dse.modelica.frontend.source_text import code, declarations, found
-from dse.modelica.frontend.sources import FILES, ModelSources, SourceText, libraries
+from dse.modelica.frontend.source_text import SourceText, code, declarations, found
+from dse.modelica.frontend.sources import FILES, ModelSources, libraries
 
 _AT = re.compile(r"\s*\[(?P<file>[^\[\]]+?):(?P<line>\d+):(?P<column>\d+)\]")
 _QUOTED = re.compile(r"['`\"]([A-Za-z_][\w.]*)['`\"]")

@@ -7,8 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from dse.errors import Location, Problem
 from dse.modelica.frontend.result import FrontEndResult
-from dse.modelica.frontend.source_text import CLASS_KINDS, PREFIXES, arguments, inside, occurring, place
-from dse.modelica.frontend.sources import SourceText
+from dse.modelica.frontend.source_text import CLASS_KINDS, PREFIXES, SourceText, arguments, inside, occurring, place
 from dse.modelica.frontend.used_classes import Used, used
 
 
@@ -167,7 +166,7 @@ def _records(used: Used) -> Iterator[Problem]:
 
 
 _SIZE = r"(?:\[[^\]]*\])?"
-_TYPED = rf"(?:(?!(?:{CLASS_KINDS})\b)\w+\s+)*?[\w.]+\s*{_SIZE}\s+"
+_TYPED = rf"(?:(?!(?:{CLASS_KINDS})\b)\w+\s+)*?[\w.]+(?:\s*+\[[^\]]*\])?+\s+"
 
 
 def misread_modifications(read: Used) -> Iterator[Problem]:
@@ -251,7 +250,7 @@ def _bare(text: str) -> str:
 
 _NO_TYPES = "and|or|not|if|then|else|elseif|when|elsewhen|while|loop|in|equation|algorithm|return|for|end|extends"
 _MODIFIED = re.compile(
-    rf"(?:\bextends\s+|\b(?:{CLASS_KINDS})\s+\w+\s*=\s*|(?<![\w.])(?!(?:{_NO_TYPES})\b)[A-Za-z_][\w.]*\s*{_SIZE}\s+)"
+    rf"(?:\bextends\s+|\b(?:{CLASS_KINDS})\s+\w+\s*=\s*|(?<![\w.])(?!(?:{_NO_TYPES})\b)[A-Za-z_][\w.]*+(?:\s*+\[[^\]]*\])?+\s+)"
     rf"(?!annotation\b)(?P<first>[\w.]+\s*{_SIZE}\s*[(,=])"
 )
 _MODIFIES = re.compile(rf"\s*(?:(?:each|final)\s+)*(?P<name>\w+(?:\s*\.\s*\w+)*)\s*{_SIZE}\s*(?P<next>\(|=(?!=))?")
