@@ -301,6 +301,29 @@ def test_what_would_be_misread_in_classes_that_the_model_does_not_use_does_no_ha
         assert "y" in compile_model(sources).flat["variables"]
 
 
+def test_a_variable_of_a_function_is_not_the_constant_of_its_name(tmp_path: Path) -> None:
+    function = "function f input Real x; output Real y; protected Real k = 2*x; algorithm y := k; end f;"
+    model = "model M B b(k = 3); output Real y = f(b.y)*C.k; end M;"
+    text = (
+        f"package P package C constant Real k = 2; end C; {function} model B parameter Real k = 1; Real y = k; end B;"
+    )
+    assert structural(tmp_path, f"{text} {model} end P;", "P.M") == []
+    reads = text.replace("Real k = 2*x; algorithm y := k", "Real j; algorithm y := C.k")
+    message = refusal(tmp_path, f"{reads} {model} end P;", "P.M")
+    assert "constant 'k' is changed here" in message
+
+
+def test_an_expression_in_brackets_after_else_is_no_modification(tmp_path: Path) -> None:
+    """Nor is the argument of a function whose name has dots."""
+    function = "function any input Boolean b[:]; output Boolean y; algorithm y := b[1]; end any;"
+    text = (
+        f"package P package Q {function} end Q;\n"
+        "model M Boolean a[2] = {time > 1, true}; Boolean b = if a[1] then a[2] else (P.Q.any(a) or a[2]\n"
+        " and not P.Q.any(a)) and a[1]; output Real y = if b then 1 else 2; end M; end P;"
+    )
+    assert structural(tmp_path, text, "P.M") == []
+
+
 @pytest.mark.parametrize(
     "use", ["  Odd.Case c;\n", "  import Lib.Odd.Case;\n  Case c;\n", "  model X = Odd.Case;\n  X c;\n"]
 )

@@ -43,6 +43,20 @@ def bouncing_ball(t: float, given: Given) -> Values:
     return {"height": done[-1][1] * since - g * since**2 / 2, "count": len(done)}
 
 
+@case(
+    "StartsOfTime",
+    given={"period": 0.4},
+    variants=({"period": 0.3},),
+    events=(0.1, 0.3, 0.4, 0.5, 0.7, 0.9),
+    error=1e-7,
+)
+def starts_of_time(t: float, given: Given) -> Values:
+    periods = (t + 0.5) / given["period"]
+    count = math.floor(periods + 1e-9)
+    since = t - 0.5 if t >= 0.5 else (t + 1) / 2
+    return {"y": periods - count, "count": count, "since": since, "x": 2 * math.exp(-t)}
+
+
 @case("ReinitAndWhen", events=(0.3, 0.7))
 def reinit_and_when(t: float, given: Given) -> Values:
     if t < 0.3:
