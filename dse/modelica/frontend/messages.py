@@ -140,7 +140,8 @@ NOT_THERE = "no file or library holds this model"
 _SIZES = r"[^\]]*"
 _UNBALANCED = (
     "if the numbers should agree: the front-end miscounts variables that are 'inner' below the top level, connectors "
-    "that are 'outer', and arrays of components that an 'extends' modifies"
+    "that are 'outer', arrays of components that an 'extends' modifies, and parameters bound to a function of an array "
+    "(write 1*f(x))"
 )
 # Patterns of messages, then a Wording whose texts may refer to their groups. {model}: the model's name.
 _WORDINGS = (

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.modelica.frontend.library_tables import with_tables
 from dse.modelica.frontend.source_text import SourceText
 from dse.modelica.frontend.used_classes import reached
 
@@ -116,7 +117,9 @@ def _with_parts(sources: ModelSources) -> ModelSources:
             origins[name] = _shown(path)
             files[name] = SourceText(name, content.removeprefix(_BYTE_ORDER_MARK).decode("utf-8", "replace"))
     parts = {
-        text.path: text.text.encode() for text in reached([*own, *files.values()], sources.model) if text.path in files
+        text.path: with_tables(text.text).encode()
+        for text in reached([*own, *files.values()], sources.model)
+        if text.path in files
     }
     return replace(sources, parts=parts, origins={name: origins[name] for name in (*sources.contents, *parts)})
 
