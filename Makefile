@@ -20,7 +20,7 @@ INSTALL = UV_DEFAULT_INDEX="$${UV_DEFAULT_INDEX:-$$($(BIN)/python -m pip config 
 # A machine without a C compiler gets one as a wheel.
 COMPILER := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo ",toolchain")
 
-.PHONY: demo docs drive test thorough rest check nightly bench faults setup clean lint types layers web plugin wheels lock sbom audit
+.PHONY: demo docs drive test thorough rest check nightly bench faults setup clean lint types layers web plugin wheels lock sbom audit msl
 
 SOURCES := $(wildcard dse/cosim/kernel/*.c dse/cosim/kernel/*.h dse/csolve/*.h dse/report/web/src/* dse/report/web/src/*/*)
 MADE_OF := pyproject.toml hatch_build.py dse/report/web/package-lock.json $(SOURCES)
@@ -167,3 +167,11 @@ audit: $(VENV)/supply/.ready
 
 clean:
 	rm -rf out dist build dse/report/web/dist dse/report/web/node_modules dse/cosim/_kernel.* $(VENV)
+
+# The Modelica Standard Library against its published reference results: folders of a release of each, which are not
+# part of dse. Not part of CI. ONLY=expression of models' names, EVERY=n for each n-th model.
+MODELICA ?=
+REFERENCES ?=
+msl: $(VENV)/.ready
+	@test -n "$(MODELICA)" -a -n "$(REFERENCES)" || { echo "name the folders: make msl MODELICA=folder REFERENCES=folder"; exit 1; }
+	$(BIN)/python benchmarks/msl.py "$(MODELICA)" "$(REFERENCES)" --only "$(ONLY)" --every $(or $(EVERY),1)

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from workspaces import written
 
 from dse.errors import DseError, Location
-from dse.modelica.frontend import process
+from dse.modelica.frontend import misreadings, process, source_text
 from dse.modelica.frontend.compile import compile_model
 from dse.modelica.frontend.literal import literal, wrapper
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied
-from dse.modelica.frontend.sources import SourceText, read_sources
+from dse.modelica.frontend.source_text import SourceText, place
+from dse.modelica.frontend.sources import read_sources
+from dse.modelica.frontend.structural import shape
 from dse.modelica.frontend.structural.probe import compile_probed
-from dse.modelica.frontend.used_classes import used
+from dse.modelica.frontend.used_classes import reached, used
 
 LIBRARY = {
     "Lib/package.mo": 'package Lib "Größe"\nend Lib;\n',
@@ -296,6 +301,29 @@ def test_what_would_be_misread_in_classes_that_the_model_does_not_use_does_no_ha
         assert "y" in compile_model(sources).flat["variables"]
 
 
+def test_a_variable_of_a_function_is_not_the_constant_of_its_name(tmp_path: Path) -> None:
+    function = "function f input Real x; output Real y; protected Real k = 2*x; algorithm y := k; end f;"
+    model = "model M B b(k = 3); output Real y = f(b.y)*C.k; end M;"
+    text = (
+        f"package P package C constant Real k = 2; end C; {function} model B parameter Real k = 1; Real y = k; end B;"
+    )
+    assert structural(tmp_path, f"{text} {model} end P;", "P.M") == []
+    reads = text.replace("Real k = 2*x; algorithm y := k", "Real j; algorithm y := C.k")
+    message = refusal(tmp_path, f"{reads} {model} end P;", "P.M")
+    assert "constant 'k' is changed here" in message
+
+
+def test_an_expression_in_brackets_after_else_is_no_modification(tmp_path: Path) -> None:
+    """Nor is the argument of a function whose name has dots."""
+    function = "function any input Boolean b[:]; output Boolean y; algorithm y := b[1]; end any;"
+    text = (
+        f"package P package Q {function} end Q;\n"
+        "model M Boolean a[2] = {time > 1, true}; Boolean b = if a[1] then a[2] else (P.Q.any(a) or a[2]\n"
+        " and not P.Q.any(a)) and a[1]; output Real y = if b then 1 else 2; end M; end P;"
+    )
+    assert structural(tmp_path, text, "P.M") == []
+
+
 @pytest.mark.parametrize(
     "use", ["  Odd.Case c;\n", "  import Lib.Odd.Case;\n  Case c;\n", "  model X = Odd.Case;\n  X c;\n"]
 )
@@ -323,16 +351,80 @@ CHAIN = {
 def test_a_class_is_used_if_anything_that_is_used_names_it() -> None:
     read = used([SourceText(name, text) for name, text in CHAIN.items()], "P.M")
     kept = {source.path: source.text for source in read.texts}
-    for name, text in CHAIN.items():
-        assert not kept[name] or [len(line) for line in kept[name].split("\n")] == [
-            len(line) for line in text.split("\n")
-        ]
+    for source in read.texts:
+        for match in re.finditer(r"\w+", source.text):
+            where = place(source, match.start())
+            assert CHAIN[where.file].split("\n")[where.line - 1][where.column - 1 :].startswith(match[0])
     assert "package S" not in kept["c.mo"]
     assert "Unused" not in kept["a.mo"]
     assert "Odd" not in kept["package.mo"]
     assert "W" not in kept["e.mo"]
     assert all(word in kept[name] for name, word in [("a.mo", "Q"), ("b.mo", "R"), ("d.mo", "plus"), ("e.mo", "V.k")])
     assert "record" not in "".join(source.text for source in read.packages)
+
+
+def test_the_front_end_reads_only_the_classes_that_are_used_each_at_its_place() -> None:
+    kept = {source.path: source.text for source in reached([SourceText(*item) for item in CHAIN.items()], "P.M")}
+    assert "c.mo" not in kept
+    assert kept["e.mo"] == CHAIN["e.mo"].replace("model W end W;", "              ")
+    assert " ".join(kept["a.mo"].split()) == "within P; package Q constant Real k = R.k; end Q;"
+    assert kept["a.mo"].index("end Q") == CHAIN["a.mo"].index("end Q")
+
+
+def test_prefixes_and_what_constrains_a_class_go_with_it() -> None:
+    text = (
+        'package P model M Real x; end M; replaceable partial model A end A constrainedby B(k = 1) "a;"; '
+        "model B end B; type T = Real; end P;"
+    )
+    kept = reached([SourceText("p.mo", text)], "P.M")
+    assert " ".join(kept[0].text.split()) == "package P model M Real x; end M; type T = Real; end P;"
+
+
+def test_a_type_that_is_a_file_of_its_own_is_found_by_its_name() -> None:
+    texts = [SourceText("p.mo", "package P model M T x; end M; end P;"), SourceText("t.mo", "within P; type T = Real;")]
+    assert reached(texts, "P.M") == texts
+
+
+def work(monkeypatch: pytest.MonkeyPatch, text: str) -> int:
+    """How many characters the guards read for a model of this *text*: what they match, and what they search."""
+    count = 0
+
+    def counted(function: Callable[..., Any], size: Callable[..., int]) -> Callable[..., Any]:
+        def call(*given: Any) -> Any:
+            nonlocal count
+            result = function(*given)
+            count += size(result, *given)
+            return result
+
+        return call
+
+    with monkeypatch.context() as patch:
+        for module in (misreadings, shape):
+            patch.setattr(module, "inside", counted(source_text.inside, lambda result, *_: len(result)))
+            patch.setattr(module, "arguments", counted(source_text.arguments, lambda _, given: len(given)))
+        patch.setattr(shape, "value", counted(source_text.value, lambda result, *_: len(result)))
+        read = used([SourceText("m.mo", text)], "M")
+        count += sum(len(source.text) + len(source.pieces) for source in (*read.texts, *read.packages))
+        found = list(misreadings.misread_modifications(read))
+        found += misreadings.mixed_up_constants(read, "M", ["f"])
+        assert not found
+        shape._written([source.text for source in read.texts])  # the pass, without a flat model
+    return count
+
+
+GROWING = {
+    "blanks": lambda n: f"model M Real x{' ' * n}(start{' ' * n}={' ' * n}1){' ' * n}; end M;",
+    "comments": lambda n: "model M " + "/* a word */ // another\n" * n + " Real x = 1; end M;",
+    "lines": lambda n: "model M " + "Real x[3](each start = 1, y(z = f(2)));\n" * n + " end M;",
+    "classes": lambda n: "model M " + "A a(b = 1); replaceable model A parameter Real b = 1; end A;\n" * n + " end M;",
+    "a long statement": lambda n: "model M Real x = " + "f(g(1), {2}) + " * n + "1; end M;",
+}
+
+
+@pytest.mark.parametrize("kind", GROWING)
+def test_the_work_of_the_text_passes_grows_with_the_text(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    small, middle, large = (work(monkeypatch, GROWING[kind](n)) for n in (50, 100, 200))
+    assert large - middle <= 2 * (middle - small)
 
 
 def test_a_text_whose_classes_do_not_end_is_kept_whole() -> None:

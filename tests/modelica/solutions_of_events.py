@@ -43,6 +43,28 @@ def bouncing_ball(t: float, given: Given) -> Values:
     return {"height": done[-1][1] * since - g * since**2 / 2, "count": len(done)}
 
 
+@case(
+    "StartsOfTime",
+    given={"period": 0.4},
+    variants=({"period": 0.3},),
+    events=(0.1, 0.3, 0.4, 0.5, 0.7, 0.9),
+    error=1e-7,
+)
+def starts_of_time(t: float, given: Given) -> Values:
+    periods = (t + 0.5) / given["period"]
+    count = math.floor(periods + 1e-9)
+    since = t - 0.5 if t >= 0.5 else (t + 1) / 2
+    return {"y": periods - count, "count": count, "since": since, "x": 2 * math.exp(-t)}
+
+
+@case("FrictionThatCatches", given={"m": 0.25}, stop=1.6, events=(math.sqrt(2) - 1, 1.0), error=1e-7)
+def friction_that_catches(t: float, given: Given) -> Values:
+    """m w' = t - friction; at rest from 2 t^2 + 4 t = 2 until the force reaches the limit."""
+    if t < math.sqrt(2) - 1:
+        return {"y": 4 * t + 2 * t * t - 2, "mode": -1}
+    return {"y": 0, "mode": 0} if t < 1 else {"y": 2 * (t - 1) ** 2, "mode": 1}
+
+
 @case("ReinitAndWhen", events=(0.3, 0.7))
 def reinit_and_when(t: float, given: Given) -> Values:
     if t < 0.3:

@@ -187,6 +187,7 @@ def remainders(t: float, given: Given) -> Values:
         "m": x - math.floor(x / 0.75) * 0.75,
         "r": math.fmod(x, 0.75),
         "d": math.trunc(x / 0.75),
+        "folded": -4,
     }
 
 

@@ -6,6 +6,7 @@
 
 #define DSE_HAS_EVENTS (DSE_RELATIONS + DSE_CONDITIONS + DSE_TRIGGERS + DSE_CLOCKS + DSE_PRE + DSE_DISCRETES > 0)
 #define DSE_MOST_PASSES 100
+#define DSE_MOST_TRIED 10 /* relations, of which all combinations are tried */
 
 /* Limit for chattering: number of consecutive events, each close to the one before. */
 #define DSE_CLOSE_EVENTS 16
@@ -76,12 +77,52 @@ static void dse_keep_before(dse_component *m) {
     memcpy(m->was_true, m->is_true, sizeof m->was_true);
 }
 
+/* Whether the equations at an event have a solution in which the relations are as they are held. */
+static bool dse_fits(dse_component *m) {
+    bool is_held = false;
+    memset(m->is_active, 0, sizeof m->is_active);
+    memcpy(m->v, m->before_pass, sizeof m->v);
+    if (model_event(m) != 0 || !dse_hold(m, &is_held)) {
+        dse_forgive(m);
+        return false;
+    }
+    return is_held;
+}
+
+/* Try every combination of the relations that have *moved*, all false first: of what sticks and could start to either
+ * side, like friction, repeated evaluation takes one side and the other in turn, and never neither. */
+static bool dse_search_event(dse_component *m, const uint8_t moved[]) {
+    uint8_t others[DSE_ROOM(DSE_RELATIONS)];
+    int which[DSE_MOST_TRIED], count = 0;
+    for (int k = 0; k < DSE_RELATIONS; k++) {
+        if (moved[k] && count == DSE_MOST_TRIED) {
+            return false;
+        }
+        if (moved[k]) {
+            which[count++] = k;
+        }
+    }
+    memcpy(others, m->held, DSE_RELATIONS);
+    for (uint32_t choice = 0; choice < UINT32_C(1) << count; choice++) {
+        memcpy(m->held, others, DSE_RELATIONS);
+        for (int n = 0; n < count; n++) {
+            m->held[which[n]] = (uint8_t)(choice >> n & 1U);
+        }
+        if (dse_fits(m)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* The equations at an event, with relations and variables of one solution. Relations of variables that jump here are
- * found by repeated evaluation from the values before, until they equal those that were used. Without such a solution,
- * in a loop through a when-clause, those from before the pass are used: the next pass uses the new ones. */
+ * found by repeated evaluation from the values before, until they equal those that were used; if it goes round in a
+ * circle (Brent's test), by a search. Without such a solution, in a loop through a when-clause, those from before the
+ * pass are used: the next pass uses the new ones. */
 static bool dse_solve_event(dse_component *m) {
-    uint8_t held[DSE_ROOM(DSE_RELATIONS)];
+    uint8_t held[DSE_ROOM(DSE_RELATIONS)], seen[DSE_ROOM(DSE_RELATIONS)], moved[DSE_ROOM(DSE_RELATIONS)] = {0};
     memcpy(held, m->held, DSE_RELATIONS);
+    memcpy(seen, m->held, DSE_RELATIONS);
     memcpy(m->before_pass, m->v, DSE_RELATIONS > 0 ? sizeof m->v : 0);
     for (int turn = 0; turn <= DSE_MOST_PASSES; turn++) {
         bool is_held = true;
@@ -97,6 +138,18 @@ static bool dse_solve_event(dse_component *m) {
         }
         if (is_held) {
             return true;
+        }
+        for (int k = 0; k < DSE_RELATIONS; k++) {
+            moved[k] |= m->held[k] != seen[k];
+        }
+        if (memcmp(m->held, seen, DSE_RELATIONS) == 0) {
+            if (dse_search_event(m, moved)) {
+                return true;
+            }
+            turn = DSE_MOST_PASSES - 1;
+        } else if ((turn & (turn - 1)) == 0) {
+            memcpy(seen, m->held, DSE_RELATIONS);
+            memset(moved, 0, sizeof moved);
         }
         memcpy(m->v, m->before_pass, sizeof m->v);
         if (turn == DSE_MOST_PASSES - 1) {

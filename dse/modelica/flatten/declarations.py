@@ -170,7 +170,8 @@ def _spread(evaluation: Evaluation, item: Declared, node: int | None, what: str)
     else:
         raise fail(f"'{what}' of '{item.name}' has size {list(value.shape)}, not {list(item.shape)}", item.where)
     model = evaluation.model
-    if not all(model.is_parameter(element) for element in elements):
+    is_start = what == "start" and item.role != "parameter"
+    if not all(model.is_parameter(one) or (is_start and model.is_known_at_start(one)) for one in elements):
         raise fail(f"'{what}' of '{item.name}' that depends on more than parameters is not supported", item.where)
     return elements
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from dse.errors import Location, fail
 from dse.modelica.algebra.expression import Graph
 from dse.modelica.algebra.symbol import Referent
 from dse.modelica.algebra.traversal import symbols
-from dse.modelica.flat_model import Check, Equation, FlatModel, Role
+from dse.modelica.flat_model import Check, Equation, FlatModel, Role, Trigger
 from dse.modelica.flatten.declarations import bindings, complete, declare, declared
 from dse.modelica.flatten.document import Record, check_calls, fields, points, read, shape, single
 from dse.modelica.flatten.evaluation.context import Frame
@@ -35,7 +36,7 @@ def flatten(result: FrontEndResult) -> FlatModel:
     read_clocks(evaluation)
     equations, asserts = continuous(evaluation)
     equations += bindings(document, evaluation)
-    initial_equations = initial(evaluation)
+    initial_equations, asserts_at_start = initial(evaluation)
     discrete = read_discrete(evaluation, Conditions(evaluation))
     flat = FlatModel(
         name=result.model,
@@ -48,7 +49,7 @@ def flatten(result: FrontEndResult) -> FlatModel:
         triggers=tuple(model.triggers),
         assignments=tuple(model.assignments),
         reinitializations=tuple(discrete.reinitializations),
-        checks=_distinct([*asserts, *discrete.checks]),
+        checks=_distinct([*asserts, *asserts_at_start, *discrete.checks]),
     )
     _check_balance(flat)
     return flat
@@ -88,8 +89,11 @@ def continuous(evaluation: Evaluation) -> tuple[list[Equation], list[Check]]:
     return [item for record in records for item in _equations(evaluation, record, frame)], frame.asserts
 
 
-def initial(evaluation: Evaluation) -> list[Equation]:
-    """The equations that hold at the start only. Comparisons are taken as they are: nothing is held yet."""
+def initial(evaluation: Evaluation) -> tuple[list[Equation], list[Check]]:
+    """The equations that hold at the start only, and the asserts of functions in them.
+
+    Comparisons are taken as they are: nothing is held yet.
+    """
     frame = Frame(makes_events=False)
     document, declared = evaluation.document, evaluation.model.declared
     found = []
@@ -104,9 +108,11 @@ def initial(evaluation: Evaluation) -> list[Equation]:
         node = record["attributes"]["binding"]
         if item.role == "parameter" and node is not None and (record["attributes"]["fixed"] or [True])[0] is False:
             found += _solved_for(evaluation, item, node, frame, f"a binding of '{item.name}'", item.where)
-    if frame.asserts:
-        raise fail("an assert in a function that an initial equation calls is not supported", frame.asserts[0].where)
-    return found
+    if not frame.asserts:
+        return found, []
+    triggers = evaluation.model.triggers
+    triggers.append(Trigger(at_start=True))
+    return found, [replace(check, trigger=len(triggers) - 1) for check in frame.asserts]
 
 
 def _solved_for(

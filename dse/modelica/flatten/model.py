@@ -76,10 +76,14 @@ class Model:
 
     def is_parameter(self, expression: Expression) -> bool:
         """Whether it depends on parameters and numbers alone."""
-        return all(
-            symbol.is_variable and not symbol.order and self.variables[symbol.name].role is Role.PARAMETER
-            for symbol in symbols(expression)
-        )
+        return all(map(self._is_parameter, symbols(expression)))
+
+    def is_known_at_start(self, expression: Expression) -> bool:
+        """Whether it depends on parameters, numbers and the time alone."""
+        return all(symbol.referent is Referent.TIME or self._is_parameter(symbol) for symbol in symbols(expression))
+
+    def _is_parameter(self, symbol: Symbol) -> bool:
+        return symbol.is_variable and not symbol.order and self.variables[symbol.name].role is Role.PARAMETER
 
     def internal(self, word: str, kind: ScalarType, where: Location | None) -> str:
         """The name of a new discrete variable that no user sees."""

@@ -12,10 +12,8 @@ from dse.modelica.frontend.compile import read_answer
 from dse.modelica.frontend.literal import Value, literal
 from dse.modelica.frontend.process import VERSION
 from dse.modelica.frontend.result import FrontEndResult
-from dse.modelica.frontend.sources import ModelSources, library_contents
+from dse.modelica.frontend.sources import ModelSources
 from dse.modelica.frontend.structural.probe import compile_probed
-
-_ROOT = "$library/"
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,48 +28,24 @@ class AnswerCache:
         kept = self.folder / f"{self._key(sources, structural)}.json"
         content = read_entry(kept)
         if content is not None:
-            return _recalled(sources, content)
+            whole = json.loads(content)
+            return read_answer(sources, whole, frozenset(whole["structural"]))
         result = compile_probed(sources, structural)
-        try_to_put(kept, _written(sources, result))
+        try_to_put(kept, _written(result))
         return result
 
     def _key(self, sources: ModelSources, structural: Mapping[str, Value]) -> str:
         given = {name: literal(value) for name, value in sorted(structural.items())}
-        asked = json.dumps([self.program, VERSION, sources.model, list(given.items()), len(sources.roots)])
+        asked = json.dumps([self.program, VERSION, sources.model, list(given.items())])
         return content_key(
             [
                 ("asked", asked.encode()),
                 *((f"file/{name}", content) for name, content in sorted(sources.contents.items())),
-                *((f"library/{name}", content) for name, content in library_contents(sources)),
+                *((f"library/{name}", content) for name, content in sorted(sources.parts.items())),
             ]
         )
 
 
-def _written(sources: ModelSources, result: FrontEndResult) -> bytes:
-    """*result* without the places of the libraries, which may be others next time."""
-    files = [[number, _without_root(sources, path), text] for number, path, text in result.dae["source_map"]["files"]]
-    dae = {**result.dae, "source_map": {**result.dae["source_map"], "files": files}}
-    whole = {"dae": dae, "flat": result.flat, "structural": sorted(result.structural)}
+def _written(result: FrontEndResult) -> bytes:
+    whole = {"dae": result.dae, "flat": result.flat, "structural": sorted(result.structural)}
     return json.dumps(whole, separators=(",", ":")).encode()
-
-
-def _recalled(sources: ModelSources, content: bytes) -> FrontEndResult:
-    whole = json.loads(content)
-    for entry in whole["dae"]["source_map"]["files"]:
-        entry[1] = _with_root(sources, entry[1])
-    return read_answer(sources, whole, frozenset(whole["structural"]))
-
-
-def _without_root(sources: ModelSources, path: str) -> str:
-    for number, root in enumerate(sources.roots):
-        above = f"{root.resolve().as_posix()}/"
-        if path.replace("\\", "/").startswith(above):
-            return f"{_ROOT}{number}/{path[len(above) :]}"
-    return path
-
-
-def _with_root(sources: ModelSources, path: str) -> str:
-    if not path.startswith(_ROOT):
-        return path
-    number, _, rest = path.removeprefix(_ROOT).partition("/")
-    return f"{sources.roots[int(number)].resolve().as_posix()}/{rest}"

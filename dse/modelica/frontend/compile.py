@@ -14,8 +14,8 @@ from dse.modelica.frontend.messages import found_problems, refusal
 from dse.modelica.frontend.misreadings import misread
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import SCHEMA, FrontEndResult
-from dse.modelica.frontend.source_text import declarations
-from dse.modelica.frontend.sources import FILES, ModelSources, SourceText, libraries
+from dse.modelica.frontend.source_text import SourceText, declarations
+from dse.modelica.frontend.sources import FILES, LIBRARIES, ModelSources, libraries
 from dse.scratch import ScratchFolder
 
 _BASE, _TRIAL = "base", "trial"
@@ -117,7 +117,7 @@ def opened(sources: ModelSources) -> Iterator[Session]:
         folder = Path(scratch).resolve()
         cache = folder / "cache"
         cache.mkdir()
-        roots = (FILES, *(str(root.resolve()) for root in sources.roots))
-        with FrontEnd(folder, roots, cache) as front_end:
+        with FrontEnd(folder, (FILES, f"../{LIBRARIES}"), cache) as front_end:
+            sources.lay_out_parts(folder)
             sources.lay_out(folder / _BASE)
             yield Session(sources, front_end, folder)

@@ -9,8 +9,8 @@ from typing import Any
 
 from dse.errors import Location, Problem
 from dse.modelica.frontend.literal import WRAPPER
-from dse.modelica.frontend.source_text import code, declarations, found
-from dse.modelica.frontend.sources import FILES, ModelSources, SourceText, libraries
+from dse.modelica.frontend.source_text import SourceText, code, declarations, found
+from dse.modelica.frontend.sources import FILES, ModelSources, libraries
 
 _AT = re.compile(r"\s*\[(?P<file>[^\[\]]+?):(?P<line>\d+):(?P<column>\d+)\]")
 _QUOTED = re.compile(r"['`\"]([A-Za-z_][\w.]*)['`\"]")
@@ -140,7 +140,8 @@ NOT_THERE = "no file or library holds this model"
 _SIZES = r"[^\]]*"
 _UNBALANCED = (
     "if the numbers should agree: the front-end miscounts variables that are 'inner' below the top level, connectors "
-    "that are 'outer', and arrays of components that an 'extends' modifies"
+    "that are 'outer', arrays of components that an 'extends' modifies, and parameters bound to a function of an array "
+    "(write 1*f(x))"
 )
 # Patterns of messages, then a Wording whose texts may refer to their groups. {model}: the model's name.
 _WORDINGS = (

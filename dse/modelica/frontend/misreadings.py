@@ -7,8 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from dse.errors import Location, Problem
 from dse.modelica.frontend.result import FrontEndResult
-from dse.modelica.frontend.source_text import CLASS_KINDS, PREFIXES, arguments, inside, occurring, place
-from dse.modelica.frontend.sources import SourceText
+from dse.modelica.frontend.source_text import CLASS_KINDS, PREFIXES, SourceText, arguments, inside, occurring, place
 from dse.modelica.frontend.used_classes import Used, used
 
 
@@ -94,12 +93,21 @@ def _listed(match: re.Match[str]) -> Iterator[tuple[str, int]]:
 
 def _read_by_functions(used: Used, called: set[str]) -> Iterator[Problem]:
     """A constant that one class changes has the same value in all functions that read it."""
-    words = {word for text in used.texts for body in _bodies(text, called) for word in re.findall(r"\w+", body)}
+    words: set[str] = set()
+    for body in (body for text in used.texts for body in _bodies(text, called)):
+        words |= set(re.findall(r"\w+", body)) - set(_LOCAL.findall(body))
     for name in sorted(constants(used.texts) & words):
         changed = re.compile(rf"[(,]\s*(?:(?:each|final)\s+)*({re.escape(name)})\s*=(?!=)")
         for _, _, where in occurring(used.texts, changed):
             what = f"constant '{name}' is changed here and read by a function, where the front-end mixes up its values"
             yield Problem(what, where, "make it an input of the function")
+
+
+_NO_TYPES = "and|or|not|if|then|else|elseif|when|elsewhen|while|loop|in|equation|algorithm|return|for|end|extends"
+_LOCAL = re.compile(
+    rf"(?<![\w.])(?<!constant )(?!(?:{_NO_TYPES}|constant)\b)[A-Za-z_][\w.]*+(?:\s*+\[[^\]]*\])?+\s+"
+    r"(\w+)\s*(?:\[[^\]]*\])?\s*(?:[;(]|=(?!=))"
+)
 
 
 def _bodies(source: SourceText, names: set[str]) -> Iterator[str]:
@@ -167,7 +175,7 @@ def _records(used: Used) -> Iterator[Problem]:
 
 
 _SIZE = r"(?:\[[^\]]*\])?"
-_TYPED = rf"(?:(?!(?:{CLASS_KINDS})\b)\w+\s+)*?[\w.]+\s*{_SIZE}\s+"
+_TYPED = rf"(?:(?!(?:{CLASS_KINDS})\b)\w+\s+)*?[\w.]+(?:\s*+\[[^\]]*\])?+\s+"
 
 
 def misread_modifications(read: Used) -> Iterator[Problem]:
@@ -249,10 +257,9 @@ def _bare(text: str) -> str:
     return re.sub(r"\s", "", text)
 
 
-_NO_TYPES = "and|or|not|if|then|else|elseif|when|elsewhen|while|loop|in|equation|algorithm|return|for|end|extends"
 _MODIFIED = re.compile(
-    rf"(?:\bextends\s+|\b(?:{CLASS_KINDS})\s+\w+\s*=\s*|(?<![\w.])(?!(?:{_NO_TYPES})\b)[A-Za-z_][\w.]*\s*{_SIZE}\s+)"
-    rf"(?!annotation\b)(?P<first>[\w.]+\s*{_SIZE}\s*[(,=])"
+    rf"(?:\bextends\s+|\b(?:{CLASS_KINDS})\s+\w+\s*=\s*|(?<![\w.])(?!(?:{_NO_TYPES})\b)[A-Za-z_][\w.]*+(?:\s*+\[[^\]]*\])?+\s+)"
+    rf"(?!(?:annotation|{_NO_TYPES})\b)(?P<first>[\w.]+\s*{_SIZE}\s*[(,=])"
 )
 _MODIFIES = re.compile(rf"\s*(?:(?:each|final)\s+)*(?P<name>\w+(?:\s*\.\s*\w+)*)\s*{_SIZE}\s*(?P<next>\(|=(?!=))?")
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dse.errors import Location
-from dse.modelica.frontend.sources import SourceText
+from dse.modelica.frontend.source_text import SourceText
 
 SCHEMA = 43
 """The layout of the flat system the reader knows."""

@@ -3,17 +3,38 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from dse.errors import Location
-from dse.modelica.frontend.sources import SourceText
 
 CLASS_KINDS = "class|model|block|record|connector|type|package|function"
 PREFIXES = r"(?:(?:each|final|replaceable|encapsulated|partial|pure|impure)\s+)*"
 # Quoted names are not hidden, but what looks like a comment or a string in them begins none.
 _HIDDEN = re.compile(r"""'(?:\\.|[^'\\\n])*'|"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/""", re.DOTALL)
 _BLANK = re.compile(r"[^\n]")
+
+
+@dataclass(frozen=True, slots=True)
+class SourceText:
+    """One file as the front-end read it. *path* is spelled as the user does.
+
+    Where *text* is made of pieces of another, *whole* is that one, and *pieces* are where each piece starts in *text*
+    and in *whole*, in order.
+    """
+
+    path: str
+    text: str
+    whole: str = ""
+    pieces: tuple[tuple[int, int], ...] = ()
+
+    def location(self, offset: int) -> Location:
+        """Line and column of the byte *offset* of the text in UTF-8; columns count characters."""
+        content = self.text.encode()
+        before = content[: max(offset, 0)].decode("utf-8", "replace")
+        line_start = before.rfind("\n") + 1
+        return Location(self.path, before.count("\n") + 1, len(before) - line_start + 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +85,12 @@ def occurring(
 
 def place(source: SourceText, start: int) -> Location:
     """Line and column of the character number *start*."""
-    line_start = source.text.rfind("\n", 0, start) + 1
-    return Location(source.path, source.text.count("\n", 0, start) + 1, start - line_start + 1)
+    text = source.text
+    if source.pieces:
+        here, there = source.pieces[bisect(source.pieces, (start, len(source.whole))) - 1]
+        text, start = source.whole, there + start - here
+    line_start = text.rfind("\n", 0, start) + 1
+    return Location(source.path, text.count("\n", 0, start) + 1, start - line_start + 1)
 
 
 def _description(following: str) -> str:
@@ -73,22 +98,35 @@ def _description(following: str) -> str:
     return re.sub(r"\\(.)", r"\1", match[1]) if match else ""
 
 
+_BRACKET = re.compile(r"[()\[\]{},;]")
+
+
 def inside(text: str, start: int) -> str:
     """What stands between the bracket at *start* and the one that closes it, or the end of *text*."""
     depth = 0
-    for place_, letter in enumerate(text[start:], start):
-        depth += (letter in "([{") - (letter in ")]}")
+    for match in _BRACKET.finditer(text, start):
+        depth += (match[0] in "([{") - (match[0] in ")]}")
         if depth == 0:
-            return text[start + 1 : place_]
+            return text[start + 1 : match.start()]
     return text[start + 1 :]
+
+
+def value(text: str, start: int) -> str:
+    """The expression at *start*: up to a comma, a semicolon or a bracket that closes what stands around it."""
+    depth = 0
+    for match in _BRACKET.finditer(text, start):
+        depth += (match[0] in "([{") - (match[0] in ")]}")
+        if depth < 0 or (depth == 0 and match[0] in ",;"):
+            return text[start : match.start()]
+    return text[start:]
 
 
 def arguments(text: str) -> list[tuple[int, int]]:
     """Start and end of the parts of *text* between its commas, but for those in brackets."""
     depth, starts, ends = 0, [0], []
-    for place_, letter in enumerate(text):
-        depth += (letter in "([{") - (letter in ")]}")
-        if letter == "," and depth == 0:
-            ends.append(place_)
-            starts.append(place_ + 1)
+    for match in _BRACKET.finditer(text):
+        depth += (match[0] in "([{") - (match[0] in ")]}")
+        if match[0] == "," and depth == 0:
+            ends.append(match.start())
+            starts.append(match.end())
     return list(zip(starts, [*ends, len(text)], strict=True))

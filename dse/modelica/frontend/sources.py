@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.modelica.frontend.library_tables import with_tables
+from dse.modelica.frontend.source_text import SourceText
+from dse.modelica.frontend.used_classes import reached
 
-FILES = "files"
-"""The folder that compilers find the files of a model in."""
+FILES, LIBRARIES = "files", "libraries"
+"""The folders that compilers find the files of a model in, and the parts of libraries."""
 _MAX_BYTES = 20_000_000
 _MOST_FILES = 5_000
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"  # The language allows it, the front-end does not.
@@ -21,8 +24,8 @@ class ModelSources:
     """A model by its full name, and the files it is made of.
 
     *contents* and *origins* (the user's own spelling of the path) are by relative path with forward slashes: a package
-    folder keeps its name. *roots* are folders of libraries that are read where they are. *component* and *where* are
-    for messages.
+    folder keeps its name. *roots* are folders of libraries, and *parts* the files in them that contain classes the
+    model may use, with blanks in place of all others. *component* and *where* are for messages.
     """
 
     component: str
@@ -31,33 +34,28 @@ class ModelSources:
     origins: Mapping[str, str]
     roots: tuple[Path, ...] = ()
     where: Location | None = None
+    parts: Mapping[str, bytes] = field(default_factory=dict)
 
     def lay_out(self, folder: Path, overlay: Mapping[str, bytes] | None = None) -> None:
         """Write all files to where a compiler in *folder* finds them, with the contents *overlay* in place of some."""
-        (folder / FILES).mkdir(parents=True, exist_ok=True)
-        for name, content in {**self.contents, **(overlay or {})}.items():
-            target = folder / FILES / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_bytes(content)
+        _lay_out(folder / FILES, {**self.contents, **(overlay or {})})
+
+    def lay_out_parts(self, folder: Path) -> None:
+        """Write the parts of the libraries below *folder*."""
+        _lay_out(folder / LIBRARIES, self.parts)
 
     def spelled(self, path: str) -> str:
         """*path* of a compiler's message as the user spells it."""
-        return self.origins.get(path.replace("\\", "/").removeprefix(f"{FILES}/"), path)
+        relative = path.replace("\\", "/").removeprefix(f"{FILES}/").removeprefix(f"../{LIBRARIES}/")
+        return self.origins.get(relative, path)
 
 
-@dataclass(frozen=True, slots=True)
-class SourceText:
-    """One file as the front-end read it. *path* is spelled as the user does."""
-
-    path: str
-    text: str
-
-    def location(self, offset: int) -> Location:
-        """Line and column of the byte *offset* of the text in UTF-8; columns count characters."""
-        content = self.text.encode()
-        before = content[: max(offset, 0)].decode("utf-8", "replace")
-        line_start = before.rfind("\n") + 1
-        return Location(self.path, before.count("\n") + 1, len(before) - line_start + 1)
+def _lay_out(folder: Path, contents: Mapping[str, bytes]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in contents.items():
+        target = folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(content)
 
 
 def read_sources(
@@ -105,15 +103,39 @@ def read_sources(
     if len(contents) > _MOST_FILES:
         what = f"component '{component}': more than {_MOST_FILES} Modelica files"
         raise fail(what, where, "name large libraries under 'modelica_path'")
-    return ModelSources(component, model, contents, origins, tuple(roots), where)
+    sources = ModelSources(component, model, contents, origins, tuple(roots), where)
+    return _with_parts(sources) if sources.roots else sources
+
+
+def _with_parts(sources: ModelSources) -> ModelSources:
+    """*sources* with the parts of the libraries that the model may use. Raises DseError."""
+    own = [SourceText(name, content.decode()) for name, content in sorted(sources.contents.items())]
+    origins = dict(sources.origins)
+    files: dict[str, SourceText] = {}
+    for name, path, content in _library_files(sources):
+        if name not in origins:
+            origins[name] = _shown(path)
+            files[name] = SourceText(name, content.removeprefix(_BYTE_ORDER_MARK).decode("utf-8", "replace"))
+    parts = {
+        text.path: with_tables(text.text).encode()
+        for text in reached([*own, *files.values()], sources.model)
+        if text.path in files
+    }
+    return replace(sources, parts=parts, origins={name: origins[name] for name in (*sources.contents, *parts)})
 
 
 def library_contents(sources: ModelSources) -> Iterator[tuple[str, bytes]]:
     """The Modelica files of the libraries by path below their folder, in a fixed order. Raises DseError."""
+    return ((name, content) for name, _, content in _library_files(sources))
+
+
+def _library_files(sources: ModelSources) -> Iterator[tuple[str, Path, bytes]]:
     for root in sources.roots:
-        for path in sorted(root.rglob("*.mo")):
+        # A root may be the folder of a package itself.
+        base = root.resolve().parent if (root / "package.mo").is_file() else root
+        for path in sorted((root.resolve() if base is not root else root).rglob("*.mo")):
             try:
-                yield path.relative_to(root).as_posix(), path.read_bytes()
+                yield path.relative_to(base).as_posix(), path, path.read_bytes()
             except OSError as error:
                 raise DseError(_unreadable(sources.component, path, error, sources.where)) from error
 

@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from dse.modelica.frontend.source_text import CLASS_KINDS, code
-from dse.modelica.frontend.sources import SourceText
+from dse.modelica.frontend.source_text import CLASS_KINDS, SourceText, code
 
 _NAME = r"(?:[A-Za-z_]\w*|'(?:[^'\\]|\\.)*')"
 _WORD = re.compile(_NAME)
 _WITHIN = re.compile(rf"\bwithin\b\s*({_NAME}(?:\s*\.\s*{_NAME})*)?\s*;")
+_BEFORE = "expandable|encapsulated|partial|final|replaceable|redeclare|inner|outer|pure|impure|operator"
 _CLASS = re.compile(
     rf"\bend\s+(?P<end>{_NAME})"
-    rf"|\b(?P<kind>{CLASS_KINDS}|operator)\s+"
+    rf"|\b(?:(?:{_BEFORE})\s+)*(?P<kind>{CLASS_KINDS}|operator)\s+"
     rf"(?!record\b|function\b)(?:extends\s+)?(?P<name>{_NAME})\s*(?P<next>[=(.]?)"
 )
-_KEPT = re.compile(r"[^\n]")
+_UNBROKEN = re.compile(r"\S++(?:\s\S++)*+")
 
 
 @dataclass(slots=True)
 class _Class:
-    """A class from *start* to *end* of text number *source*, without its name from *body* to *finish*.
+    """A class from *start* to *end* of text number *source*, with its prefixes and the semicolon.
+
+    Without its name, it is from *body* to *finish*, and what may follow the name once more is from *tail* to *end*.
 
     *name* is the full one; *inside*: the classes declared in it.
     """
@@ -34,13 +36,14 @@ class _Class:
     body: int
     around: int
     finish: int = -1
+    tail: int = -1
     end: int = -1
     inside: list[int] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
 class Used:
-    """The sources with blanks in place of all that a model does not use, comments and strings.
+    """The sources without what a model does not use, comments and strings; one blank in place of each run of blanks.
 
     *packages* are the same, but of packages (and what is only called a class), without the classes in them.
     """
@@ -50,7 +53,7 @@ class Used:
 
 
 def used(sources: Iterable[SourceText], model: str) -> Used:
-    """What *model* may use of *sources*: lines and columns stay as they are.
+    """What *model* may use of *sources*.
 
     A class counts as used if its name occurs in the text of one that is used, and so is the class around it: there is
     no other way to it. All that is declared in a class is used with it unless it is a package, and so is what the
@@ -59,7 +62,18 @@ def used(sources: Iterable[SourceText], model: str) -> Used:
     found = _Classes([SourceText(source.path, code(source.text)) for source in sources])
     reached = found.reached(model)
     packages = {number for number in reached if found.classes[number].kind in ("package", "class")}
-    return Used(tuple(found.kept(reached)), tuple(found.kept(packages)))
+    whole, own = (tuple(map(_squeezed, found.texts, found.pieces(numbers))) for numbers in (reached, packages))
+    return Used(whole, own)
+
+
+def reached(sources: Sequence[SourceText], model: str) -> list[SourceText]:
+    """*sources* with blanks in place of the classes that *model* does not use; texts without any others are left out.
+
+    What is used is kept as it is written, with comments and strings.
+    """
+    found = _Classes([SourceText(source.path, code(source.text)) for source in sources])
+    kept = zip(sources, found.pieces(found.reached(model)), strict=True)
+    return [SourceText(source.path, _blanked(source.text, pieces)) for source, pieces in kept if pieces]
 
 
 class _Classes:
@@ -82,18 +96,24 @@ class _Classes:
             own = self.classes[open_[-1]]
             if match["end"] is not None:
                 if len(open_) > 1 and own.name.rpartition(".")[2] == match["end"]:
-                    own.finish, own.end = match.span()
+                    own.finish, own.tail = match.span()
+                    own.end = text.find(";", own.tail) + 1 or len(text)
                     open_.pop()
             elif not match["next"]:
                 name = f"{own.name}.{match['name']}".lstrip(".")
                 open_.append(self._add(_Class(name, match["kind"], source, match.start(), match.end(), open_[-1])))
+            elif len(open_) == 1:  # a short class that is a file of its own, like a type
+                name = f"{own.name}.{match['name']}".lstrip(".")
+                ends = text.find(";", match.end()) + 1 or len(text)
+                new = _Class(name, match["kind"], source, match.start(), match.end(), top, ends, ends, ends)
+                self._add(new)
         if len(open_) > 1:  # it ends where no end is seen: nothing is known of it but the text
             del self.classes[top + 1 :]
             self.classes[top].inside.clear()
             self.unread.append(top)
         for number in range(top + 1, len(self.classes)):
             self.named.setdefault(self._last(number), []).append(number)
-        self.classes[top].finish = self.classes[top].end = len(text)
+        self.classes[top].finish = self.classes[top].tail = self.classes[top].end = len(text)
 
     def _add(self, new: _Class) -> int:
         self.classes.append(new)
@@ -147,7 +167,7 @@ class _Classes:
         """The names in a class's own text; that around a file's outermost class names the packages around the file."""
         own = self.classes[number]
         text = self.texts[own.source].text
-        found: set[str] = set()
+        found = set(_WORD.findall(text, own.tail, own.end))
         for start, end in self._own(number, own.body, own.finish):
             found.update(_WORD.findall(text, start, end))
         return found
@@ -159,22 +179,36 @@ class _Classes:
             start = self.classes[inner].end
         yield start, end
 
-    def kept(self, numbers: set[int]) -> list[SourceText]:
-        """The texts with blanks where classes stand that are not among *numbers*."""
-        pieces: dict[int, list[tuple[int, int]]] = {}
-        for number in sorted(numbers):
+    def pieces(self, numbers: set[int]) -> list[list[tuple[int, int]]]:
+        """Of each text, where the pieces that belong to the classes *numbers* start and end, in order."""
+        pieces: list[list[tuple[int, int]]] = [[] for _ in self.texts]
+        for number in numbers:
             own = self.classes[number]
-            pieces.setdefault(own.source, []).extend(self._own(number, own.start, own.end))
-        return [
-            SourceText(source.path, _blanked(source.text, pieces.get(k, []))) for k, source in enumerate(self.texts)
-        ]
+            pieces[own.source] += self._own(number, own.start, own.end)
+        return [sorted(each) for each in pieces]
 
 
 def _blanked(text: str, pieces: list[tuple[int, int]]) -> str:
-    if not pieces:
-        return ""
+    """*text* with nothing but line ends, and blanks before what follows in a line, around *pieces*."""
     parts, last = [], 0
-    for start, end in sorted(pieces):
-        parts += [_KEPT.sub(" ", text[last:start]), text[start:end]]
+    for start, end in pieces:
+        parts += [_without(text, last, start), text[start:end]]
         last = end
-    return "".join([*parts, _KEPT.sub(" ", text[last:])])
+    return "".join([*parts, _without(text, last, len(text))])
+
+
+def _without(text: str, start: int, end: int) -> str:
+    line = max(text.rfind("\n", start, end) + 1, start)
+    return "\n" * text.count("\n", start, end) + " " * (end - line)
+
+
+def _squeezed(source: SourceText, pieces: list[tuple[int, int]]) -> SourceText:
+    parts: list[str] = []
+    starts: list[tuple[int, int]] = []
+    length = 0
+    for start, end in pieces:
+        for match in _UNBROKEN.finditer(source.text, start, end):
+            parts.append(match[0])
+            starts.append((length, match.start()))
+            length += len(match[0]) + 1
+    return SourceText(source.path, " ".join(parts), source.text, tuple(starts))

@@ -15,7 +15,7 @@ from dse.modelica.algebra.traversal import symbols
 from dse.modelica.flat_model import FlatModel, Role
 from dse.modelica.flatten.flattening import flatten
 from dse.modelica.frontend.result import FrontEndResult
-from dse.modelica.frontend.sources import SourceText
+from dse.modelica.frontend.source_text import SourceText
 
 
 def compiled(text: str, structural: frozenset[str] = frozenset()) -> FrontEndResult:

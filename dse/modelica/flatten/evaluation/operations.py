@@ -201,6 +201,9 @@ def _builtin(visit: Visit) -> Steps:
         if name == "sign":
             return mapped(value, lambda item: sign(visit.model, item, held, where))
         return mapped(value, lambda item: rounded(visit.model, name, item, held, where))
+    if name in QUOTIENTS and len(values) == 2:
+        left, right = map(only, values)
+        return scalar(quotient(visit.model, name, left, right, visit.frame.makes_events, where))
     function = BUILTINS.get(name)
     if function is None:
         raise visit.document.refused(f"the function '{name}'", visit.number)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import cast
 
 from dse.errors import Location, fail
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.algebra.traversal import replaced, symbols
 from dse.modelica.flat_model import Check, Reinitialization, Role
 from dse.modelica.flatten.document import Record, fields, shape, single
 from dse.modelica.flatten.evaluation.context import Frame, implies
@@ -45,8 +46,10 @@ def read_discrete(evaluation: Evaluation, conditions: Conditions) -> Discrete:
         _action(discrete, record)
     for record in lists["model_event_transactions"]:
         _check_transaction(discrete, record)
+    values: dict[Symbol, tuple[Expression, Location | None]] = {}
     for record in lists["initial_discrete_values"]:
-        _initial_value(discrete, record)
+        values |= _initial_values(discrete, record)
+    _enter_initial_values(evaluation, values)
     _finish(discrete)
     return discrete
 
@@ -196,8 +199,8 @@ def _check_first(discrete: Discrete, trigger: int, kind: str, where: Location | 
         raise fail(f"a {kind} in an elsewhen is not supported", where, "write a when-clause of its own")
 
 
-def _initial_value(discrete: Discrete, record: Record) -> None:
-    """A discrete variable's value before the first event, from an initial equation."""
+def _initial_values(discrete: Discrete, record: Record) -> dict[Symbol, tuple[Expression, Location | None]]:
+    """Values of a discrete variable before the first event, from an initial equation, by element."""
     evaluation = discrete.evaluation
     where = evaluation.document.where(record.get("provenance"))
     fields(record, "target value", "an initial value", where)
@@ -206,11 +209,37 @@ def _initial_value(discrete: Discrete, record: Record) -> None:
     values = list(evaluation.scalars(declared, record["value"], frame, refusal, where))
     if frame.asserts:
         raise fail(refusal, where)
+    return {Symbol(name): (element, where) for name, element in values}
+
+
+def _enter_initial_values(evaluation: Evaluation, values: Mapping[Symbol, tuple[Expression, Location | None]]) -> None:
+    """Initial *values* become fixed starts. They may depend on each other, on parameters and on the time."""
     variables = evaluation.model.variables
-    for name, element in values:
-        if not evaluation.model.is_parameter(element):
-            raise fail(f"an initial value of '{name}' that depends on more than parameters is not supported", where)
-        variables[name] = replace(variables[name], start=element, is_fixed=True)
+    pending, known = dict(values), dict[Symbol, Expression]()
+    while pending:
+        ready = {
+            symbol: element
+            for symbol, (element, _) in pending.items()
+            if not any(replace(other, referent=Referent.VARIABLE) in pending for other in symbols(element))
+        }
+        if not ready:
+            symbol, (_, where) = next(iter(pending.items()))
+            raise fail(f"an initial value of '{symbol}' that depends on itself is not supported", where)
+        for symbol, element in ready.items():
+            start = replaced((element,), lambda node: known.get(now) if (now := _now(node)) else None)[0]
+            if not evaluation.model.is_known_at_start(start):
+                what = f"an initial value of '{symbol}' that depends on more than parameters and time is not supported"
+                raise fail(what, pending[symbol][1])
+            known[symbol] = start
+            variables[symbol.name] = replace(variables[symbol.name], start=start, is_fixed=True)
+            del pending[symbol]
+
+
+def _now(node: Expression) -> Symbol | None:
+    """The variable that *node* is, or is the value before of."""
+    symbol = node.symbol
+    is_value = symbol is not None and symbol.referent in (Referent.VARIABLE, Referent.PRE)
+    return replace(symbol, referent=Referent.VARIABLE) if symbol is not None and is_value else None
 
 
 def _finish(discrete: Discrete) -> None:

@@ -50,7 +50,7 @@ def _ineffective(result: FrontEndResult, sources: ModelSources, structural: Mapp
 class _Probe:
     def __init__(self, session: Session, result: FrontEndResult, changes: Mapping[str, str]) -> None:
         self._session, self._result, self._changes = session, result, changes
-        relative = {path: name for name, path in session.sources.origins.items()}
+        relative = {session.sources.origins[name]: name for name in session.sources.contents}
         self._files = {
             number: relative[source.path] for number, source in result.sources.items() if source.path in relative
         }

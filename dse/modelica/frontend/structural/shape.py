@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterable, Iterator
 
 from dse.modelica.frontend.result import FrontEndResult
-from dse.modelica.frontend.source_text import arguments, inside
+from dse.modelica.frontend.source_text import arguments, inside, value
 from dse.modelica.frontend.used_classes import used
 
 _WORD = re.compile(r"[A-Za-z_]\w*|'(?:[^'\\]|\\.)*'")
@@ -95,7 +95,7 @@ def _made_of(texts: list[str], names: set[str], parameters: set[str]) -> set[str
     given: dict[str, set[str]] = {}
     for text in texts:
         for match in _GIVEN.finditer(text):
-            given.setdefault(match[1], set()).update(_WORD.findall(_value(text, match.end())))
+            given.setdefault(match[1], set()).update(_WORD.findall(value(text, match.end())))
     found: set[str] = set()
     pending = list(names)
     while pending:
@@ -106,16 +106,3 @@ def _made_of(texts: list[str], names: set[str], parameters: set[str]) -> set[str
 
 
 _GIVEN = re.compile(r"([A-Za-z_]\w*)\s*(?:\[[^\]]*\]\s*)?(?:\([^()]*\)\s*)?=(?!=)")
-
-
-def _value(text: str, start: int) -> str:
-    """The expression at *start*: up to a comma, a semicolon or a bracket that closes what stands around it."""
-    depth = 0
-    for end, letter in enumerate(text[start:], start):
-        if letter in "([{":
-            depth += 1
-        elif letter in ")]}":
-            depth -= 1
-        if depth < 0 or (depth == 0 and letter in ",;"):
-            return text[start:end]
-    return text[start:]

@@ -1,0 +1,45 @@
+model LookUps "Every way to read tables that are declared as in the Modelica Standard Library"
+  import Modelica.Blocks.Types.{Extrapolation, Smoothness};
+  parameter Real curve[4, 2] = [0, 1; 1, 3; 2, 2; 4, 6];
+  parameter Real jumps[5, 2] = [0, 0; 0.5, 1; 0.5, 3; 0.8, 2; 1, 1];
+  output Real line(start = 0);
+  output Real held;
+  output Real periodic;
+  output Real stepped;
+  output Real mu;
+  output Real slid;
+  output Real width;
+  output Real course;
+  output Real stairs;
+  output Real repeated;
+  output Real late;
+  output Real area(start = 0, fixed = true);
+protected
+  Modelica.Blocks.Tables.Curve a(table = curve);
+  Modelica.Blocks.Tables.Curve b(table = curve, extrapolation = Extrapolation.HoldLastPoint);
+  Modelica.Blocks.Tables.Curve c(table = curve, extrapolation = Extrapolation.Periodic);
+  Modelica.Blocks.Tables.Curve d(table = curve, smoothness = Smoothness.ConstantSegments);
+  Modelica.Blocks.Tables.Friction f(mu_pos = [0, 0.5; 2, 0.3]);
+  Modelica.Blocks.Tables.Friction single;
+  Modelica.Blocks.Sources.Course p(table = jumps);
+  Modelica.Blocks.Sources.Course q(table = jumps, smoothness = Smoothness.ConstantSegments, extrapolation = Extrapolation.HoldLastPoint);
+  Modelica.Blocks.Sources.Course r(table = jumps, extrapolation = Extrapolation.Periodic);
+  Modelica.Blocks.Sources.Course s(table = jumps, extrapolation = Extrapolation.HoldLastPoint, startTime = 0.35, shiftTime = 0.22);
+equation
+  a.u = 5*time - 1;
+  b.u = a.u;
+  c.u = a.u;
+  d.u = a.u;
+  line = a.y;
+  held = b.y;
+  periodic = c.y;
+  stepped = d.y;
+  mu = f.mu0;
+  slid = single.mu0;
+  width = a.last - a.first;
+  course = p.y;
+  stairs = q.y;
+  repeated = r.y;
+  late = s.y;
+  der(area) = r.y;
+end LookUps;

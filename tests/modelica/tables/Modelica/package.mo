@@ -1,0 +1,149 @@
+package Modelica "Stands for the Modelica Standard Library: the declarations of its tables, without their C code"
+  package Blocks
+    package Types
+      type Smoothness = enumeration(LinearSegments, ContinuousDerivative, ConstantSegments);
+      type Extrapolation = enumeration(HoldLastPoint, LastTwoPoints, Periodic, NoExtrapolation);
+      class ExternalCombiTable1D
+        extends ExternalObject;
+        function constructor
+          input String tableName;
+          input String fileName;
+          input Real table[:, :];
+          input Integer columns[:];
+          input Smoothness smoothness;
+          input Extrapolation extrapolation = Extrapolation.LastTwoPoints;
+          output ExternalCombiTable1D object;
+          external "C" object = absent(tableName, fileName, table);
+        end constructor;
+        function destructor
+          input ExternalCombiTable1D object;
+          external "C" absent(object);
+        end destructor;
+      end ExternalCombiTable1D;
+      class ExternalCombiTimeTable
+        extends ExternalObject;
+        function constructor
+          input String tableName;
+          input String fileName;
+          input Real table[:, :];
+          input Real startTime;
+          input Integer columns[:];
+          input Smoothness smoothness;
+          input Extrapolation extrapolation;
+          input Real shiftTime = 0;
+          output ExternalCombiTimeTable object;
+          external "C" object = absent(tableName, fileName, table);
+        end constructor;
+        function destructor
+          input ExternalCombiTimeTable object;
+          external "C" absent(object);
+        end destructor;
+      end ExternalCombiTimeTable;
+    end Types;
+    package Tables
+      block Curve "A table over an input"
+        parameter Real table[:, :] = fill(0.0, 0, 2);
+        parameter Integer columns[:] = 2:size(table, 2);
+        parameter Types.Smoothness smoothness = Types.Smoothness.LinearSegments;
+        parameter Types.Extrapolation extrapolation = Types.Extrapolation.LastTwoPoints;
+        final parameter Real first = Internal.getTable1DAbscissaUmin(tableID);
+        final parameter Real last = Internal.getTable1DAbscissaUmax(tableID);
+        input Real u;
+        output Real y;
+      protected
+        parameter Types.ExternalCombiTable1D tableID = Types.ExternalCombiTable1D("NoName", "NoName", table, columns,
+          smoothness, extrapolation) "External; object (";
+      equation
+        y = if smoothness == Types.Smoothness.ConstantSegments then Internal.getTable1DValueNoDer(tableID, 1, u)
+          elseif smoothness == Types.Smoothness.LinearSegments then Internal.getTable1DValueNoDer2(tableID, 1, u)
+          else Internal.getTable1DValue(tableID, 1, u);
+      end Curve;
+      block Friction "A number of a table in a parameter"
+        import Modelica.Blocks.Types.{ExternalCombiTable1D, Extrapolation, Smoothness};
+        import Modelica.Blocks.Tables.Internal.getTable1DValueNoDer2;
+        parameter Real mu_pos[:, 2] = [0, 0.5];
+        final parameter ExternalCombiTable1D tableID = ExternalCombiTable1D(tableName = "NoName", fileName = "NoName",
+          table = mu_pos, columns = {2}, smoothness = Smoothness.LinearSegments) "Object";
+        final parameter Real mu0 = getTable1DValueNoDer2(tableID, 1, 0);
+      end Friction;
+      package Internal
+        pure function getTable1DValue
+          input Types.ExternalCombiTable1D tableID;
+          input Integer icol;
+          input Real u;
+          output Real y;
+          external "C" y = absent(tableID, icol, u);
+        end getTable1DValue;
+        pure function getTable1DValueNoDer
+          input Types.ExternalCombiTable1D tableID;
+          input Integer icol;
+          input Real u;
+          output Real y;
+          external "C" y = absent(tableID, icol, u);
+        end getTable1DValueNoDer;
+        pure function getTable1DValueNoDer2
+          input Types.ExternalCombiTable1D tableID;
+          input Integer icol;
+          input Real u;
+          output Real y;
+          external "C" y = absent(tableID, icol, u);
+        end getTable1DValueNoDer2;
+        pure function getTable1DAbscissaUmin
+          input Types.ExternalCombiTable1D tableID;
+          output Real uMin;
+          external "C" uMin = absent(tableID);
+        end getTable1DAbscissaUmin;
+        pure function getTable1DAbscissaUmax
+          input Types.ExternalCombiTable1D tableID;
+          output Real uMax;
+          external "C" uMax = absent(tableID);
+        end getTable1DAbscissaUmax;
+        pure function getTimeTableValueNoDer
+          input Types.ExternalCombiTimeTable tableID;
+          input Integer icol;
+          input Real timeIn;
+          input Real nextTimeEvent;
+          input Real pre_nextTimeEvent;
+          output Real y;
+          external "C" y = absent(tableID, icol, timeIn, nextTimeEvent, pre_nextTimeEvent);
+        end getTimeTableValueNoDer;
+        pure function getTimeTableValueNoDer2
+          input Types.ExternalCombiTimeTable tableID;
+          input Integer icol;
+          input Real timeIn;
+          input Real nextTimeEvent;
+          input Real pre_nextTimeEvent;
+          output Real y;
+          external "C" y = absent(tableID, icol, timeIn, nextTimeEvent, pre_nextTimeEvent);
+        end getTimeTableValueNoDer2;
+        pure function getNextTimeEvent
+          input Types.ExternalCombiTimeTable tableID;
+          input Real timeIn;
+          output Real nextTimeEvent;
+          external "C" nextTimeEvent = absent(tableID, timeIn);
+        end getNextTimeEvent;
+      end Internal;
+    end Tables;
+    package Sources
+      block Course "A table over the time"
+        parameter Real table[:, :] = fill(0.0, 0, 2);
+        parameter Types.Smoothness smoothness = Types.Smoothness.LinearSegments;
+        parameter Types.Extrapolation extrapolation = Types.Extrapolation.LastTwoPoints;
+        parameter Real startTime = -1e3;
+        parameter Real shiftTime = 0;
+        output Real y;
+      protected
+        discrete Real next(start = 0, fixed = true);
+        parameter Types.ExternalCombiTimeTable tableID = Types.ExternalCombiTimeTable("NoName", "NoName", table,
+          startTime, {2}, smoothness, extrapolation, shiftTime);
+      equation
+        when {time >= pre(next), initial()} then
+          next = Tables.Internal.getNextTimeEvent(tableID, time);
+        end when;
+        y = if smoothness == Types.Smoothness.ConstantSegments
+          then Tables.Internal.getTimeTableValueNoDer(tableID, 1, time, next, pre(next))
+          else Tables.Internal.getTimeTableValueNoDer2(tableID, 1, time, next, pre(next));
+      end Course;
+    end Sources;
+  end Blocks;
+end Modelica;

@@ -1,0 +1,85 @@
+"""Tables declared as in the Modelica Standard Library, against look-ups written here."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+from modelica_components import MakeModel
+from slaves import run_cs
+
+from dse.modelica.frontend.library_tables import with_tables
+
+TABLES = Path(__file__).parent / "tables"
+CURVE = ([0.0, 1.0, 2.0, 4.0], [1.0, 3.0, 2.0, 6.0])
+# Where the table jumps, the first point belongs to what is before.
+JUMPS = ([0.0, 0.5, 0.5 + 1e-12, 0.8, 1.0], [0.0, 1.0, 3.0, 2.0, 1.0])
+
+
+def line(u: float) -> float:
+    """Straight lines, continued by those at the ends."""
+    if u < 0:
+        return 1 + 2 * u
+    return 6 + 2 * (u - 4) if u > 4 else float(np.interp(u, *CURVE))
+
+
+def stairs(t: float) -> float:
+    return JUMPS[1][max(k for k, at in enumerate(JUMPS[0]) if at <= max(t, 0.0))]
+
+
+def expected(t: float) -> dict[str, float]:
+    u = 5 * t - 1
+    return {
+        "line": line(u),
+        "held": float(np.interp(u, *CURVE)),
+        "periodic": float(np.interp(u % 4, *CURVE)),
+        "stepped": CURVE[1][max((k for k, at in enumerate(CURVE[0]) if at <= u), default=0)],
+        "mu": 0.5,
+        "slid": 0.5,
+        "width": 4,
+        "course": float(np.interp(t, *JUMPS)) if t <= 1 else 1 - 5 * (t - 1),
+        "stairs": stairs(t),
+        "repeated": float(np.interp(t % 1, *JUMPS)),
+        "late": 0.0 if t < 0.35 else float(np.interp(t - 0.22, *JUMPS)),
+    }
+
+
+def test_tables_follow_their_points(made: MakeModel) -> None:
+    """The area is exact: one period is 0.25 + 0.75 + 0.3, from the trapezoids."""
+    model = made(TABLES / "LookUps.mo", (TABLES,))
+    names = [*expected(0.0), "area"]
+    rows = run_cs(model, names, 31, 0.07, {}, {}, 1e-9)
+    for k, row in enumerate(rows):
+        for name, value in expected(k * 0.07).items():
+            assert row[name] == pytest.approx(value, abs=1e-8), (name, k * 0.07)
+    whole, rest = divmod(31 * 0.07, 1)
+    assert rows[31]["area"] == pytest.approx(1.3 * whole + rest**2, abs=1e-6)
+
+
+def test_the_lines_of_a_rewritten_text_stay_where_they_are() -> None:
+    text = (TABLES / "Modelica" / "package.mo").read_text(encoding="utf-8")
+    new = with_tables(text)
+    lines, others = text.split("\n"), new.split("\n")
+    assert len(lines) == len(others)
+    kept = [k for k, line in enumerate(lines) if "final parameter Real first" in line or "block Course" in line]
+    assert [
+        k for k, line in enumerate(others) if "final parameter Real first" in line or "block Course" in line
+    ] == kept
+    assert "tableID" not in new.replace("input Types.", "")
+
+
+def test_a_text_without_tables_is_kept() -> None:
+    assert with_tables("model M Real x = 1; end M;") == "model M Real x = 1; end M;"
+
+
+def test_a_smooth_table_gives_no_number(made: MakeModel, tmp_path: Path) -> None:
+    file = tmp_path / "Smooth.mo"
+    file.write_text(
+        "model Smooth Modelica.Blocks.Tables.Curve a(table = [0, 1; 1, 2; 3, 5], u = time,"
+        " smoothness = Modelica.Blocks.Types.Smoothness.ContinuousDerivative); output Real y = a.y; end Smooth;",
+        encoding="utf-8",
+    )
+    with pytest.raises(FMICallException, match="error"):
+        run_cs(made(file, (TABLES,)), ["y"], 1, 0.1, {}, {}, 1e-6)
