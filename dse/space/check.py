@@ -74,7 +74,7 @@ def _wiring(path: str, compound: Compound) -> Iterable[Problem]:
                 shown = f"{'.'.join(filter(None, source))} -> {'.'.join(filter(None, target))}: {difference}"
                 yield Problem(shown, connection.where, "both ends must carry the same unit and type")
             driven.add(target)
-            if source[0] in may_miss or target[0] in may_miss:
+            if connection.when or source[0] in may_miss or target[0] in may_miss:
                 continue
             first = always.setdefault(target, connection)
             if first is not connection:

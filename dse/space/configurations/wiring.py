@@ -217,12 +217,23 @@ def _place(node: Node, path: str, choices: Choices, optionals: int = 0) -> Place
                 name: _place(child, f"{path}.{name}" if path else name, choices, optionals)
                 for name, child in node.parts.items()
             }
-            return PlacedPart(path, node.interface, parts, node.connections, optionals=optionals)
+            here = f"{path}." if path else ""
+            made = tuple(one for one in node.connections if _is_made(one, here, choices))
+            return PlacedPart(path, node.interface, parts, made, optionals=optionals)
         case Alternative():
             option = next(option for option in node.options if option.name == choices[path])
             return _place(option, path, choices, optionals)
         case Optional():
             return _place(node.content, path, choices, optionals + 1) if path in choices else None
+
+
+def _is_made(connection: Connection, here: str, choices: Choices) -> bool:
+    """Whether what *connection* depends on is chosen; *here* is where its paths begin."""
+    if connection.when is None:
+        return True
+    path, names = connection.when
+    chosen = choices.get(here + path)
+    return chosen is not None and (not names or chosen in names)
 
 
 def _levels(place: PlacedPart, depth: int) -> Iterable[tuple[int, PlacedPart]]:

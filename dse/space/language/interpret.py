@@ -38,6 +38,7 @@ from dse.expression import (
     require_truth,
     unary_sort,
 )
+from dse.loading import unfold
 from dse.space.decisions import Site
 from dse.space.language.places import Places
 from dse.space.language.terms import (
@@ -73,6 +74,7 @@ def interpret_condition(expression: Expression, places: Places) -> Term:
 
 def interpret(expression: Expression, places: Places) -> tuple[Sort, Term]:
     """*expression* with the sort of its value. Raises DseError like `interpret_condition`."""
+    expression = unfold(expression, places.instances)
     return _Interpreter(expression, places).term(expression.root)
 
 
@@ -228,6 +230,9 @@ class _Interpreter:
         condition_sort, condition = self.term(node.condition)
         require_truth(self.expression, node.condition, condition_sort)
         (yes_sort, yes), (no_sort, no) = self.term(node.yes), self.term(node.no)
+        if isinstance(no, Constant) and not no.value and no_sort == PLAIN:
+            # Nothing has any unit: the other side has the formula's.
+            no_sort = yes_sort
         return choice_sort(self.expression, node.span, yes_sort, no_sort), ConditionalTerm(condition, yes, no)
 
     def error(self, span: Span, what: str, advice: str) -> DseError:
