@@ -88,7 +88,7 @@ def _design(schema: Schema) -> None:
     for form in ("at_least", "at_most", "exactly"):
         defined["properties"][form] |= {"propertyNames": {"pattern": _NUMBERED}, "maxProperties": 1}
         defined["properties"][form].pop("additionalProperties")
-    compound = {
+    compound: Schema = {
         "type": "object",
         "required": ["compound"],
         "additionalProperties": False,

@@ -172,15 +172,15 @@ class Layout:
         if not others:
             return
         if bounds is None or self.columns:
-            yield name, Compound(name, {other: self._pair(other) for other in others})
+            yield name, Compound(name, {other: self._pair() for other in others})
             return
         choice = Alternative(tuple(Compound(other, {}) for other in others))
         yield name, choice if bounds.least and not end.is_optional else Optional(choice)
 
-    def _pair(self, name: str) -> Node:
-        if self.pattern.parallel == 1:
-            return Optional(Compound(name, {}))
-        return Optional(Alternative(tuple(Compound(f"x{n}", {}) for n in range(1, self.pattern.parallel + 1))))
+    def _pair(self) -> Node:
+        times = self.pattern.parallel
+        names = ("connected",) if times == 1 else tuple(f"x{n}" for n in range(1, times + 1))
+        return Optional(Alternative(tuple(Compound(name, {}) for name in names)))
 
     def rules(self, entry: Entry) -> Iterator[tuple[str, list[str]]]:
         """The conditions of the pattern by what they are about."""

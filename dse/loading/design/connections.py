@@ -43,7 +43,7 @@ def over_instances(
     """
     found: list[Connection] = []
     for connection in connections:
-        ends = [_instances(end, parts) for end in (connection.source, connection.target)]
+        ends = [instances_of(end, parts) for end in (connection.source, connection.target)]
         numbers = {len(end) for end in ends if len(end) > 1} or {1}
         repeated = [end for end in ends if end not in ([connection.source], [connection.target])]
         if len(numbers) > 1 or ("#" in str(connection) and not repeated):
@@ -57,8 +57,8 @@ def over_instances(
     return tuple(found)
 
 
-def _instances(end: str, parts: Mapping[str, Node]) -> list[str]:
-    """*end* for every instance of the first repeated place in it, of which it names none; only itself otherwise."""
+def instances_of(end: str, parts: Mapping[str, Node]) -> list[str]:
+    """The path *end* for every instance of the first repeated place in it; only itself if there is none, or named."""
     steps = end.split(".")
     for taken, step in enumerate(steps, 1):
         node = parts.get(step)

@@ -11,7 +11,7 @@ part that is always there.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from dse.domain.component import NO_INTERFACE, Causality, Component, Interface, Parameter, Port
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part
@@ -53,7 +53,7 @@ def wire(
     """
     ways, components = _ways(_with_bench(_chosen(space.root, "", choices), test_components or {}, connections))
     return tuple(
-        Connection(".".join(source), ".".join(target), connection.where)
+        Connection(".".join(source), ".".join(target), connection.where, when=connection.when)
         for source, target, connection in ways
         if target[0] in components
     )
@@ -103,6 +103,8 @@ def _ways(root: PlacedPart) -> tuple[list[tuple[PortOf, PortOf, Connection]], se
                 first = drivers.pop(target, None)
                 if first and optionals[source[0]] == optionals[first[0][0]]:
                     problems.append(two_sources(target, first[2], connection))
+                if optionals[source[0]] and connection.when is None:
+                    connection = replace(connection, when=(source[0], ()))  # noqa: PLW2901  # as far as it is made
                 is_replaced = first and optionals[source[0]] < optionals[first[0][0]]
                 drivers[target] = first if first and is_replaced else (source, depth, connection)
     raise_if_any(problems)
