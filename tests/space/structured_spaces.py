@@ -48,7 +48,7 @@ def structured(random: Random) -> Structured:
         links = [_link(random, f"link{n}", places) for n in range(random.randint(0, 2))]
         rules = [_rule(random, places) for _ in range(random.randint(0, 2))]
         compound = {place.name: place.written for place in places} | {link["name"]: link["written"] for link in links}
-        data: dict[str, Any] = {"design": "random", "root": {"compound": compound}}
+        data: dict[str, Any] = {"design": "tried", "root": {"compound": compound}}
         if rules:
             data["constraints"] = {f"c{n}": {"require": text} for n, (text, _) in enumerate(rules)}
         work = 1

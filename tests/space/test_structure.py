@@ -1,0 +1,226 @@
+"""Repeated places, chosen connections and allocations: counts against closed forms and against enumeration."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from math import comb, factorial, perm
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings, strategies as st
+from structured_spaces import COMPONENTS, structured
+
+from dse.domain.design import DesignSpace
+from dse.errors import DseError
+from dse.formats import dump_yaml
+from dse.loading import Workspace, write_design
+from dse.space import open_space
+from dse.space.check import check_space
+
+OPTIONS = "alternatives: [A, B, C]"
+ARCHITECTURE = "compound: {x: {alternatives: [A, B]}, y: {optional: {alternatives: [A, B]}}}"
+"""Six ways."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    root = tmp_path_factory.mktemp("structure")
+    (root / "designs").mkdir()
+    (root / "components").mkdir()
+    (root / "components/parts.yaml").write_text(COMPONENTS, encoding="utf-8")
+    return root
+
+
+def read(folder: Path, text: str) -> DesignSpace:
+    (folder / "designs/tried.yaml").write_text(text, encoding="utf-8")
+    return Workspace(folder).design("tried")
+
+
+def space_of(folder: Path, *parts: str, rules: str = "") -> DesignSpace:
+    lines = "".join(f"    {part}\n" for part in parts)
+    return read(folder, f"design: tried\nroot:\n  compound:\n{lines}{f'constraints: {rules}' if rules else ''}\n")
+
+
+def count(space: DesignSpace) -> int:
+    assert check_space(space) == []
+    return open_space(space).count(exact=True).value
+
+
+@pytest.mark.parametrize(
+    ("part", "expected"),
+    [
+        (f"{{times: 0..4, {OPTIONS}}}", sum(3**k for k in range(5))),
+        (f"{{times: 3, {OPTIONS}}}", 27),
+        (f"{{times: 0..4, unordered: true, {OPTIONS}}}", sum(comb(2 + k, k) for k in range(5))),
+        (f"{{times: 0..4, all_different: true, {OPTIONS}}}", sum(perm(3, k) for k in range(5))),
+        (f"{{times: 1..3, all_different: true, unordered: true, {OPTIONS}}}", 3 + 3 + 1),
+        ("{times: 2..5, of: A}", 4),
+        (f"{{times: 0..3, {ARCHITECTURE}}}", sum(6**k for k in range(4))),
+        (f"{{times: 0..3, unordered: true, {ARCHITECTURE}}}", sum(comb(5 + k, k) for k in range(4))),
+        (f"{{times: 0..3, all_different: true, {ARCHITECTURE}}}", sum(perm(6, k) for k in range(4))),
+        (f"{{optional: {{times: 1..2, {OPTIONS}}}}}", 1 + 3 + 9),
+        (f"{{times: 2, compound: {{w: {{times: 0..2, unordered: true, {OPTIONS}}}}}}}", (1 + 3 + 6) ** 2),
+    ],
+)
+def test_instances_are_sequences_multisets_or_sets(folder, part, expected):
+    assert count(space_of(folder, f"p: {part}")) == expected
+
+
+BELL_8, STIRLING_9_4 = 4140, 7770
+"""Partitions of 8 into any number of blocks and of 9 into 4 (OEIS A000110, A008277)."""
+
+
+@pytest.mark.parametrize(
+    ("sources", "targets", "keys", "expected"),
+    [
+        (3, 4, "", 2**12),
+        (3, 4, "incoming: 1..*", (2**3 - 1) ** 4),
+        (8, 8, "outgoing: 1, unordered: true", BELL_8),
+        (9, 4, "outgoing: 1, incoming: 1..*, unordered: true", STIRLING_9_4),
+        (9, 4, "outgoing: 1, incoming: 1..*", STIRLING_9_4 * factorial(4)),
+        (10, 10, "outgoing: 1, incoming: 1", factorial(10)),
+        (3, 5, "outgoing: 1, incoming: 0..1", perm(5, 3)),
+        (3, 5, "outgoing: 0..1, incoming: 0..1", sum(comb(3, k) * perm(5, k) for k in range(4))),
+        (3, 4, "incoming: 1", 3**4),
+        (10, 1, "outgoing: 0..1", 2**10),
+        (10, 1, "outgoing: 0..1, total: 4..6", sum(comb(10, k) for k in (4, 5, 6))),
+        (4, 3, "unordered: true", comb(2**4 + 2, 3)),
+        (3, 3, "outgoing: 1..*, incoming: 1..*", 265),
+        (3, 2, "exclude: [s.n1 -> t.n1, s.n3 -> t]", 2**3),
+        (2, 2, "parallel: 3", 4**4),
+        (1, 2, "parallel: 3, total: 4", 3),
+    ],
+)
+def test_connections_are_counted_as_the_patterns_of_the_literature(folder, sources, targets, keys, expected):
+    # Assigning, covering, partitioning, permuting and downselecting (Selva, Cameron and Crawley 2016, Patterns in
+    # system architecture decisions); 265 are the 3 by 3 matrices of bits without an empty row or column (A048291).
+    link = f"link: {{connect: s -> t{', ' * bool(keys)}{keys}}}"
+    assert (
+        count(space_of(folder, f"s: {{times: {sources}, of: A}}", f"t: {{times: {targets}, of: B}}", link)) == expected
+    )
+
+
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [(", undirected: true", 2**10), ("", 2**20), (", undirected: true, outgoing: 2", 12), (", outgoing: 1", 4**5)],
+)
+def test_connecting_makes_graphs(folder, keys, expected):
+    # 12 are the cycles through 5 nodes, 4!/2, the only graphs of 5 nodes of degree 2.
+    assert count(space_of(folder, "s: {times: 5, of: A}", f"link: {{connect: s -> s{keys}}}")) == expected
+
+
+def test_the_published_gnc_problem_has_its_published_numbers(folder):
+    # Apaza and Selva (2021), as in adsg-core and SBArchOpt: 29,857 without actuators, 79,091,323 with them.
+    kinds = [f"{name}: {{times: 1..3, unordered: true, {OPTIONS}}}" for name in ("sensor", "computer", "actuator")]
+    links = [
+        f"{a}_{b}: {{connect: {a} -> {b}, outgoing: 1..*, incoming: 1..*}}"
+        for a, b in (("sensor", "computer"), ("computer", "actuator"))
+    ]
+    assert count(space_of(folder, *kinds[:2], links[0])) == 29_857
+    assert count(space_of(folder, *kinds, *links)) == 79_091_323
+
+
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        ("allocate: [f, g, h]", 27),
+        ("allocate: [f, g, h], redundancy: {f: 2}", 27),
+        ("allocate: [f, g, h], redundancy: 2", 27),
+        ("allocate: [f, g, h], apart: [[f, g]]", 18),
+        ("allocate: [f, g, h], apart: [[f, g, h]]", 6),
+        ("allocate: [f, g, h], together: [[f, g]], apart: [[g, h]]", 6),
+        ("allocate: [f, g, h], incoming: 0..1", 6),
+        ("allocate: {f: {mass: 1 kg}, g: {mass: 1 kg}}, load: mass", 6),
+        ("allocate: [f, s], exclude: [f -> t.n1]", 6),
+        ("allocate: [f, s], load: [], together: [[f, s]]", 3),
+    ],
+)
+def test_functions_are_allocated(folder, keys, expected):
+    # Each of the three hosts states 1 kg.
+    parts = ("s: A", "t: {times: 3, of: A}", f"placement: {{{keys}, to: t}}")
+    assert count(space_of(folder, *parts)) == expected
+
+
+def test_the_load_of_a_part_depends_on_what_was_chosen(folder):
+    # A, B and C have 1, 2 and 4 kg; the function fits where the host has no less.
+    parts = (
+        "f: {alternatives: [A, B, C]}",
+        "t: {times: 1, alternatives: [A, B, C]}",
+        "m: {allocate: [f], to: t, load: mass}",
+    )
+    assert count(space_of(folder, *parts)) == 3 + 2 + 1
+
+
+@pytest.mark.parametrize(
+    "examples",
+    [20, pytest.param(100, marks=pytest.mark.thorough), pytest.param(2000, marks=pytest.mark.nightly)],
+)
+def test_random_structures_have_as_many_configurations_as_there_are(folder, examples):
+    @settings(max_examples=examples, deadline=None, database=None, suppress_health_check=[HealthCheck.too_slow])
+    @given(random=st.randoms(use_true_random=False))
+    def check(random) -> None:
+        made = structured(random)
+        if made.count == 0:
+            with suppress(DseError):  # a degree that no choice can reach
+                assert count(read(folder, dump_yaml(made.data))) == 0
+            return
+        space = read(folder, dump_yaml(made.data))
+        assert count(space) == made.count
+        if made.count < 300:
+            found = [each.id for each in open_space(space).configurations()]
+            assert len(set(found)) == len(found) == made.count
+        again = read(folder, write_design(space))
+        assert count(again) == made.count
+
+    check()
+
+
+WIRED = """\
+design: tried
+root:
+  compound:
+    radar: {times: 1..2, of: radar}
+    camera: {optional: radar}
+    fusion: {times: 1..2, of: fusion}
+    world: world
+    feeds: {connect: "radar.target, camera.target -> fusion.target_#", outgoing: 1..*, incoming: 1}
+  connections: [world.gap -> radar.gap, world.gap -> camera.gap]
+"""
+
+
+@pytest.fixture(scope="module")
+def wired(tmp_path_factory) -> DesignSpace:
+    root = tmp_path_factory.mktemp("wired")
+    (root / "designs").mkdir()
+    (root / "components").mkdir()
+    (root / "components/interfaces.yaml").write_text(
+        "interfaces:\n  sensing: {inputs: {gap: m}, outputs: {target: m}}\n  giving: {outputs: {gap: m}}\n"
+        "  fusing: {inputs: {target_1: m, target_2: m, target_3: m}, outputs: {nearest: m}}\n",
+        encoding="utf-8",
+    )
+    (root / "components/parts.yaml").write_text(
+        "components:\n  radar: {implements: sensing}\n  world: {implements: giving}\n  fusion: {implements: fusing}\n",
+        encoding="utf-8",
+    )
+    return read(root, WIRED)
+
+
+def test_chosen_connections_are_wires_of_the_configuration(wired):
+    assert check_space(wired) == []
+    # Every fusion has one source and every source feeds one: a radar alone one or two, two sources one each.
+    found = {each.id: each for each in open_space(wired).configurations()}
+    assert len(found) == 2 + 2 + 2
+    for each in found.values():
+        wires = {str(wire) for wire in each.connections}
+        chosen = {path.rpartition(".")[2]: name for path, name in each.choices.items() if path.startswith("feeds.")}
+        numbers = {"radar_1": ("radar.n1", 1), "radar_2": ("radar.n2", 2), "camera": ("camera", 3)}
+        expected = {f"world.gap -> {path}.gap" for path, number in numbers.values() if path in each.parts}
+        for fusion, source in chosen.items():
+            path, number = numbers[source]
+            expected.add(f"{path}.target -> fusion.n{fusion[-1]}.target_{number}")
+        assert wires == expected
+
+
+def test_wires_come_back_from_a_written_design(wired, tmp_path):
+    text = write_design(wired)
+    assert "radar.n1.target -> fusion.n2.target_1 if feeds.fusion_2 in [radar_1]" in text
