@@ -10,12 +10,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from structured_spaces import COMPONENTS, structured
 
-from dse.domain.design import DesignSpace
+from dse.domain.component import NO_INTERFACE, Component
+from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Part
 from dse.errors import DseError
+from dse.expression.parse import parse_expression
 from dse.formats import dump_yaml
 from dse.loading import Workspace, write_design
 from dse.space import open_space
 from dse.space.check import check_space
+from dse.space.methods.engine import Engine
 
 OPTIONS = "alternatives: [A, B, C]"
 ARCHITECTURE = "compound: {x: {alternatives: [A, B]}, y: {optional: {alternatives: [A, B]}}}"
@@ -224,3 +227,45 @@ def test_chosen_connections_are_wires_of_the_configuration(wired):
 def test_wires_come_back_from_a_written_design(wired, tmp_path):
     text = write_design(wired)
     assert "radar.n1.target -> fusion.n2.target_1 if feeds.fusion_2 in [radar_1]" in text
+
+
+def different(number: int, names: int, rule: str) -> DesignSpace:
+    """Places with components of the same names, each pair under the *rule* as a constraint of its own."""
+    choice = Alternative(tuple(Part(Component(f"t{name}", NO_INTERFACE)) for name in range(names)))
+    pairs = [(f"p{a}", f"p{b}") for b in range(number) for a in range(b)]
+    texts = [rule.format(p=p, q=q, v=f"t{v}") for p, q in pairs for v in (range(names) if "{v}" in rule else (0,))]
+    rules = tuple(Constraint(f"c{n}", parse_expression(text)) for n, text in enumerate(texts))
+    return DesignSpace("places", Compound("places", {f"p{n}": choice for n in range(number)}), rules)
+
+
+@pytest.mark.parametrize("rule", ["not same_choice({p}, {q})", "not ({p} is {v} and {q} is {v})"])
+def test_places_that_differ_pair_by_pair_are_recognised(rule):
+    # Twelve by tables alone are too wide for any diagram; the same by sums are quick.
+    space = different(12 if "same" in rule else 7, 12 if "same" in rule else 8, rule)
+    engine = Engine.of(space)
+    assert count(space) == (factorial(12) if "same" in rule else perm(8, 7))
+    assert engine.expanded is not None
+    # Each pair is still a constraint of its own: without one of them there are more.
+    if "{v}" not in rule:
+        return
+    assert engine.only(range(1, len(space.constraints))).count(0).value == perm(8, 7) + perm(7, 5)
+
+
+def test_a_table_that_says_more_than_different_names_stays():
+    space = different(7, 8, "not ({p} is t0 and {q} is t0) and not ({p} is t1 and {q} is t2)")
+    assert count(space) == brute(7, 8)
+
+
+def brute(number: int, names: int) -> int:
+    """Sequences with t0 at most once and no t1 before a t2."""
+    ways = {(False, False): 1}
+    for _ in range(number):
+        after: dict[tuple[bool, bool], int] = {}
+        for (zero, one), times in ways.items():
+            for name in range(names):
+                if (name == 0 and zero) or (name == 2 and one):
+                    continue
+                state = zero or name == 0, one or name == 1
+                after[state] = after.get(state, 0) + times
+        ways = after
+    return sum(ways.values())
