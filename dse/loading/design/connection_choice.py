@@ -271,7 +271,7 @@ def _impossible(entry: Entry, who: str, bounds: Bounds) -> DseError:
 def _sides(entry: Entry, text: str, parts: Mapping[str, Node]) -> tuple[list[Endpoint], list[Endpoint]]:
     sides = text.split("->")
     if len(sides) != 2:
-        raise fail(f"'{text}' does not say from where to where", entry.where, "connect: radar -> ecu")
+        raise fail(f"'{text}' has no arrow", entry.where, "connect: radar -> ecu")
     sources, targets = (endpoints(entry, side.split(","), parts) for side in sides)
     for end in (*sources, *targets):
         if bool(end.port) is not bool(sources[0].port):
@@ -280,7 +280,7 @@ def _sides(entry: Entry, text: str, parts: Mapping[str, Node]) -> tuple[list[End
 
 
 def endpoints(entry: Entry, texts: Sequence[str], parts: Mapping[str, Node]) -> list[Endpoint]:
-    """What ``a, b.port`` name among *parts*; a repeated part stands for its instances. Raises DseError."""
+    """What ``a, b.port`` name among *parts*; a repeated part means its instances. Raises DseError."""
     found: list[Endpoint] = []
     for text in texts:
         found += _endpoints(entry, text.strip().split("."), parts)
@@ -292,7 +292,7 @@ def endpoints(entry: Entry, texts: Sequence[str], parts: Mapping[str, Node]) -> 
 
 def _endpoints(entry: Entry, steps: Sequence[str], parts: Mapping[str, Node]) -> Iterator[Endpoint]:
     if steps[0] not in parts:
-        raise fail(f"there is no part '{steps[0]}' here", entry.where, closest(steps[0], parts))
+        raise fail(f"unknown part '{steps[0]}'", entry.where, closest(steps[0], parts))
     node, taken, is_optional, label = parts[steps[0]], 1, False, steps[0]
     while isinstance(node, Optional) or (isinstance(node, Compound) and (node.interface is None or node.repeated)):
         if isinstance(node, Optional):
@@ -338,4 +338,4 @@ def _check_interchangeable(entry: Entry, targets: Sequence[Endpoint], section: C
         raise fail("'unordered' needs targets that are alike", entry.where, "targets: {times: 1..4, of: component}")
     if section.exclude or section.undirected:
         key = "exclude" if section.exclude else "undirected"
-        raise fail(f"'{key}' tells targets apart that are unordered", entry.where, f"remove '{key}' or 'unordered'")
+        raise fail(f"'{key}' makes unordered targets differ", entry.where, f"remove '{key}' or 'unordered'")
