@@ -155,32 +155,27 @@ class Layout:
 
     def nodes(self) -> Iterator[tuple[str, Node]]:
         """The parts of the place, by name."""
-        pattern = self.pattern
-        if self.by_target or self.columns:
-            for j, target in enumerate(self.targets):
-                some = [i for i in range(len(self.sources)) if (i, j) in pattern.pairs]
-                yield from self._decision(target, [self.sources[i] for i in some], pattern.targets[j], pattern.incoming)
-            return
-        for i, source in enumerate(self.sources):
-            some = [j for j in range(len(self.targets)) if (i, j) in pattern.pairs]
-            bounds = pattern.outgoing[i] if i in self.single else None
-            yield from self._decision(source, [self.targets[j] for j in some], pattern.sources[i], bounds)
+        pattern, names = self.pattern, (self.sources, self.targets)
+        side = 1 if self.by_target or self.columns else 0
+        for number, end in enumerate((pattern.sources, pattern.targets)[side]):
+            own = sorted(pair for pair in pattern.pairs if pair[side] == number)
+            others = {names[1 - side][pair[1 - side]]: pair for pair in own}
+            bounds = pattern.incoming if side else pattern.outgoing[number]
+            if others and (self.by_target or number in self.single):
+                choice = Alternative(tuple(Compound(other, {}) for other in others))
+                yield end.label, choice if bounds.least and not end.is_optional else Optional(choice)
+            elif others:
+                yield end.label, Compound(end.label, {other: self._pair(pair) for other, pair in others.items()})
 
-    def _decision(
-        self, name: str, others: Sequence[str], end: Endpoint, bounds: Bounds | None
-    ) -> Iterator[tuple[str, Node]]:
-        if not others:
-            return
-        if bounds is None or self.columns:
-            yield name, Compound(name, {other: self._pair() for other in others})
-            return
-        choice = Alternative(tuple(Compound(other, {}) for other in others))
-        yield name, choice if bounds.least and not end.is_optional else Optional(choice)
+    def _pair(self, pair: tuple[int, int]) -> Node:
+        return Optional(Alternative(tuple(Compound(name, {}) for name in self._times(pair))))
 
-    def _pair(self) -> Node:
+    def _times(self, pair: tuple[int, int]) -> list[str]:
+        """What is chosen for a pair that is connected once, twice and so on."""
+        # Interchangeable targets have the same names, by which they are put in order.
+        name = self.sources[pair[0]] + ("" if self.columns else f"_to_{self.targets[pair[1]]}")
         times = self.pattern.parallel
-        names = ("connected",) if times == 1 else tuple(f"x{n}" for n in range(1, times + 1))
-        return Optional(Alternative(tuple(Compound(name, {}) for name in names)))
+        return [name] if times == 1 else [f"{name}_x{n}" for n in range(1, times + 1)]
 
     def rules(self, entry: Entry) -> Iterator[tuple[str, list[str]]]:
         """The conditions of the pattern by what they are about."""
@@ -233,7 +228,9 @@ class Layout:
         most = None if bounds.most is None or bounds.most >= times * len(pairs) else bounds.most
         if times > 1:
             number = " + ".join(
-                f"(if {self.place(*pair)[0]} is x{n} then {n} else 0)" for pair in pairs for n in range(1, times + 1)
+                f"(if {self.place(*pair)[0]} is {name} then {n} else 0)"
+                for pair in pairs
+                for n, name in enumerate(self._times(pair), 1)
             )
             least = [f"{number} >= {bounds.least}"] if bounds.least else []
             return least + ([f"{number} <= {most}"] if most is not None else [])

@@ -93,11 +93,10 @@ def repetition_rules(entry: Entry, times: Repetition, scope: Scope, names: Colle
     rules: list[tuple[str, str, str]] = []
     places = list(names)
     optional = places[times.least :]
-    before = places[max(0, times.least - 1) :]
     if times.unordered and len(places) > 1:
         rules.append(("unordered", f"ordered({', '.join(places)})", "the order of the instances makes no difference"))
-    elif len(before) > 1 and optional:
-        text = " and ".join(f"({after} is present implies {first} is present)" for first, after in pairwise(before))
+    elif len(optional) > 1:
+        text = " and ".join(f"({after} is present implies {first} is present)" for first, after in pairwise(optional))
         rules.append(("in_order", text, "the instances are numbered without gaps"))
     if times.all_different and len(places) > 1:
         rules.append(("different", f"all_different({', '.join(places)})", "the instances are all different"))
