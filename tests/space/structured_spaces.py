@@ -10,7 +10,7 @@ from itertools import combinations, product
 from random import Random
 from typing import Any
 
-MASSES = {"A": 1, "B": 2, "C": 4, "D": 8}
+MASSES = {"A": 1, "B": 2, "C": 4, "D": 8, "E": 16, "F": 32}
 COMPONENTS = "components:\n" + "".join(
     f"  {name}: {{properties: {{mass: {mass} kg}}}}\n" for name, mass in MASSES.items()
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from contextlib import suppress
 from math import comb, factorial, perm
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from structured_spaces import COMPONENTS, structured
 
+import dse
 from dse.domain.component import NO_INTERFACE, Component
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Part
 from dse.errors import DseError
@@ -269,3 +271,75 @@ def brute(number: int, names: int) -> int:
                 after[state] = after.get(state, 0) + times
         ways = after
     return sum(ways.values())
+
+
+def test_the_rocket_of_sbarchopt_has_its_number(folder):
+    # One to three stages, each with one to three engines of one of six types, and one of three heads (RocketArch).
+    engines = "compound: {engine: {times: 1..3, alternatives: [A, B, C, D, E, F]}}"
+    stage = f"{{times: 1..3, {engines}, constraints: {{alike: {{require: same_choice(engine)}}}}}}"
+    assert count(space_of(folder, f"stage: {stage}", f"head: {{{OPTIONS}}}")) == 18_522
+
+
+SENSING = """\
+class Radar:
+    def __init__(self, parameters):
+        self.offset = parameters["offset"]
+
+    def step(self, inputs, h):
+        return {"target": inputs["gap"] + self.offset}
+"""
+FUSING = """\
+class Fusion:
+    def __init__(self, parameters):
+        pass
+
+    def step(self, inputs, h):
+        return {"nearest": sum(inputs.values())}
+"""
+GIVING = """\
+class World:
+    def __init__(self, parameters):
+        pass
+
+    def step(self, inputs, h):
+        return {"gap": 10.0}
+"""
+BENCH = """\
+testbench: still
+design: tried
+test_components: {source: {component: world}}
+connections: [source.gap -> radar.gap, source.gap -> camera.gap]
+parameters: {radar.offset: 1 m, camera.offset: 5 m, fusion.target_1: 0 m, fusion.target_2: 0 m, fusion.target_3: 0 m}
+simulation: {stop: 1 s, step: 100 ms}
+metrics: {first: final(fusion.n1.nearest)}
+"""
+
+
+@pytest.mark.thorough
+def test_instances_and_chosen_connections_are_simulated(wired, tmp_path):
+    root = Path(shutil.copytree(Path(wired.where.file).resolve().parents[1], tmp_path / "still"))
+    (root / "components/parts.yaml").unlink()
+    for name, interface, text in (
+        ("radar", "sensing", SENSING),
+        ("fusion", "fusing", FUSING),
+        ("world", "giving", GIVING),
+    ):
+        place = root / "components" / name
+        place.mkdir()
+        (place / f"{name}.py").write_text(text, encoding="utf-8")
+        offset = "\nparameters: {offset: {start: 0 m}}" if name == "radar" else ""
+        source = f"component: {name}\nimplements: {interface}\nsource: {{kind: python, files: [{name}.py]}}{offset}\n"
+        (place / "component.yaml").write_text(source, encoding="utf-8")
+    without = WIRED.replace("    world: world\n", "").partition("  connections")[0]
+    (root / "designs/tried.yaml").write_text(without.replace("incoming: 1", "incoming: 1..2"), encoding="utf-8")
+    (root / "testbenches").mkdir()
+    (root / "testbenches/still.yaml").write_text(BENCH, encoding="utf-8")
+    bench = dse.open(root).benches["still"]
+    given = {"radar_1": 11.0, "radar_2": 11.0, "camera": 15.0}
+    found = list(bench.design)
+    assert len(found) > 6
+    for each in found[:: len(found) // 3]:
+        sources = {
+            path.split(".")[1] for path in each.choices if path.startswith("feeds.") and path.endswith("fusion_1")
+        }
+        assert bench.simulate(each.id).metrics["first"] == pytest.approx(sum(given[one] for one in sources), abs=1e-12)
