@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from contextlib import suppress
+from dataclasses import replace
 from math import comb, factorial, perm
 from pathlib import Path
 
@@ -343,3 +344,71 @@ def test_instances_and_chosen_connections_are_simulated(wired, tmp_path):
             path.split(".")[1] for path in each.choices if path.startswith("feeds.") and path.endswith("fusion_1")
         }
         assert bench.simulate(each.id).metrics["first"] == pytest.approx(sum(given[one] for one in sources), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("parts", "marked", "hint"),
+    [
+        (["p: {times: §4..1, of: A}"], "the range 4..1 is empty", "smaller number first"),
+        (["p: {times: §1..*, of: A}"], "'1..*' is not a number or a range of numbers", "2 or 1..3"),
+        (["p: {times: §0, of: A}"], "0 instances", "1 to 1,000"),
+        (["§p: {times: 2}"], "'p' needs one part that is repeated", "of: radar"),
+        (["p: {times: 2, of: §Q}"], "unknown component 'Q'", ""),
+        (["p: {times: 2, of: A, unordered: §2}"], "'unordered': expected true or false", ""),
+        (["p: {times: 2, of: A, §ordered: true}"], "unknown key 'ordered'", ""),
+        (["p: {times: 2, of: A}", "c: {connect: §p -> q}"], "unknown part 'q'", "p"),
+        (["p: {times: 2, of: A}", "c: {connect: §p}"], "'p' has no arrow", "radar -> ecu"),
+        (["p: {times: 2, of: A}", "c: {connect: p -> p, outgoing: §3}"], "'p.n1' cannot have 3 connections", "too few"),
+        (["p: {times: 2, of: A}", "c: {connect: §p.x -> p}"], "'p.x -> p' has ports on one side only", ""),
+        (["p: {times: 2, of: A}", "c: {connect: p -> p, exclude: [§p -> c]}"], "unknown part 'c'", ""),
+        (
+            ["p: {times: 2, of: A}", "c: {connect: p -> p, unordered: §true, undirected: true}"],
+            "'undirected' makes",
+            "",
+        ),
+        (["p: {times: 2, alternatives: [A, B]}", "c: {connect: p -> p, unordered: §true}"], "'unordered' needs", ""),
+        (["p: A", "c: {allocate: [f], to: §q}"], "unknown part 'q'", ""),
+        (["p: A", "c: {allocate: [f], to: p, load: §mass}"], "'f' is no part, so it has no 'mass'", "f: {mass: …}"),
+        (["p: A", "c: {allocate: {§f: {}}, to: p, load: mass}"], "'f' does not state 'mass'", ""),
+        (["p: A", "c: {allocate: [f], to: p, apart: [§[f]]}"], "'apart' needs two functions or more", ""),
+        (["p: A", "c: {allocate: [f, g], to: p, apart: [[f, §h]]}"], "'h' is not allocated here", "f"),
+        (["p: A", "c: {allocate: [f], to: p, redundancy: §0}"], "0 copies of 'f'", "1 or more"),
+    ],
+)
+def test_a_mistake_in_the_structure_is_told_at_its_place(folder, parts, marked, hint):
+    text = f"design: tried\nroot:\n  compound:\n{''.join(f'    {part}{chr(10)}' for part in parts)}"
+    line, column = next((n, each.index("§") + 1) for n, each in enumerate(text.splitlines(), 1) if "§" in each)
+    with pytest.raises(DseError) as caught:
+        read(folder, text.replace("§", ""))
+    (problem,) = caught.value.problems
+    assert marked in problem.what
+    assert hint in problem.hint
+    assert (problem.where.line, problem.where.column) == (line, column)
+
+
+@pytest.mark.parametrize(
+    ("rule", "column", "what"),
+    [
+        ("each(s is A)", 1, "'each' names no repeated place"),
+        ("each(p is D)", 11, "'D' cannot be chosen for 'p.n1'"),
+        ("count(p.cost > 1) > 0", 9, "nothing at 'p.n1' states 'cost'"),
+        ("all_different(s)", 1, "'all_different' needs two places or more, or a repeated one"),
+        ("ordered(p, q)", 12, "unknown place 'q'"),
+        ("sum(p.mass) < 3 EUR", 15, "cannot compare"),
+    ],
+)
+def test_a_mistake_in_a_formula_over_instances_is_told_at_its_place(folder, rule, column, what):
+    parts = f"{{s: A, p: {{times: 2, {OPTIONS}}}}}"
+    text = f"design: tried\nroot: {{compound: {parts}}}\nconstraints:\n  c:\n    require: {rule}\n"
+    with pytest.raises(DseError) as caught:
+        raise DseError(*check_space(read(folder, text)))
+    (problem,) = caught.value.problems
+    assert what in problem.what
+    assert (problem.where.line, problem.where.column) == (5, 13 + column)
+
+
+def test_a_connection_that_depends_on_no_choice_is_refused(wired, tmp_path):
+    (wire, *others) = (one for one in wired.root.connections if one.when)
+    wrong = replace(wire, when=("feeds.fusion_9", ()))
+    (problem,) = check_space(replace(wired, root=replace(wired.root, connections=(wrong, *others))))
+    assert problem.what.endswith("unknown choice 'feeds.fusion_9'")

@@ -7,10 +7,9 @@ connections, are constraints. With ports, each possible connection is a wire tha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
-from types import MappingProxyType
 
 from dse.domain.design import Alternative, Compound, Connection, Node, Optional, Part
 from dse.errors import DseError, closest, fail
@@ -48,13 +47,13 @@ class Endpoint:
     is_optional: bool = False
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class ChosenStructure:
     """What a choice of connections adds to its compound: a *node* of decisions, rules, and wires."""
 
     node: Compound
-    rules: list[StructureRule] = field(default_factory=list)
-    wires: list[Connection] = field(default_factory=list)
+    rules: list[StructureRule]
+    wires: list[Connection]
 
 
 @dataclass(slots=True)
@@ -86,16 +85,28 @@ def read_connect(entry: Entry, parts: Mapping[str, Node], scope: Scope) -> Chose
         raise fail(what, entry["undirected"].where, "connect: node -> node")
     if section.undirected and incoming != ANY_NUMBER:
         raise fail("'incoming' of undirected connections", entry["incoming"].where, "give outgoing alone")
+    if section.unordered:
+        _check_interchangeable(entry["unordered"], targets, section)
+    never = excluded(entry["exclude"], section.exclude, parts, sources, targets)
     pairs = {
         (i, j)
         for (i, a), (j, b) in product(enumerate(sources), enumerate(targets))
-        if a.path != b.path and not (section.undirected and i > j)
-    } - excluded(entry["exclude"], section.exclude, parts, sources, targets)
-    pattern = Pattern(sources, targets, pairs, [outgoing] * len(sources), incoming, total)
-    pattern.parallel, pattern.unordered, pattern.undirected = section.parallel, section.unordered, section.undirected
-    if section.unordered:
-        _check_interchangeable(entry["unordered"], targets, section)
-    return chosen(entry, Layout(entry.name, pattern), parts, scope)
+        if a.path != b.path and (i, j) not in never
+    }
+    if section.undirected:
+        pairs = {(i, j) for i, j in pairs if i < j and (j, i) in pairs}
+    pattern = Pattern(
+        sources,
+        targets,
+        pairs,
+        [outgoing] * len(sources),
+        incoming,
+        total,
+        section.parallel,
+        section.unordered,
+        section.undirected,
+    )
+    return chosen(entry, Layout(entry.name, pattern), parts, scope, {})
 
 
 _MOST_PARALLEL = 100
@@ -106,7 +117,7 @@ def chosen(
     layout: Layout,
     parts: Mapping[str, Node],
     scope: Scope,
-    further: Mapping[str, Sequence[str]] = MappingProxyType({}),
+    further: Mapping[str, Sequence[str]],
 ) -> ChosenStructure:
     """The decisions, rules and wires of *layout*, called as *entry*; *further* are conditions that hold as well.
 
@@ -178,66 +189,55 @@ class Layout:
         return [name] if times == 1 else [f"{name}_x{n}" for n in range(1, times + 1)]
 
     def rules(self, entry: Entry) -> Iterator[tuple[str, list[str]]]:
-        """The conditions of the pattern by what they are about."""
+        """The conditions of the pattern by what they are about. Raises DseError for a degree that is out of reach."""
         pattern = self.pattern
         pairs = sorted(pattern.pairs)
-        found: list[str] = []
-        for i, source in enumerate(pattern.sources):
-            own = [pair for pair in pairs if pair[0] == i or (pattern.undirected and pair[1] == i)]
-            bounds = pattern.outgoing[i]
-            if i in self.single and own and source.is_optional:
-                word = "iff" if bounds.least else "implies"
-                found.append(f"{self.name}.{self.sources[i]} is present {word} {source.path} is present")
-            elif i not in self.single or not own:
-                found += self._degree(source, own, bounds, entry["outgoing"])
-        yield "outgoing", found
-        found = []
-        for j, target in enumerate(pattern.targets if not pattern.undirected else ()):
-            own = [pair for pair in pairs if pair[1] == j]
-            if self.by_target and own and target.is_optional:
-                word = "iff" if pattern.incoming.least else "implies"
-                found.append(f"{self.name}.{self.targets[j]} is present {word} {target.path} is present")
-            elif not self.by_target or not own:
-                found += self._degree(target, own, pattern.incoming, entry["incoming"])
-        yield "incoming", found
-        yield "total", self._within(pairs, pattern.total, lambda: _impossible(entry["total"], "all", pattern.total))
+        for side, word in enumerate(("outgoing",) if pattern.undirected else ("outgoing", "incoming")):
+            found: list[str] = []
+            for number, end in enumerate((pattern.sources, pattern.targets)[side]):
+                bounds = pattern.incoming if side else pattern.outgoing[number]
+                own = [pair for pair in pairs if pair[side] == number or (pattern.undirected and pair[1] == number)]
+                if own and (self.by_target if side else number in self.single):
+                    if end.is_optional:
+                        joint = "iff" if bounds.least else "implies"
+                        found.append(f"{self.name}.{end.label} is present {joint} {end.path} is present")
+                    continue
+                found += self._degree(end, own, bounds, entry[word])
+            yield word, found
+        total = self._within(pairs, pattern.total)
+        if total is None:
+            raise _impossible(entry["total"], f"'{self.name}'", pattern.total)
+        yield "total", total
         yield "unordered", list(self._unordered()) if pattern.unordered else []
 
     def _degree(self, end: Endpoint, pairs: Sequence[tuple[int, int]], bounds: Bounds, entry: Entry) -> Iterator[str]:
         """That *end* has as many connections as it should, and none where it is absent."""
-
-        def impossible() -> list[str]:
-            if not end.is_optional:
-                raise _impossible(entry, f"'{end.path}'", bounds)
-            return ["false"]
-
-        for condition in self._within(pairs, bounds, impossible):
+        conditions = self._within(pairs, bounds)
+        if conditions is None and not end.is_optional:
+            raise _impossible(entry, f"'{end.path}'", bounds)
+        for condition in ["false"] if conditions is None else conditions:
             yield f"{end.path} is present implies {condition}" if end.is_optional else condition
         if end.is_optional and pairs:
             yield f"{end.path} is absent implies at_most(0, {self._listed(pairs)})"
 
-    def _within(
-        self, pairs: Sequence[tuple[int, int]], bounds: Bounds, impossible: Callable[[], list[str] | DseError]
-    ) -> list[str]:
+    def _within(self, pairs: Sequence[tuple[int, int]], bounds: Bounds) -> list[str] | None:
+        """That the number of connections of *pairs* is within *bounds*; None if it cannot be."""
         times = self.pattern.parallel
         if bounds.least > times * len(pairs):
-            found = impossible()
-            if isinstance(found, DseError):
-                raise found
-            return found
-        most = None if bounds.most is None or bounds.most >= times * len(pairs) else bounds.most
+            return None
+        number = " + ".join(
+            f"(if {self.place(*pair)[0]} is {name} then {n} else 0)"
+            for pair in pairs
+            for n, name in enumerate(self._times(pair), 1)
+        )
+        least, most = bounds.least or None, bounds.most
+        if most is not None and most >= times * len(pairs):
+            most = None
         if times > 1:
-            number = " + ".join(
-                f"(if {self.place(*pair)[0]} is {name} then {n} else 0)"
-                for pair in pairs
-                for n, name in enumerate(self._times(pair), 1)
-            )
-            least = [f"{number} >= {bounds.least}"] if bounds.least else []
-            return least + ([f"{number} <= {most}"] if most is not None else [])
-        if bounds.least == most and most is not None:
-            return [f"exactly({most}, {self._listed(pairs)})"]
-        least = [f"at_least({bounds.least}, {self._listed(pairs)})"] if bounds.least else []
-        return least + ([f"at_most({most}, {self._listed(pairs)})"] if most is not None else [])
+            bounded = ((">=", least), ("<=", most))
+            return [f"{number} {operator} {end}" for operator, end in bounded if end is not None]
+        counted = (("exactly", least),) if least == most else (("at_least", least), ("at_most", most))
+        return [f"{word}({end}, {self._listed(pairs)})" for word, end in counted if end is not None]
 
     def _listed(self, pairs: Sequence[tuple[int, int]]) -> str:
         return ", ".join(self.connected(*pair) for pair in pairs)

@@ -142,10 +142,15 @@ class _TreeReader:
         """A compound of the instances ``n1``, ``n2``, …, each read as a part of its own."""
         before, place = len(self.problems), scope.path.rpartition(".")[2]
         rest = {key: value for key, value in written.items() if key not in REPETITION}
-        content, at = (rest, entry) if rest or "of" not in written else (written["of"], entry["of"])
-        if not content or ("of" in written and rest) or "optional" in rest:
+        is_container = "compound" in rest or "alternatives" in rest
+        if not is_container:
+            self.expect_keys(entry, written, REPETITION)
+        if is_container is ("of" in written) and len(self.problems) == before:
             hint = "{times: 1..4, of: radar}, or alternatives or compound instead of of"
             self.problems.add(f"'{entry.name}' needs one part that is repeated", entry.key, hint)
+        if len(self.problems) > before:
+            return None
+        content, at = (rest, entry) if is_container else (written["of"], entry["of"])
         parts: dict[str, Node] = {}
         with self.problems:
             times = read_repetition(entry, written)
