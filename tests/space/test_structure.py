@@ -19,7 +19,7 @@ from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.formats import dump_yaml
 from dse.loading import Workspace, write_design
-from dse.space import open_space
+from dse.space import alternatives, open_space
 from dse.space.check import check_space
 from dse.space.methods.engine import Engine
 
@@ -175,10 +175,46 @@ def test_random_structures_have_as_many_configurations_as_there_are(folder, exam
         if made.count < 300:
             found = [each.id for each in open_space(space).configurations()]
             assert len(set(found)) == len(found) == made.count
-        again = read(folder, write_design(space))
-        assert count(again) == made.count
+        assert count(read(folder, write_design(space))) == made.count
+        # What is chosen of what can be: a refined design, written and read, has what the narrowed one has.
+        path, names = random.choice([*alternatives(space).items()] or [("", (None,))])
+        keep = f"{path}={random.choice(names) or 'absent'}"
+        narrowed = open_space(space).part([keep]) if path else None
+        if narrowed and not narrowed.is_empty():
+            refined = read(folder, write_design(open_space(space).refined([keep])))
+            assert count(refined) == narrowed.count(exact=True).value
 
     check()
+
+
+def test_zero_needs_no_unit(folder):
+    place = f"p: {{times: 2, {OPTIONS}}}"
+    assert (
+        count(space_of(folder, place, rules="{c: {require: 0 < sum(p.mass)}, d: {require: sum(p.mass) - 0 != 0}}")) == 9
+    )
+    (problem,) = check_space(space_of(folder, place, rules="{c: {require: sum(p.mass) > 1}}"))
+    assert "cannot compare mass and a plain number" in problem.what
+    (problem,) = check_space(space_of(folder, place, rules="{c: {require: 0 == (p.n1 is A)}}"))
+    assert "cannot compare" in problem.what
+
+
+def test_the_words_are_the_same_from_python():
+    made = dse.Workspace.new()
+    parts = {
+        "sensor": {"times": "1..2", "unordered": True, "alternatives": ["radar_77ghz_mid", "lidar_905nm"]},
+        "computer": {"times": 2, "of": "computer_small"},
+        "feeds": {"connect": "sensor -> computer", "outgoing": "1..*"},
+    }
+    rule = {"require": "count(sensor is lidar_905nm) <= 1"}
+    design = dse.Design("sensing", root={"compound": parts}, constraints={"lidars": rule}, workspace=made)
+    # One sensor of two kinds with three ways to be connected; two radars, or one of each, with three ways each.
+    assert design.count(exact=True) == 2 * 3 + 2 * 9
+    assert len(design.list(where="each(sensor is lidar_905nm)")) == 3
+    assert dse.Design.of(design.refine({}).space).count(exact=True) == 24
+    parts["feeds"]["incoming"] = 3
+    with pytest.raises(DseError, match=r"'computer\.n1' cannot have 3 connections") as caught:
+        dse.Design("sensing", root={"compound": parts}, workspace=made)
+    assert "incoming" in str(caught.value.problems[0].where)
 
 
 WIRED = """\
