@@ -187,6 +187,26 @@ def test_random_structures_have_as_many_configurations_as_there_are(folder, exam
     check()
 
 
+@pytest.mark.parametrize(
+    ("rule", "expected"),
+    [
+        # p is A, B or C, q is B, C or D, r is A or absent, s and t are B and C.
+        ("ordered(p, q)", 8 * 2),
+        ("ordered(q, p)", 6 * 2),  # in the order of the first place: B, C, D, then A
+        ("ordered(r, r)", 18),
+        ("ordered(q, r)", 18),
+        ("all_different(p, q)", 14),
+        ("all_different(p, r)", 3 * (2 + 3)),
+        ("all_different(p, s)", 12),
+        ("all_different(s, t)", 18),
+        ("all_different(s, s)", 0),
+    ],
+)
+def test_places_are_compared_by_their_names(folder, rule, expected):
+    places = (f"p: {{{OPTIONS}}}", "q: {alternatives: [B, C, D]}", "r: {optional: A}", "s: B", "t: C")
+    assert count(space_of(folder, *places, rules=f"{{c: {{require: '{rule}'}}}}")) == expected
+
+
 def test_zero_needs_no_unit(folder):
     place = f"p: {{times: 2, {OPTIONS}}}"
     assert (

@@ -158,7 +158,7 @@ class _Unfolder:
             return self.every(some, span)
         differ: list[Node] = []
         for a, b in combinations(places, 2):
-            below = dict.fromkeys((*self.known.decisions(a), *self.known.decisions(b)))
+            below = dict.fromkeys(("", *self.known.decisions(a), *self.known.decisions(b)))
             same = [_same([a + path, b + path], span) for path in below]
             differ.append(_guarded((a, b), Unary("not", self.every(same, span), span), span))
         return self.every(differ, span)
@@ -169,11 +169,16 @@ class _Unfolder:
         before: list[Node] = []
         theirs = self.known.decisions(b)
         for path, names in self.known.decisions(a).items():
-            known = tuple(dict.fromkeys((*names, *theirs.get(path, ()))))
-            for length in range(1, len(known) + 1):
-                first = known[:length] if length < len(known) else ("present",)
-                later, sooner = (Chosen(place + path, first, span) for place in (b, a))
+            own = theirs.get(path, ())
+            known = tuple(dict.fromkeys((*names, *own)))
+            for length in range(1, len(known)):
+                later, sooner = (
+                    _one_of(place + path, [name for name in known[:length] if name in there], span)
+                    for place, there in ((b, own), (a, names))
+                )
                 found.append(self.implied(before, Binary("implies", later, sooner, span), span))
+            later, sooner = _present([b + path, a + path], span)
+            found.append(self.implied(before, Binary("implies", later, sooner, span), span))
             before = [*before, _same([a + path, b + path], span)]
         return self.every(found, span)
 
@@ -218,6 +223,10 @@ def _renamed(place: str, instance: str, known: Instances) -> Callable[[Node], No
 
 def _present(places: Sequence[str], span: Span) -> list[Node]:
     return [Chosen(place, ("present",), span) for place in places]
+
+
+def _one_of(place: str, names: Sequence[str], span: Span) -> Node:
+    return Chosen(place, tuple(names), span) if names else Truth(False, span)
 
 
 def _guarded(places: Sequence[str], node: Node, span: Span) -> Node:
