@@ -285,7 +285,7 @@ def test_chosen_connections_are_wires_of_the_configuration(wired):
 
 def test_wires_come_back_from_a_written_design(wired, tmp_path):
     text = write_design(wired)
-    assert "radar.n1.target -> fusion.n2.target_1 if feeds.fusion_2 in [radar_1]" in text
+    assert "radar.n1.target -> fusion.n2.target_1 if feeds.fusion_2 is radar_1" in text
 
 
 def different(number: int, names: int, rule: str) -> DesignSpace:

@@ -22,8 +22,9 @@ from dse.domain.design import (
     Optional,
     Part,
 )
+from dse.domain.expression import Chosen
 from dse.errors import fail
-from dse.expression import text_of
+from dse.expression import show_expression, text_of
 from dse.formats import write_file, write_flow, write_name, write_parameter, write_text
 from dse.loading.design.scope import Scope, constraint_name
 from dse.loading.writing.unscope import relative_rule
@@ -130,7 +131,7 @@ def _wire(connection: Connection) -> str:
     if connection.when is None:
         return str(connection)
     path, names = connection.when
-    return f"{connection} if {path} in [{', '.join(names or ('present',))}]"
+    return f"{connection} if {show_expression(Chosen(path, names or ('present',), (0, 0)))}"
 
 
 def _set(one: ConstraintSet) -> str:
