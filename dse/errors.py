@@ -52,7 +52,10 @@ class DseError(Exception):
 
     def __init__(self, *problems: Problem) -> None:
         super().__init__(*problems)
-        self.problems = tuple(sorted(dict.fromkeys(problems), key=lambda p: _order(p.where)))
+        once: dict[object, Problem] = {}
+        for problem in problems:
+            once.setdefault((problem.what, problem.where), problem)
+        self.problems = tuple(sorted(once.values(), key=lambda p: _order(p.where)))
 
     def __str__(self) -> str:
         return "\n".join(str(problem) for problem in self.problems)

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 Dimension = tuple[tuple[str, Fraction], ...]
 """Exponents of the base dimensions, sorted by name, without zeros: ``(("length", 1), ("time", -1))``."""
 
+_CURRENCIES = "AUD BRL CAD CHF CNY CZK DKK GBP HUF INR JPY KRW MXN NOK PLN SEK SGD TRY TWD USD ZAR"
+"""Those beside EUR; each is a dimension by itself, for exchange rates change."""
+
 _OWN_UNITS = """
 EUR = [currency]
 operation = [operation] = op
@@ -294,7 +297,7 @@ def _registry() -> pint.UnitRegistry[Any]:
     import pint
 
     registry: pint.UnitRegistry[Any] = pint.UnitRegistry(non_int_type=Fraction, cache_folder=None)
-    for line in _OWN_UNITS.strip().splitlines():
+    for line in (*_OWN_UNITS.strip().splitlines(), *(f"{name} = [{name}]" for name in _CURRENCIES.split())):
         registry.define(line)
     return registry
 

@@ -14,13 +14,15 @@ from dse.errors import Location
 class Connection:
     """``source -> target``, each a dotted path to a port or a group of ports; not yet resolved.
 
-    *ends* says where the two stand, if that is known.
+    *ends* says where the two stand, if that is known. One with *when* is there only where, at the place of that path,
+    one of these names is chosen.
     """
 
     source: str
     target: str
     where: Location | None = None
     ends: tuple[Location, Location] | None = None
+    when: tuple[str, tuple[str, ...]] | None = None
 
     def __str__(self) -> str:
         return f"{self.source} -> {self.target}"
@@ -56,7 +58,8 @@ class Part:
 class Compound:
     """An architecture: named parts and their wiring.
 
-    An end of a connection that does not start with a part's name is a port of *interface*.
+    An end of a connection that does not start with a part's name is a port of *interface*. The parts of a *repeated*
+    one are its instances.
     """
 
     name: str
@@ -64,6 +67,7 @@ class Compound:
     connections: tuple[Connection, ...] = ()
     interface: Interface | None = None
     where: Location | None = None
+    repeated: bool = False
 
 
 @dataclass(frozen=True, slots=True)

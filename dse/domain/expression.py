@@ -147,10 +147,8 @@ Node = Number | Truth | Name | Call | Unary | Binary | Conditional | Between | C
 
 
 def is_rollup(function: str, first: Node) -> bool:
-    """Whether a call with that first argument rolls up a property; ``min`` and ``max`` also compare values."""
-    return function in ROLLUPS and (
-        function not in ("min", "max") or (isinstance(first, Name) and "." not in first.path)
-    )
+    """Whether a call with that first argument rolls up a property; ``min``, ``count`` and others also take values."""
+    return function in ROLLUPS and isinstance(first, Name) and "." not in first.path
 
 
 @dataclass(frozen=True, slots=True)

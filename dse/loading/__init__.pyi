@@ -17,6 +17,7 @@ from .component.kind import (
 )
 from .component.series import Column as Column, TableSection as TableSection, read_series as read_series
 from .design.design import misfits as misfits
+from .design.instances import Instances as Instances, unfold as unfold
 from .extensions import (
     EXECUTORS as EXECUTORS,
     SAMPLERS as SAMPLERS,

@@ -16,6 +16,8 @@ from dse.loading.bench.study import StudyFile
 from dse.loading.component.component import CollectionFile, ComponentFile
 from dse.loading.component.interfaces import InterfacesFile
 from dse.loading.component.kind import KINDS
+from dse.loading.design.allocation import AllocateSection
+from dse.loading.design.connection_choice import ConnectSection
 from dse.loading.design.design import DesignFile
 from dse.loading.design.forms import FORMS, ConstraintSection
 from dse.loading.extensions import EXECUTORS, SAMPLERS, Extension
@@ -86,7 +88,7 @@ def _design(schema: Schema) -> None:
     for form in ("at_least", "at_most", "exactly"):
         defined["properties"][form] |= {"propertyNames": {"pattern": _NUMBERED}, "maxProperties": 1}
         defined["properties"][form].pop("additionalProperties")
-    compound = {
+    compound: Schema = {
         "type": "object",
         "required": ["compound"],
         "additionalProperties": False,
@@ -95,18 +97,38 @@ def _design(schema: Schema) -> None:
             "connections": {"type": "array", "items": {"type": "string", "pattern": "->"}},
             "implements": {"type": "string"},
             "constraints": {"type": "object", "additionalProperties": constraint},
+            "repeated": {"type": "boolean"},
         },
+    }
+    number = {"anyOf": [{"type": "integer"}, {"type": "string", "pattern": r"^[0-9]+(\.\.[0-9]+)?$"}]}
+    repetition = {"times": number, "unordered": {"type": "boolean"}, "all_different": {"type": "boolean"}}
+    repeated = {
+        "of": {"$ref": "#/$defs/node"},
+        **{key: value for key, value in compound["properties"].items() if key != "repeated"},
     }
     option = {"type": "object", "additionalProperties": {"$ref": "#/$defs/compound"}, "maxProperties": 1}
     schema["$defs"] |= {
         "compound": compound,
         "alternatives": _only("alternatives", {"type": "array", "items": {"anyOf": [{"type": "string"}, option]}}),
         "optional": _only("optional", {"$ref": "#/$defs/node"}),
+        "times": {
+            "type": "object",
+            "required": ["times"],
+            "additionalProperties": False,
+            "properties": {
+                **repetition,
+                **repeated,
+                "alternatives": {"$ref": "#/$defs/alternatives/properties/alternatives"},
+            },
+        },
         "node": {
-            "description": "A component's name, {alternatives: […]}, {optional: …} or {compound: …}.",
+            "description": "A component's name, {alternatives: […]}, {optional: …}, {compound: …}, {times: …}, "
+            "{connect: …} or {allocate: …}.",
             "anyOf": [
                 {"type": "string"},
-                *({"$ref": f"#/$defs/{name}"} for name in ("alternatives", "optional", "compound")),
+                *({"$ref": f"#/$defs/{name}"} for name in ("alternatives", "optional", "compound", "times")),
+                _into(schema, ConnectSection, "ConnectSection"),
+                _into(schema, AllocateSection, "AllocateSection"),
             ],
         },
     }

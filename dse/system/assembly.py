@@ -153,7 +153,8 @@ def wiring_problems(wired: WiredParts) -> Iterator[Problem]:
         loose = [end for end in ends if end not in sources and end not in wired.values]
         if loose:
             yield _loose(part, component, loose, wired.where)
-    for end in (end for end in wired.values if end in sources):
+    # A value for what is connected in some configurations only is that of the others.
+    for end in (end for end in wired.values if end in sources and sources[end].when is None):
         what = f"{end} is given a value and connected to {sources[end].source}"
         yield Problem(what, sources[end].where, "remove one")
 

@@ -88,7 +88,7 @@ def dse(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path],
 def test_the_blocks_are_a_workspace_without_a_mistake(dse):
     done = dse("check")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("ok: 5 interfaces, 6 components, 1 design space, 1 road, 3 test benches, 3 studies")
+    assert done.stdout.startswith("ok: 5 interfaces, 6 components, 2 design spaces, 1 road, 3 test benches, 3 studies")
 
 
 @pytest.mark.thorough
@@ -118,11 +118,13 @@ def test_every_configuration_of_the_document_runs(dse, tmp_path):
 
 
 @pytest.mark.thorough
-def test_the_count_beside_the_design_is_what_enumerate_finds(dse):
-    claimed = re.search(r"`dse enumerate parcel_cart --count` finds (\d+) of (\d+)", TEXT)
-    found = json.loads(dse("enumerate", "parcel_cart", "--count", "--format", "json").stdout)
+@pytest.mark.parametrize("design", ["parcel_cart", "fleet"])
+def test_the_count_beside_the_design_is_what_enumerate_finds(dse, design):
+    claimed = re.search(rf"`dse enumerate {design} --count` finds (\d+) of ([\d,]+)", TEXT)
+    found = json.loads(dse("enumerate", design, "--count", "--format", "json").stdout)
     assert claimed
-    assert found == {"design": "parcel_cart", "total": int(claimed[2]), "valid": int(claimed[1]), "exact": True}
+    total = int(claimed[2].replace(",", ""))
+    assert found == {"design": design, "total": total, "valid": int(claimed[1]), "exact": True}
 
 
 @pytest.mark.thorough

@@ -258,7 +258,7 @@ REFUSED = [
     ("{a: {at_least: {1: [tt and ff, 1 m <§]}}}", "expected a value", ""),
     ("{a: {forbid: §[]}}", "'forbid' needs at least one condition", ""),
     ("{a: {forbid: [tt§) or (tt]}}", "expected an operator or the end", ""),
-    ("{a: {same_choice: §[sensor]}}", "'same_choice' needs at least two places", ""),
+    ("{a: {same_choice: §[]}}", "'same_choice' needs at least two places", ""),
     ("{a: {same_choice: [sensor, §sensor is radar]}}", "'sensor is radar' is not a place", "same_choice"),
     ("{a: {range: §{}}}", "'range' names nothing", ""),
     ("{a: {range: {§sensr.range: [1 m, 2 m]}}}", "'sensr.range' names no part", "place.property"),

@@ -20,7 +20,7 @@ from dse.loading.bench.inputs import INPUTS, InputSection, read_inputs
 from dse.loading.bench.measures import MetricSection, RequirementSection, read_metrics, read_requirements
 from dse.loading.bench.method import SimulationSection, read_positive, read_simulation
 from dse.loading.component.kind import kind_of
-from dse.loading.design.connections import read_connections
+from dse.loading.design.connections import instances_of, over_instances, read_connections
 from dse.loading.design.tree import FindComponent
 from dse.loading.include import read_document
 from dse.loading.names import check_name
@@ -86,6 +86,7 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
     except DseError as error:  # what is wrong in this file alone is told all the same
         read_simulation(entry["simulation"], file.simulation, None, problems)
         raise DseError(*error.problems, *problems) from None
+    connections = over_instances(connections, design.root.parts, problems)
     parts = _test_components(entry["test_components"], file, find_component, design, problems)
     # What the bench would say of a part that could not be read follows from that, and is not said.
     unread = set(file.test_components) - {part.name for part in parts}
@@ -99,7 +100,9 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
         if name.split(".")[0] not in unread:
             given = entry["parameters"][name]
             with problems:
-                found = read_settings(name, raw, components, given)
+                found: dict[str, Value] = {}
+                for place in instances_of(name, design.root.parts):
+                    found |= read_settings(place, raw, components, given)
                 twice = [f"'{label}' is given a value twice" for label in found if label in parameters]
                 raise_if_any(Problem(what, given.key, "remove one") for what in twice[:1])
                 parameters |= found

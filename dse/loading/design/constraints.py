@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from dse.domain.component import Component
-from dse.domain.design import Constraint, ConstraintSet, split_path
+from dse.domain.design import Compound, Constraint, ConstraintSet, split_path
 from dse.errors import Problems, closest
 from dse.formats import Entry
 from dse.loading.design.forms import ConstraintSection, FindParts, condition
+from dse.loading.design.instances import Instances, unfold
+from dse.loading.design.repetition import StructureRule
 from dse.loading.design.scope import Scope, constraint_name, inside
 from dse.loading.names import check_name
 from dse.loading.sections import Section, read_section
@@ -33,21 +35,32 @@ class Rules:
 
 def read_constraints(
     found: Sequence[Rules],
+    structure: Sequence[StructureRule],
+    root: Compound | None,
     components: Mapping[str, Sequence[Component]] | None,
     sets: Mapping[str, ConstraintSet],
     problems: Problems,
 ) -> tuple[Constraint, ...]:
-    """The constraints of all mappings *found*, in their order; what is wrong with them is added to *problems*.
+    """The rules of the *structure* below *root*, then the constraints of all mappings *found*, in their order.
+
+    What is wrong with them is added to *problems*.
 
     *components* are what can stand at every place; None, if that is not known, leaves out ranges.
     """
     constraints: dict[str, Constraint] = {}
+    known = Instances(root or Compound("", {}))
+    for rule in structure:
+        with problems:
+            constraint = rule.constraint()
+            constraints[constraint.name] = replace(constraint, rule=unfold(constraint.rule, known))
     for rules in found:
         for entry, section in _sections(rules.entry, problems):
             if components is None and section.range is not None:
                 continue
             with problems:
                 constraint = _constraint(entry, section, rules, components or {})
+                if components is not None:
+                    constraint = replace(constraint, rule=unfold(constraint.rule, known))
                 if constraint.name in constraints:
                     what = f"there is a constraint '{constraint.name}' already"
                     problems.add(what, constraint.where, f"see {constraints[constraint.name].where}; rename one")

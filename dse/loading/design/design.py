@@ -50,7 +50,9 @@ def read_design(
     of_the_whole = (Rules(entry["constraints"], Scope(), ()),) if file.constraints else ()
     # What a part that could not be read lacks is not said.
     components = None if tree.root is None or problems else candidates(tree.root)
-    constraints = read_constraints((*of_the_whole, *tree.rules), components, sets, problems)
+    structure = tree.structure if is_sound else ()
+    rules = (*of_the_whole, *tree.rules)
+    constraints = read_constraints(rules, structure, tree.root, components, sets, problems)
     if tree.root is not None and is_sound:
         problems += misfits(tree.root)
     raise_if_any(problems)

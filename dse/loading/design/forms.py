@@ -8,6 +8,7 @@ from dse.domain.component import Component, Kind
 from dse.domain.expression import Binary, Conditional, Expression, Name, Node, Number, Unary
 from dse.errors import Location, Problem, Problems, closest, fail, raise_if_any
 from dse.formats import Entry
+from dse.loading.design.instances import OVER_PLACES
 from dse.loading.design.located_text import Passage, added, joined, listed, written
 from dse.loading.sections import Plain, Section
 from dse.loading.values import read_quantity
@@ -20,6 +21,8 @@ class ConstraintSection(Section):
     forbid: list[str] | None = None
     require_with: dict[str, str | list[str]] | None = None
     same_choice: list[str] | None = None
+    all_different: list[str] | None = None
+    ordered: list[str] | None = None
     at_least: dict[str, list[str]] | None = None
     at_most: dict[str, list[str]] | None = None
     exactly: dict[str, list[str]] | None = None
@@ -28,7 +31,7 @@ class ConstraintSection(Section):
     set: str | None = None
 
 
-FORMS = ("require", "forbid", "require_with", "same_choice", "at_least", "at_most", "exactly", "range")
+FORMS = ("require", "forbid", "require_with", *OVER_PLACES, "at_least", "at_most", "exactly", "range")
 """The keys of a constraint that say what must hold."""
 
 FindParts = Callable[[str], tuple[str, str, Sequence[Component]] | None]
@@ -50,8 +53,8 @@ def condition(entry: Entry, section: ConstraintSection, find: FindParts) -> Pass
             return _forbidden(here, section.forbid or [])
         case "require_with":
             return _required_with(here, section.require_with or {})
-        case "same_choice":
-            return _same_choice(here, section.same_choice or [])
+        case "same_choice" | "all_different" | "ordered":
+            return _compared(here, form, getattr(section, form))
         case "range":
             return _ranges(here, section.range or {}, find)
     return _counted(here, getattr(section, form))
@@ -103,10 +106,10 @@ def _counted(entry: Entry, counts: dict[str, list[str]]) -> Passage:
 _LONGEST = 9
 
 
-def _same_choice(entry: Entry, places: list[str]) -> Passage:
-    form = "same_choice: [front.tyre, rear.tyre]"
-    if len(places) < 2:
-        raise fail("'same_choice' needs at least two places", entry.where, form)
+def _compared(entry: Entry, word: str, places: list[str]) -> Passage:
+    form = f"{word}: [front.tyre, rear.tyre]"
+    if not places:
+        raise fail(f"'{word}' needs at least two places, or a repeated one", entry.where, form)
     parsed = _parsed(entry, places)
     raise_if_any(
         Problem(f"'{passage.text}' is not a place", passage.where, f"the form is {form}")
@@ -114,7 +117,7 @@ def _same_choice(entry: Entry, places: list[str]) -> Passage:
         if not isinstance(root, Name)
     )
     passages = [passage for passage, _ in parsed]
-    head = added("same_choice(", passages[0].where)
+    head = added(f"{word}(", passages[0].where)
     return joined(head, listed(", ", passages), added(")", passages[-1].where))
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from dse.domain.expression import Binary, Call, Chosen, Conditional, Name, Node, Span, is_rollup
 from dse.errors import Problem, closest, raise_if_any
 from dse.expression import children
+from dse.loading.design.instances import OVER_PLACES
 from dse.loading.design.located_text import Passage, added, joined, with_insertions
 
 
@@ -105,7 +106,7 @@ def _mentions(root: Node, parts: Collection[str]) -> Iterator[_PartPath | _Prope
                 yield _place(node.place, node.place_span())
             case Name(path, span):
                 yield _place(path, span) if "." in path or path in parts else _Property(span)
-            case Call("same_choice", arguments):
+            case Call(function, arguments) if function in OVER_PLACES:
                 stack += [argument for argument in arguments if not isinstance(argument, Name)]
                 yield from (_place(name.path, name.span) for name in arguments if isinstance(name, Name))
             case Call(function, (first, *others)) if is_rollup(function, first):

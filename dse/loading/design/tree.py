@@ -7,11 +7,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from dse.domain.component import Component, Interface
-from dse.domain.design import Alternative, Compound, Node, Optional, Part
+from dse.domain.design import Alternative, Compound, Connection, Node, Optional, Part
 from dse.errors import Location, Problems, closest
 from dse.formats import Entry
-from dse.loading.design.connections import read_connections
+from dse.loading.design.allocation import read_allocation
+from dse.loading.design.connection_choice import ChosenStructure, read_connect
+from dse.loading.design.connections import over_instances, read_connections
 from dse.loading.design.constraints import Rules
+from dse.loading.design.repetition import REPETITION, StructureRule, instance, read_repetition, repetition_rules
 from dse.loading.design.scope import Scope
 from dse.loading.names import check_choice, check_name
 
@@ -20,15 +23,20 @@ FindComponent = Callable[[str, Location], Component]
 
 MODEL = "model"
 """What a component is called within what stands for it."""
-_COMPOUND = ("compound", "connections", "implements", "constraints")
+_CHOICES = ("connect", "allocate")
+_COMPOUND = ("compound", "connections", "implements", "constraints", "repeated")
 
 
 @dataclass(frozen=True, slots=True)
 class Tree:
-    """What was read: *root*, None if it is none, and the mappings of constraints in it, outer ones first."""
+    """What was read: *root*, None if it is none, and the mappings of constraints in it, outer ones first.
+
+    *structure* are the rules that its repetitions, connection choices and allocations follow.
+    """
 
     root: Compound | None
     rules: tuple[Rules, ...]
+    structure: tuple[StructureRule, ...]
 
 
 def read_tree(
@@ -43,7 +51,7 @@ def read_tree(
     """The containers of the design space *name*, whose root is *written* so; what is wrong is added to *problems*."""
     reader = _TreeReader(find, interfaces, stand_ins, problems)
     root = reader.compound(name, entry, written, Scope())
-    return Tree(root, tuple(reader.rules))
+    return Tree(root, tuple(reader.rules), tuple(reader.structure))
 
 
 class _TreeReader:
@@ -61,21 +69,24 @@ class _TreeReader:
         self.stand_ins = stand_ins
         self.problems = problems
         self.rules: list[Rules] = []
+        self.structure: list[StructureRule] = []
 
     def node(self, entry: Entry, written: Any, scope: Scope) -> Node | None:
         if isinstance(written, str):
             return self.part(entry, written)
         if isinstance(written, dict):
-            for key in ("compound", "alternatives", "optional"):
+            for key in ("times", "compound", "alternatives", "optional"):
                 if key in written:
                     return self.container(key, entry, written, scope)
-        forms = "a component's name, {alternatives: […]}, {optional: …} or {compound: …}"
+        forms = "a component's name, {alternatives: […]}, {optional: …}, {compound: …} or {times: …}"
         self.problems.add("expected a component or a container", entry.where, forms)
         return None
 
     def container(self, key: str, entry: Entry, written: dict[str, Any], scope: Scope) -> Node | None:
         if key == "compound":
             return self.compound(scope.path.rpartition(".")[2], entry, written, scope)
+        if key == "times":
+            return self.repetition(entry, written, scope)
         self.expect_keys(entry, written, (key,))
         if key == "alternatives":
             return self.alternative(entry[key], written[key], scope)
@@ -96,15 +107,62 @@ class _TreeReader:
         if "constraints" in written:
             self.rules.append(Rules(entry["constraints"], scope, tuple(children)))
         parts: dict[str, Node] = {}
+        is_repeated = written.get("repeated", False)
+        if not isinstance(is_repeated, bool):
+            self.problems.add("'repeated': expected true or false", entry["repeated"].where, "write repeated: true")
         for child, content in children.items():
             here = entry["compound"][child]
             check_name(child, here.key, self.problems)
-            node = self.node(here, content, scope.part(child))
-            if node:
-                parts[child] = node
+            if not _is_choice(content):
+                node = self.node(here, content, scope.part(child))
+                if node:
+                    parts[child] = instance(node, name) if is_repeated is True else node
         connections = read_connections(entry["connections"], written.get("connections", []), self.problems)
+        # Choices between parts need the parts, and stand where they are written.
+        before = len(self.problems)
+        wires: list[Connection] = []
+        chosen: dict[str, Node] = {}
+        for child, content in children.items():
+            if _is_choice(content) and not before:
+                with self.problems:
+                    structure = self.choice(entry["compound"][child], content, parts, scope)
+                    chosen[child] = structure.node
+                    self.structure += structure.rules
+                    wires += structure.wires
+        parts = {child: {**parts, **chosen}[child] for child in children if child in parts or child in chosen}
+        connections = over_instances(connections, parts, self.problems)
         interface = self.interface(entry["implements"], written["implements"]) if "implements" in written else None
-        return Compound(name, parts, connections, interface, entry.key)
+        return Compound(name, parts, (*connections, *wires), interface, entry.key, is_repeated is True)
+
+    def choice(self, entry: Entry, content: dict[str, Any], parts: Mapping[str, Node], scope: Scope) -> ChosenStructure:
+        """What *content* chooses between *parts*. Raises DseError."""
+        return (read_connect if "connect" in content else read_allocation)(entry, parts, scope)
+
+    def repetition(self, entry: Entry, written: dict[str, Any], scope: Scope) -> Compound | None:
+        """A compound of the instances ``n1``, ``n2``, …, each read as a part of its own."""
+        before, place = len(self.problems), scope.path.rpartition(".")[2]
+        rest = {key: value for key, value in written.items() if key not in REPETITION}
+        is_container = "compound" in rest or "alternatives" in rest
+        if not is_container:
+            self.expect_keys(entry, written, REPETITION)
+        if is_container is ("of" in written) and len(self.problems) == before:
+            hint = "{times: 1..4, of: radar}, or alternatives or compound instead of of"
+            self.problems.add(f"'{entry.name}' needs one part that is repeated", entry.key, hint)
+        if len(self.problems) > before:
+            return None
+        content, at = (rest, entry) if is_container else (written["of"], entry["of"])
+        parts: dict[str, Node] = {}
+        with self.problems:
+            times = read_repetition(entry, written)
+            for number in range(1, times.most + 1):
+                here = scope.part(f"n{number}")
+                node = self.node(at, content, here.optional() if number > times.least else here)
+                if node is None or len(self.problems) > before:
+                    return None
+                node = instance(node, place)
+                parts[f"n{number}"] = Optional(node, entry.key) if number > times.least else node
+            self.structure += repetition_rules(entry, times, scope, parts)
+        return Compound(place, parts, where=entry.key, repeated=True) if parts else None
 
     def alternative(self, entry: Entry, written: Any, scope: Scope) -> Alternative | None:
         if not isinstance(written, list) or not written:
@@ -160,3 +218,7 @@ class _TreeReader:
         for key in written:
             if key not in known:
                 self.problems.add(f"unknown key '{key}'", entry[key].key, closest(key, known))
+
+
+def _is_choice(written: Any) -> bool:
+    return isinstance(written, dict) and any(key in written for key in _CHOICES)

@@ -11,9 +11,20 @@ from collections.abc import Iterable
 from typing import Any
 
 from dse.domain.component import NO_INTERFACE, Component
-from dse.domain.design import Alternative, Compound, Constraint, ConstraintSet, DesignSpace, Node, Optional, Part
+from dse.domain.design import (
+    Alternative,
+    Compound,
+    Connection,
+    Constraint,
+    ConstraintSet,
+    DesignSpace,
+    Node,
+    Optional,
+    Part,
+)
+from dse.domain.expression import Chosen
 from dse.errors import fail
-from dse.expression import text_of
+from dse.expression import show_expression, text_of
 from dse.formats import write_file, write_flow, write_name, write_parameter, write_text
 from dse.loading.design.scope import Scope, constraint_name
 from dse.loading.writing.unscope import relative_rule
@@ -70,12 +81,17 @@ class _TreeWriter:
         self.written: set[str] = set()
 
     def compound(self, compound: Compound, scope: Scope) -> dict[str, Any]:
-        parts = {name: self.node(node, scope.part(name)) for name, node in compound.parts.items()}
+        parts = {
+            name: self.node(node, scope.part(name), compound.name if compound.repeated else name)
+            for name, node in compound.parts.items()
+        }
         data: dict[str, Any] = {"compound": parts}
+        if compound.repeated:
+            data["repeated"] = "true"
         if compound.interface is not None:
             data["implements"] = write_name(compound.interface.name)
         if compound.connections:
-            data["connections"] = [str(connection) for connection in compound.connections]
+            data["connections"] = [_wire(connection) for connection in compound.connections]
         rules = self.rules(compound, scope) if scope.trail else {}
         return {**data, "constraints": rules} if rules else data
 
@@ -90,18 +106,18 @@ class _TreeWriter:
                     found[own] = _constraint(constraint, text)
         return found
 
-    def node(self, node: Node, scope: Scope) -> str | dict[str, Any]:
+    def node(self, node: Node, scope: Scope, name: str) -> str | dict[str, Any]:
+        """*name* is what a compound there has to be called."""
         match node:
             case Part():
                 return write_name(node.name)
             case Compound():
-                place = scope.path.rpartition(".")[2]
-                if node.name != place:
+                if node.name != name:
                     what = f"the architecture '{node.name}' at '{scope.path}' is not called as its place"
-                    raise fail(what, node.where, f"call it {place}, or make it an alternative")
+                    raise fail(what, node.where, f"call it {name}, or make it an alternative")
                 return self.compound(node, scope)
             case Optional():
-                return {"optional": self.node(node.content, scope.optional())}
+                return {"optional": self.node(node.content, scope.optional(), name)}
             case Alternative():
                 return {"alternatives": [self.option(option, scope) for option in node.options]}
 
@@ -109,6 +125,13 @@ class _TreeWriter:
         if isinstance(option, Part):
             return write_name(option.name)
         return {option.name: self.compound(option, scope.option(option.name))}
+
+
+def _wire(connection: Connection) -> str:
+    if connection.when is None:
+        return str(connection)
+    path, names = connection.when
+    return f"{connection} if {show_expression(Chosen(path, names or ('present',), (0, 0)))}"
 
 
 def _set(one: ConstraintSet) -> str:

@@ -11,7 +11,7 @@ part that is always there.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from dse.domain.component import NO_INTERFACE, Causality, Component, Interface, Parameter, Port
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part
@@ -53,7 +53,7 @@ def wire(
     """
     ways, components = _ways(_with_bench(_chosen(space.root, "", choices), test_components or {}, connections))
     return tuple(
-        Connection(".".join(source), ".".join(target), connection.where)
+        Connection(".".join(source), ".".join(target), connection.where, when=connection.when)
         for source, target, connection in ways
         if target[0] in components
     )
@@ -103,6 +103,8 @@ def _ways(root: PlacedPart) -> tuple[list[tuple[PortOf, PortOf, Connection]], se
                 first = drivers.pop(target, None)
                 if first and optionals[source[0]] == optionals[first[0][0]]:
                     problems.append(two_sources(target, first[2], connection))
+                if optionals[source[0]] and connection.when is None:
+                    connection = replace(connection, when=(source[0], ()))  # noqa: PLW2901  # as far as it is made
                 is_replaced = first and optionals[source[0]] < optionals[first[0][0]]
                 drivers[target] = first if first and is_replaced else (source, depth, connection)
     raise_if_any(problems)
@@ -217,12 +219,23 @@ def _place(node: Node, path: str, choices: Choices, optionals: int = 0) -> Place
                 name: _place(child, f"{path}.{name}" if path else name, choices, optionals)
                 for name, child in node.parts.items()
             }
-            return PlacedPart(path, node.interface, parts, node.connections, optionals=optionals)
+            here = f"{path}." if path else ""
+            made = tuple(one for one in node.connections if _is_made(one, here, choices))
+            return PlacedPart(path, node.interface, parts, made, optionals=optionals)
         case Alternative():
             option = next(option for option in node.options if option.name == choices[path])
             return _place(option, path, choices, optionals)
         case Optional():
             return _place(node.content, path, choices, optionals + 1) if path in choices else None
+
+
+def _is_made(connection: Connection, here: str, choices: Choices) -> bool:
+    """Whether what *connection* depends on is chosen; *here* is where its paths begin."""
+    if connection.when is None:
+        return True
+    path, names = connection.when
+    chosen = choices.get(here + path)
+    return chosen is not None and (not names or chosen in names)
 
 
 def _levels(place: PlacedPart, depth: int) -> Iterable[tuple[int, PlacedPart]]:

@@ -26,6 +26,7 @@ from dse.domain.expression import (
 )
 from dse.errors import DseError, closest
 from dse.expression import (
+    COMPARISON_OPERATORS,
     PLAIN,
     TRUTH,
     Form,
@@ -38,6 +39,7 @@ from dse.expression import (
     require_truth,
     unary_sort,
 )
+from dse.loading import unfold
 from dse.space.decisions import Site
 from dse.space.language.places import Places
 from dse.space.language.terms import (
@@ -73,6 +75,7 @@ def interpret_condition(expression: Expression, places: Places) -> Term:
 
 def interpret(expression: Expression, places: Places) -> tuple[Sort, Term]:
     """*expression* with the sort of its value. Raises DseError like `interpret_condition`."""
+    expression = unfold(expression, places.instances)
     return _Interpreter(expression, places).term(expression.root)
 
 
@@ -216,8 +219,10 @@ class _Interpreter:
 
     def binary(self, node: Binary) -> tuple[Sort, Term]:
         (left_sort, left), (right_sort, right) = self.term(node.left), self.term(node.right)
-        sort = binary_sort(self.expression, node, left_sort, right_sort)
         operator = node.operator
+        if operator in ("+", "-", *COMPARISON_OPERATORS):
+            left_sort, right_sort = _with_zeros((left_sort, left), (right_sort, right))
+        sort = binary_sort(self.expression, node, left_sort, right_sort)
         if operator == "implies":
             return sort, Some((TermOperation("not", (left,), node.left.span), right))
         if operator in ("==", "!=") and left_sort.form is Form.TRUTH:
@@ -228,10 +233,22 @@ class _Interpreter:
         condition_sort, condition = self.term(node.condition)
         require_truth(self.expression, node.condition, condition_sort)
         (yes_sort, yes), (no_sort, no) = self.term(node.yes), self.term(node.no)
+        yes_sort, no_sort = _with_zeros((yes_sort, yes), (no_sort, no))
         return choice_sort(self.expression, node.span, yes_sort, no_sort), ConditionalTerm(condition, yes, no)
 
     def error(self, span: Span, what: str, advice: str) -> DseError:
         return error_in(self.expression, span, what, advice)
+
+
+def _with_zeros(left: tuple[Sort, Term], right: tuple[Sort, Term]) -> tuple[Sort, Sort]:
+    """The sorts of two numbers; a literal 0 without a unit is 0 in any unit."""
+    (left_sort, left_term), (right_sort, right_term) = left, right
+    if left_sort.form is right_sort.form is Form.NUMBER:
+        if isinstance(left_term, Constant) and left_term.value == 0 and left_sort == PLAIN:
+            return right_sort, right_sort
+        if isinstance(right_term, Constant) and right_term.value == 0 and right_sort == PLAIN:
+            return left_sort, left_sort
+    return left_sort, right_sort
 
 
 def _alike(one: tuple[Site, ...], other: tuple[Site, ...], span: Span) -> Term:

@@ -11,6 +11,7 @@ from dse.domain.design import DesignSpace, split_path
 from dse.domain.expression import Call, Chosen, Expression, Name, Node, Span
 from dse.errors import closest
 from dse.expression import PLAIN, Form, Sort, error_in
+from dse.loading import Instances
 from dse.space.decisions import Site, sites
 from dse.space.language.terms import Entries
 from dse.units import Dimension, Unit, describe
@@ -23,6 +24,7 @@ class Places:
     """The places of a design space by path. All methods raise DseError at the name that means nothing."""
 
     def __init__(self, space: DesignSpace) -> None:
+        self.instances = Instances(space.root)
         found: dict[str, list[Site]] = {}
         for site in sites(space):
             found.setdefault(site.path, []).append(site)

@@ -7,15 +7,18 @@ Exact rewriting only: ``mean(p) <= c`` is ``sum(p - c) <= 0`` over what is there
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import ceil, floor, gcd, lcm
 
 import numpy as np
 
+from dse.errors import DseError
 from dse.space.decisions import Site
 from dse.space.flat import Ints
 from dse.space.language.terms import ConditionalTerm, Constant, Entries, RollUp, Selected, Stated, Term, TermOperation
+from dse.space.lowering.cells import scope_of_term, value_in_cells
 from dse.space.lowering.formulas import (
     FALSE_FORMULA,
     TRUE_FORMULA,
@@ -101,7 +104,21 @@ def affine(shape: SpaceShape, term: Term) -> Affine:
             scaled = _scaled(sign, affine(shape, left), affine(shape, right))
             if scaled is not None:
                 return scaled
-    return Affine(others=[(Fraction(1), term)])
+    return _tabulated(shape, term) or Affine(others=[(Fraction(1), term)])
+
+
+def _tabulated(shape: SpaceShape, term: Term) -> Affine | None:
+    """*term* where it looks at one variable and has a rational value whatever that is."""
+    scope = scope_of_term(term)
+    if len(scope) != 1:
+        return None
+    with suppress(DseError):
+        *values, absent = value_in_cells(shape, term)
+        base = Fraction(0) if shape.is_root(scope[0]) else absent
+        if isinstance(base, Fraction) and all(isinstance(value, Fraction) for value in values):
+            weights = {number: value - base for number, value in enumerate(values) if isinstance(value, Fraction)}
+            return Affine(base, {scope[0]: weights})
+    return None
 
 
 def presence(shape: SpaceShape, entries: Entries) -> Formula:

@@ -10,8 +10,10 @@ import numpy as np
 
 from dse.domain.expression import Expression, Truth
 from dse.space.decisions import Site
-from dse.space.flat import Bools
+from dse.space.flat import ABSENT, Bools
+from dse.space.language.arithmetic import ExactValue
 from dse.space.language.evaluate import evaluator
+from dse.space.language.terms import Term, leaves, sites_of
 from dse.space.lowering.formulas import Atom, BoundedSum, Formula, FormulaJunction, Literal
 from dse.space.lowering.shape import SpaceShape
 
@@ -40,6 +42,22 @@ def holds_in_cells(shape: SpaceShape, atom: Atom) -> Bools:
         value = evaluate(dict(zip(atom.scope, values, strict=True)))
         found[index] = (value is not None and bool(value) is atom.outcome) is not atom.denied
     return found
+
+
+def scope_of_term(term: Term) -> tuple[int, ...]:
+    """The variables *term* looks at, ascending."""
+    branches = {site.branch for leaf in leaves(term) for site in sites_of(leaf)}
+    return tuple(sorted({branch[0] for branch in branches if branch}))
+
+
+def value_in_cells(shape: SpaceShape, term: Term) -> list[ExactValue]:
+    """*term*, which looks at one variable, for each of its values and last for its absence.
+
+    Raises DseError as `holds_in`.
+    """
+    (variable,) = scope_of_term(term)
+    evaluate = evaluator(_NOWHERE, term, _there, lambda _: "")
+    return [evaluate({variable: value}) for value in (*range(shape.widths[variable] - 1), ABSENT)]
 
 
 def _holds(shape: SpaceShape, formula: Formula, scope: Sequence[int]) -> Bools:

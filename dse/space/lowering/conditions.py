@@ -13,11 +13,9 @@ from dse.space.language.terms import (
     Some,
     Term,
     TermOperation,
-    leaves,
-    sites_of,
 )
 from dse.space.lowering.affine import OPPOSITE, compare, one_taken
-from dse.space.lowering.cells import holds_in_cells
+from dse.space.lowering.cells import holds_in_cells, scope_of_term
 from dse.space.lowering.counts import counting
 from dse.space.lowering.formulas import (
     FALSE_FORMULA,
@@ -118,12 +116,6 @@ def atom(shape: SpaceShape, term: Term, outcome: bool) -> Formula:
     if scope:
         return literal(shape, scope[0], holds)
     return TRUE_FORMULA if holds else FALSE_FORMULA
-
-
-def scope_of_term(term: Term) -> tuple[int, ...]:
-    """The variables *term* looks at, ascending."""
-    branches = {site.branch for leaf in leaves(term) for site in sites_of(leaf)}
-    return tuple(sorted({branch[0] for branch in branches if branch}))
 
 
 def _standing(shape: SpaceShape, term: Selected) -> Formula:

@@ -15,7 +15,8 @@ from dse.space.language.interpret import interpret_condition
 from dse.space.language.places import Places
 from dse.space.language.terms import Constant, Every, Term, TermOperation, parts
 from dse.space.lowering.affine import reach
-from dse.space.lowering.conditions import ConditionLowering, scope_of_term
+from dse.space.lowering.cells import scope_of_term
+from dse.space.lowering.conditions import ConditionLowering
 from dse.space.lowering.folds import Folds
 from dse.space.lowering.formulas import Atom, Formula, TooLargeError, negation
 from dse.space.lowering.judge import Calculator

@@ -29,6 +29,7 @@ from dse.domain.design import DesignSpace
 from dse.errors import DseError, fail
 from dse.space.flat import FlatSpace, Ints, Rows, Rule, Table
 from dse.space.lowering import flatten
+from dse.space.lowering.cliques import with_cliques
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.mdd.diagram import DecisionDiagram, count, occurrences, restrict
 from dse.space.methods.tally import Tally
@@ -86,9 +87,15 @@ class Engine:
         if len(masks) < len(rules) or self.diagram is None:
             return Engine(flat, self)
         diagram, expanded = (
-            known and replace(restrict(known, masks), flat=flat) for known in (self.diagram, self._expanded)
+            known and replace(restrict(known, masks), flat=known.flat.having(*rules))
+            for known in (self.diagram, self._expanded)
         )
         return Engine(flat, self, diagram, expanded)
+
+    @cached_property
+    def _merged(self) -> FlatSpace:
+        """As what the diagram is compiled."""
+        return with_cliques(self.flat)
 
     @cached_property
     def diagram(self) -> DecisionDiagram | None:
@@ -101,7 +108,7 @@ class Engine:
         if self._model is not None and self._model.diagram is None and self._model.clausal.graph is not None:
             return None
         try:
-            return compile_best(self.flat, DIAGRAM)
+            return compile_best(self._merged, DIAGRAM)
         except TooWideError:
             return None
 
@@ -127,7 +134,7 @@ class Engine:
 
     def is_structural(self) -> bool:
         """Whether all rules are logical, without sums and the like."""
-        return not (self.flat.linears() or self.flat.wides())
+        return not (self._merged.linears() or self._merged.wides())
 
     def count(self, seed: int = 0, *, relative: float | None = None) -> Tally:
         """How many rows are valid: exact if that takes no more than everyday work, else by `estimate`.

@@ -56,6 +56,8 @@ class _Grower:
                 for name, child in node.parts.items():
                     label = f"{name}: {child.name}" if isinstance(child, Part) else name
                     yield self.node(child, f"{path}.{name}" if path else name, label, there=there, dead=dead)
+            case Optional(Alternative((Compound() as only,))) if not only.parts:
+                return  # connected or not
             case Optional(Alternative() as content):
                 there = there and path in self.choices
                 yield self.node(content, path, ONE_OF, there=there, dead=dead, decision=decision)

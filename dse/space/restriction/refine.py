@@ -155,7 +155,8 @@ def _replacing(connections: Collection[Connection]) -> Iterable[str]:
 
 def _is_cut(connection: Connection, before: Compound, after: Compound) -> bool:
     """Whether a part that an end of *connection* is at is gone."""
-    return any(_leads_nowhere(end, before, after) for end in (connection.source, connection.target))
+    ends = (connection.source, connection.target, *(connection.when or ())[:1])
+    return any(_leads_nowhere(end, before, after) for end in ends)
 
 
 def _leads_nowhere(end: str, before: Compound, after: Compound) -> bool:
