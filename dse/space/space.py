@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -170,11 +170,11 @@ class OpenedSpace:
         fits = all(choice in known.get(path, ()) for path, choice in choices.items())
         return resolve(self.space, choices) if fits else None
 
-    def best(self, aim: Aim, number: int) -> tuple[Ranked, ...]:
+    def best(self, aim: Aim, number: int, tell: Callable[[str], None] | None = None) -> tuple[Ranked, ...]:
         """The *number* best under *aim*, see `dse.space.questions.optimum`."""
         from dse.space.questions.optimum import best_configurations
 
-        return best_configurations(self.space, self.engine, aim, number)
+        return best_configurations(self.space, self.engine, aim, number, tell)
 
     def pareto(self, aims: Sequence[Aim]) -> tuple[Ranked, ...]:
         """One for each point of the complete Pareto set of *aims*, see `dse.space.questions.optimum`."""

@@ -13,9 +13,9 @@ from dse.space.methods.dnnf.cnf import MOST_STATES
 from dse.space.methods.dnnf.compile import compile_dnnf
 from dse.space.methods.dnnf.queries import count, occurrences
 from dse.space.methods.dnnf.rows import rows, sample
-from dse.space.methods.dnnf.satisfiability import conflict, satisfiable
 from dse.space.methods.dnnf.trim import UnsupportedError, trim
 from dse.space.methods.mdd.growth import TooWideError
+from dse.space.methods.solver.answers import conflict, first
 
 
 def space(variables: list[Variable], *rules: Rule) -> FlatSpace:
@@ -118,7 +118,7 @@ def test_count_and_occurrences_are_those_of_brute_force(flat: FlatSpace) -> None
 
 @given(spaces())
 def test_the_solver_finds_a_row_iff_there_is_one(flat: FlatSpace) -> None:
-    row = satisfiable(flat)
+    row = first(flat)
     expected = every_row(flat)
     assert (row is not None) == bool(expected)
     assert row is None or tuple(row.tolist()) in expected

@@ -16,7 +16,7 @@ from dse.space.lowering import flatten
 from dse.space.methods.dnnf.compile import Dnnf, compile_dnnf
 from dse.space.methods.dnnf.queries import count, occurrences
 from dse.space.methods.dnnf.rows import rows, sample
-from dse.space.methods.dnnf.satisfiability import conflict, satisfiable
+from dse.space.methods.solver.answers import conflict, first
 
 SHARED = Path(__file__).parents[3] / "shared/data/uvl"
 MODELS = ("android51", "automotive01", "busybox854", "routefinding")
@@ -70,7 +70,7 @@ def test_a_shared_model_has_the_count_other_counters_agree_on(name: str) -> None
 def test_rows_of_a_shared_model_meet_its_rules_and_differ(name: str) -> None:
     dnnf = compiled(SHARED / f"{name}.uvl")
     drawn, listed = sample(dnnf, 300, seed=1), next(rows(dnnf))
-    row = satisfiable(dnnf.flat)
+    row = first(dnnf.flat)
     assert row is not None
     assert meets_all(dnnf.flat, np.concatenate([drawn, listed, row[None]]))
     assert len(np.unique(listed, axis=0)) == len(listed)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import reduce
+from functools import partial, reduce
 from itertools import product
 from operator import mul
 
@@ -27,14 +27,15 @@ from dse.space.flat import (
     Variable,
     Wide,
 )
-from dse.space.methods.listing import search
 from dse.space.methods.listing.blocks import blocks, first
 from dse.space.methods.listing.recheck import valid
 from dse.space.methods.mdd.diagram import compile_diagram
 from dse.space.methods.mdd.expand import expand
-from dse.space.methods.optimum.optimizer import best
+from dse.space.methods.optimum.optimizer import Optimizer, best
 from dse.space.methods.optimum.pareto import pareto
 from dse.space.methods.optimum.regions import best_valued
+from dse.space.methods.solver import answers
+from dse.space.methods.solver.answers import SolverOptimizer
 
 MANY = settings(max_examples=60, deadline=None)
 Row = tuple[int, ...]
@@ -208,10 +209,32 @@ def test_the_first_row_leads_the_list_and_only_an_empty_list_has_none(space: Fla
     assert (None if row is None else tuple(row.tolist())) == (expected[0] if expected else None)
 
 
-@MANY
+@settings(max_examples=25, deadline=None)
+@given(spaces(), st.data())
+def test_the_solver_finds_the_best_rows(space: FlatSpace, data: st.DataObject) -> None:
+    aim = weights(data.draw, [len(variable.values) for variable in space.variables])
+    number = data.draw(st.integers(0, 6))
+    rows = brute_force(space)
+    found = listed([answers.least(space, aim, number)])
+    assert [total(aim, row) for row in found] == sorted(total(aim, row) for row in rows)[:number]
+    assert len(set(found)) == len(found)
+    assert set(found) <= set(rows)
+
+
+@settings(max_examples=50, deadline=None)
 @given(spaces())
-def test_the_search_without_a_diagram_lists_the_same_rows(space: FlatSpace) -> None:
-    assert [tuple(row.tolist()) for row in search.rows(space)] == brute_force(space)
+def test_the_solver_blames_rules_that_conflict_and_none_too_many(space: FlatSpace) -> None:
+    blamed = answers.conflict(space)
+    assert (blamed is None) == bool(brute_force(space))
+    if blamed is not None:
+        assert not brute_force(space.only(blamed))
+        assert all(brute_force(space.only([one for one in blamed if one != other])) for other in blamed)
+
+
+@settings(max_examples=25, deadline=None)
+@given(spaces())
+def test_the_solver_lists_the_same_rows(space: FlatSpace) -> None:
+    assert sorted(tuple(row.tolist()) for block in answers.blocks(space) for row in block) == brute_force(space)
 
 
 @MANY
@@ -286,6 +309,9 @@ def test_the_pareto_set_is_what_no_row_improves_on(space: FlatSpace, data: st.Da
         for point in sorted(leading)
         if not any(other != point and all(a <= b for a, b in zip(other, point, strict=True)) for other in leading)
     ]
-    found = pareto(compile_diagram(space), aims, largest)
+    found = pareto(partial(Optimizer, compile_diagram(space)), aims, largest)
     assert listed([found.rows]) == expected
     assert list(found.values) == [tuple(total(aim, row) for aim in aims) for row in expected]
+    solved = pareto(partial(SolverOptimizer, space), aims, largest)
+    assert solved.values == found.values
+    assert [tuple(total(aim, row) for aim in aims) for row in listed([solved.rows])] == list(found.values)

@@ -9,7 +9,8 @@ Methods are tried in this order:
 | tilted sampling over the diagram (`sampling`) | all | samples; counts and shares as estimates with an interval |
 | bounds and a search over the diagram (`listing`, `optimum`) | all | lists, the first row, the best rows |
 | decision-DNNF (`dnnf`), where every order makes the diagram too wide | clauses, tables, small counts | all, exactly |
-| search with propagation (`listing.search`), if a rule has no clauses either | all | lists, until the work is spent |
+| CP-SAT (`solver`), if that is too large too, or a search over a diagram late | all | rows, best rows, conflicts |
+| thinned populations (`sampling.population`), if there is no diagram and no DNNF | all | estimates, draws |
 
 Each module works an example by hand, as x in {1, 2, 4}, y in {0, 3}, x + y <= 4: 4 rows. A method is imported where it
 is used: together they take longer to import than most spaces to count. They were raced: none could be left out
@@ -36,7 +37,9 @@ from dse.space.methods.tally import Tally
 
 if TYPE_CHECKING:
     from dse.space.methods.clausal import ClausalEngine
+    from dse.space.methods.optimum.pareto import ParetoFront
     from dse.space.methods.sampling.estimate import Shares
+    from dse.space.methods.solver.model import Tell
 
 DIAGRAM = 200_000
 """Nodes a diagram may have before reduction; beyond, the decision-DNNF takes over."""
@@ -49,6 +52,9 @@ EVERYDAY_WORK = 5e9
 
 MOST_WORK = 1e12
 """The same where an exact count is insisted on: many minutes."""
+
+LATE = 300
+"""Pieces of work, some milliseconds each, after which a search over the diagram is left to the solver."""
 
 
 class Engine:
@@ -125,6 +131,13 @@ class Engine:
                 self._is_too_wide = True
         return self._expanded
 
+    @property
+    def late(self) -> int | None:
+        """`LATE` where the solver is installed; else None, and a search goes on."""
+        from dse.space.methods.solver.model import is_installed
+
+        return LATE if is_installed() else None
+
     @cached_property
     def clausal(self) -> ClausalEngine:
         """What answers where there is no diagram."""
@@ -199,12 +212,25 @@ class Engine:
 
     def first(self) -> Rows | None:
         """The first valid row in the engine's order, shape (variables,), or None. Raises like `is_empty`."""
-        if self.diagram is None:
-            return self.clausal.first()
-        from dse.space.methods.listing.blocks import first
+        return self._first[0]
+
+    @property
+    def is_solved(self) -> bool:
+        """Whether the first row, or that there is none, had to be found by the solver. Raises like `is_empty`."""
+        return self._first[1]
+
+    @cached_property
+    def _first(self) -> tuple[Rows | None, bool]:
+        from dse.space.methods.listing.blocks import MOST_ROUNDS, first
+        from dse.space.methods.solver import answers
 
         try:
-            return first(self.diagram)
+            if self.diagram is None:
+                return self.clausal.first(), self.clausal.is_solved
+            try:
+                return first(self.diagram, self.late or MOST_ROUNDS), False
+            except TooMuchError:
+                return answers.first(self.flat), True
         except TooMuchError as error:
             raise self._undecided() from error
 
@@ -243,16 +269,40 @@ class Engine:
         except EmptyError as error:
             raise self.nothing() from error
 
-    def least(self, weights: Mapping[int, Ints], number: int) -> Rows:
+    def least(self, weights: Mapping[int, Ints], number: int, tell: Tell | None = None) -> Rows:
         """The *number* valid rows of least sum of weights[variable][value]; of equal ones those that are listed first.
 
-        Raises TooMuchError where there is no diagram and rules do not fit into what is there instead.
+        Where the solver finds them, it is always the same ones of those that are equal, and *tell* hears how far it is.
+        Raises TooMuchError if it gives up.
         """
         if self.diagram is None:
-            return self.clausal.least(weights, number)
+            return self.clausal.least(weights, number, tell)
+        from dse.space.methods.listing.walk import Rounds
         from dse.space.methods.optimum.optimizer import best
+        from dse.space.methods.solver import answers
 
-        return best(self.diagram, weights, number).rows
+        try:
+            return best(self.diagram, weights, number, rounds=None if self.late is None else Rounds(self.late)).rows
+        except TooMuchError:
+            return answers.least(self.flat, weights, number, tell)
+
+    def pareto(self, objectives: Sequence[Mapping[int, Ints]], largest: Sequence[bool]) -> ParetoFront:
+        """The complete Pareto set over sums, see `optimum.pareto`. Raises TooMuchError if it takes too long."""
+        from functools import partial
+
+        from dse.space.methods.listing.walk import Rounds
+        from dse.space.methods.optimum.optimizer import Optimizer
+        from dse.space.methods.optimum.pareto import MOST_PARETO_ROUNDS, pareto
+        from dse.space.methods.solver.answers import SolverOptimizer
+
+        if self.diagram is not None:
+            rounds = Rounds(self.late or MOST_PARETO_ROUNDS)
+            try:
+                return pareto(partial(Optimizer, self.diagram, rounds=rounds), objectives, largest)
+            except TooMuchError:
+                if self.late is None:
+                    raise
+        return pareto(partial(SolverOptimizer, self.flat), objectives, largest)
 
     def shares(self, seed: int = 0) -> Shares:
         """The share of valid rows that take each value; half-widths are 0 where that is exact.
@@ -265,7 +315,7 @@ class Engine:
 
         try:
             if self.diagram is None:
-                return self.clausal.shares()
+                return self.clausal.shares(seed)
             try:
                 return estimate_occurrences(self.expanded or self.diagram, seed)
             except TooRareError:

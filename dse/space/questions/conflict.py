@@ -6,9 +6,11 @@ from collections.abc import Callable, Sequence
 
 from dse.domain.design import Constraint
 from dse.errors import DseError, fail
-from dse.space.methods.dnnf.satisfiability import conflict as clausal_conflict
-from dse.space.methods.dnnf.trim import UnsupportedError
 from dse.space.methods.engine import Engine
+from dse.space.methods.solver.answers import conflict as solved_conflict
+
+_MANY = 100
+"""Constraints from which on the solver takes less time than a diagram for each question, where it is installed."""
 
 
 def conflict(engine: Engine) -> tuple[Constraint, ...]:
@@ -17,27 +19,17 @@ def conflict(engine: Engine) -> tuple[Constraint, ...]:
     None of them if the choices exclude each other whatever the constraints. Raises DseError if there is a valid
     configuration after all, or if that cannot be told.
     """
-    found = _clausal(engine) if engine.is_structural() or engine.diagram is None else None
-    if found is None:
-        if not engine.is_empty():
-            raise _no_conflict(engine)
+    if not engine.is_empty():
+        raise _no_conflict(engine)
+    if engine.is_solved or (engine.is_structural() and len(engine.flat.constraints) > _MANY and engine.late):
+        found = solved_conflict(engine.flat) or ()
+    else:
 
         def consistent(owners: Sequence[int]) -> bool:
             return not engine.only(owners).is_empty()
 
         found = minimal_conflict(range(len(engine.flat.constraints)), consistent)
     return tuple(engine.flat.constraints[number] for number in found)
-
-
-def _clausal(engine: Engine) -> tuple[int, ...] | None:
-    """By a search that learns why it fails; None if a rule has no small form in clauses."""
-    try:
-        found = clausal_conflict(engine.flat)
-    except UnsupportedError:
-        return None
-    if found is None:
-        raise _no_conflict(engine)
-    return found
 
 
 def _no_conflict(engine: Engine) -> DseError:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
@@ -12,7 +12,7 @@ import numpy as np
 
 from dse.domain.design import DesignSpace
 from dse.domain.expression import Binary, Expression, Number
-from dse.errors import DseError, Location, fail
+from dse.errors import Location, fail
 from dse.expression import descend, parse_expression
 from dse.space.configurations.ids import IdentifiedChoices
 from dse.space.decisions import sites
@@ -20,10 +20,10 @@ from dse.space.flat import Ints, Rows
 from dse.space.lowering.objective import FoldedObjective, LinearObjective, LoweredObjective, objective
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.engine import Engine
-from dse.space.methods.mdd.diagram import DecisionDiagram, extremes
-from dse.space.methods.optimum.optimizer import RankedRows, best, sums
-from dse.space.methods.optimum.pareto import pareto
+from dse.space.methods.mdd.diagram import extremes
+from dse.space.methods.optimum.optimizer import RankedRows, sums
 from dse.space.methods.optimum.regions import best_valued
+from dse.space.methods.solver.model import SolverProgress, UnprovenError
 from dse.units import DIMENSIONLESS, Dimension, Unit, UnitError, describe, parse_unit
 
 _ROUNDS = 1_500
@@ -56,11 +56,14 @@ def read_aims(minimize: Iterable[str], maximize: Iterable[str]) -> tuple[Aim, ..
     )
 
 
-def best_configurations(space: DesignSpace, engine: Engine, aim: Aim, number: int) -> tuple[Ranked, ...]:
+def best_configurations(
+    space: DesignSpace, engine: Engine, aim: Aim, number: int, tell: Callable[[str], None] | None = None
+) -> tuple[Ranked, ...]:
     """The *number* best valid configurations, best first; of equal ones those that are listed first.
 
-    Complete and exact. A configuration for which the value is undefined is not ranked. Raises DseError if the
-    objective makes no sense, if what is best cannot be proven, or if the space is too large for a decision diagram.
+    Complete and exact: proven optimal. Of equal ones that the solver found, it is always the same. A configuration for
+    which the value is undefined is not ranked. *tell* hears how far the solver is. Raises DseError if the objective
+    makes no sense, or if what is best cannot be proven.
     """
     lowered = objective(space, aim.expression)
     if isinstance(lowered, FoldedObjective) and not lowered.folds:
@@ -69,7 +72,7 @@ def best_configurations(space: DesignSpace, engine: Engine, aim: Aim, number: in
             return ()
         lowered = LinearObjective({}, constant, Fraction(1), lowered.dimension)
     if isinstance(lowered, LinearObjective):
-        ranking = _linear(engine, lowered, number, largest=aim.largest)
+        ranking = _linear(space, engine, aim, lowered, number, tell)
     else:
         ranking = _nonlinear(space, engine, aim, lowered, number)
     values = [Fraction(value) for value in ranking.values]
@@ -82,7 +85,11 @@ def pareto_set(space: DesignSpace, engine: Engine, wanted: Sequence[Aim]) -> tup
     Raises DseError if an objective is no sum of properties, or there are too many points.
     """
     lowered = [_sum(objective(space, aim.expression), aim) for aim in wanted]
-    front = pareto(_diagram(engine), [aim.weights for aim in lowered], [aim.largest for aim in wanted])
+    try:
+        front = engine.pareto([aim.weights for aim in lowered], [aim.largest for aim in wanted])
+    except TooMuchError as error:
+        hint = "fewer objectives, coarser properties or tighter constraints need less"
+        raise fail(f"the Pareto set of '{engine.flat.name}' takes too long", None, hint) from error
     return tuple(
         Ranked(engine.flat.choices(row), tuple(aim.value(total) for aim, total in zip(lowered, point, strict=True)))
         for row, point in zip(front.rows, front.values, strict=True)
@@ -119,41 +126,65 @@ def _si(dimension: Dimension) -> Unit:
     return Unit(f"SI base units ({describe(dimension)})", Fraction(1), Fraction(0), dimension)
 
 
-def _linear(engine: Engine, lowered: LinearObjective, number: int, *, largest: bool) -> RankedRows:
+def _linear(
+    space: DesignSpace,
+    engine: Engine,
+    aim: Aim,
+    lowered: LinearObjective,
+    number: int,
+    tell: Callable[[str], None] | None,
+) -> RankedRows:
+    def text(progress: SolverProgress) -> str:
+        return _progress_text(display_unit(space, aim), lowered, progress, largest=aim.largest)
+
+    sign = -1 if aim.largest else 1
+    listener = None if tell is None else lambda progress: tell(text(progress))
     try:
-        rows = engine.least({v: -w if largest else w for v, w in lowered.weights.items()}, number)
+        rows = engine.least({v: sign * w for v, w in lowered.weights.items()}, number, listener)
     except TooMuchError as error:
-        raise _too_large(engine) from error
+        progress = error.progress if isinstance(error, UnprovenError) else None
+        what = f"the best of '{engine.flat.name}' under '{aim}' cannot be proven"
+        hint = "fix some choices, or add a constraint"
+        raise fail(f"{what}: {text(progress)}" if progress else what, None, hint) from error
     return RankedRows(rows, tuple(lowered.value(total) for total in sums(lowered.weights, rows).tolist()))
 
 
+def _progress_text(unit: Unit, lowered: LinearObjective, progress: SolverProgress, *, largest: bool) -> str:
+    """``found 120 EUR, none is below 100 EUR (gap 16.7 %)``."""
+    sign = -1 if largest else 1
+
+    def shown(total: int) -> str:
+        return f"{float((lowered.value(sign * total) - unit.offset) / unit.factor):.6g} {unit.symbol}".strip()
+
+    bound = f"none is {'above' if largest else 'below'} {shown(progress.bound)}"
+    if progress.found is None:
+        return f"nothing found, {bound}"
+    value = lowered.value(sign * progress.found)
+    if not value:
+        return f"found {shown(progress.found)}, {bound}"
+    gap = 100 * abs(float((progress.found - progress.bound) * lowered.scale / value))
+    return f"found {shown(progress.found)}, {bound} (gap {gap:.1f} %)"
+
+
 def _nonlinear(space: DesignSpace, engine: Engine, aim: Aim, lowered: FoldedObjective, number: int) -> RankedRows:
-    diagram = _diagram(engine)
+    what = f"the best of '{engine.flat.name}' under '{aim}' cannot be proven"
+    hint = "fix some choices, add a constraint, or ask for a sum or a quotient of sums"
     sides = as_ratio(space, aim.expression)
-    ranking = best_ratio(diagram, *sides, number, largest=aim.largest) if sides else None
-    if ranking is not None:
-        return ranking
     try:
-        return best_valued(diagram, lowered, number, largest=aim.largest, most_rounds=_ROUNDS)
+        ranking = best_ratio(engine, *sides, number, largest=aim.largest) if sides else None
+        if ranking is not None:
+            return ranking
+        if engine.diagram is not None:
+            return best_valued(engine.diagram, lowered, number, largest=aim.largest, most_rounds=_ROUNDS)
     except TooMuchError as error:
-        hint = "fix some choices, add a constraint, or ask for a sum or a quotient of sums"
-        raise fail(f"the best of '{engine.flat.name}' under '{aim}' cannot be proven", None, hint) from error
+        raise fail(what, None, hint) from error
+    raise fail(f"{what}: the space is too large for a decision diagram", None, hint)
 
 
 def _sum(lowered: LoweredObjective, aim: Aim) -> LinearObjective:
     if isinstance(lowered, LinearObjective):
         return lowered
     raise fail(f"'{aim}' is no sum of properties, as a Pareto set needs", None, "ask for the best under it instead")
-
-
-def _diagram(engine: Engine) -> DecisionDiagram:
-    if engine.diagram is None:
-        raise _too_large(engine)
-    return engine.diagram
-
-
-def _too_large(engine: Engine) -> DseError:
-    return fail(f"'{engine.flat.name}' is too large for a decision diagram", None, "fix some of the choices")
 
 
 _SAFE = 1 << 60
@@ -172,32 +203,40 @@ def as_ratio(space: DesignSpace, expression: Expression) -> tuple[LinearObjectiv
 
 
 def best_ratio(
-    diagram: DecisionDiagram, above: LinearObjective, below: LinearObjective, number: int, *, largest: bool
+    engine: Engine, above: LinearObjective, below: LinearObjective, number: int, *, largest: bool
 ) -> RankedRows | None:
     """The *number* rows of least (or largest) above / below; of equal ones those that are listed first.
 
     None if *below* may be 0 or negative, or the numbers become too long. Exact: with r the worst quotient of any
     *number* rows, that of the rows of least above - r * below is no worse, and only the right ones reproduce theirs
-    (Dinkelbach, On nonlinear fractional programming, 1967, for several rows at once).
+    (Dinkelbach, On nonlinear fractional programming, 1967, for several rows at once). Raises TooMuchError like
+    `Engine.least`.
     """
-    if diagram.empty or below.value(int(extremes(diagram, below.weights)[0][0][0])) <= 0:
+    if not _is_positive(engine, below):
         return None
     sign = -1 if largest else 1
-    rows = best(diagram, above.weights, number, largest=largest).rows
+    rows = engine.least({variable: sign * values for variable, values in above.weights.items()}, number)
     while len(rows):
         worst = max(sign * ratio for ratio in _ratios(above, below, rows))
         slanted = _slanted(above, below, sign, worst)
         if slanted is None:
             return None
-        rows = best(diagram, slanted, number).rows
+        rows = engine.least(slanted, number)
         found = _ratios(above, below, rows)
         if max(sign * ratio for ratio in found) == worst:
             break
     if not len(rows):
         return RankedRows(rows, ())
-    listed = rows[:, diagram.order].tolist()
+    listed = (rows if engine.diagram is None else rows[:, engine.diagram.order]).tolist()
     order = sorted(range(len(rows)), key=lambda place: (sign * found[place], listed[place]))
     return RankedRows(rows[order], tuple(found[place] for place in order))
+
+
+def _is_positive(engine: Engine, below: LinearObjective) -> bool:
+    if engine.diagram is not None:
+        return not engine.diagram.empty and below.value(int(extremes(engine.diagram, below.weights)[0][0][0])) > 0
+    rows = engine.least(below.weights, 1)
+    return len(rows) == 0 or below.value(int(sums(below.weights, rows)[0])) > 0
 
 
 def _ratios(above: LinearObjective, below: LinearObjective, rows: Rows) -> list[Fraction]:

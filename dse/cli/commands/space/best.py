@@ -9,7 +9,7 @@ import typer
 from dse.api import Ranking, opened
 from dse.cli.arguments import Choose, Design, Format, Maximize, Minimize, Off, On, Output, Where
 from dse.cli.commands.space import space_app
-from dse.cli.terminal import plain_table, print_json, print_line, print_table
+from dse.cli.terminal import plain_table, print_json, print_line, print_table, status_line
 
 _PLACES = 6
 """Places in which the configurations differ that a table has room for."""
@@ -29,7 +29,7 @@ def space_best(
 ) -> None:
     """List the best valid configurations under one objective.
 
-    Exact and complete: there is none better than those listed.
+    Exact and complete: the best are proven to be the best.
     """
     from dse.space import read_aims
 
@@ -37,7 +37,9 @@ def space_best(
     if len(wanted) != 1:
         raise typer.BadParameter("give one objective; for several ask 'dse space pareto'", param_hint="--minimize")
     part = opened(design, choose, where, on, off)
-    _show(Ranking(part, wanted, part.best(wanted[0], number)), output)
+    with status_line() as tell:
+        found = part.best(wanted[0], number, tell)
+    _show(Ranking(part, wanted, found), output)
 
 
 @space_app.command("pareto")

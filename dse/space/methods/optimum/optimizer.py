@@ -45,13 +45,17 @@ class RankedRows:
 class Optimizer:
     """Finds rows of a diagram for objectives put together of *objectives*, within bounds on these.
 
-    Weights are as in `Linear`. Raises DseError if weights are too large for whole numbers of 64 bits.
+    Weights are as in `Linear`. `best` spends *rounds*. Raises DseError if weights are too large for whole numbers of
+    64 bits.
     """
 
-    def __init__(self, diagram: DecisionDiagram, objectives: Sequence[SumWeights]) -> None:
+    def __init__(
+        self, diagram: DecisionDiagram, objectives: Sequence[SumWeights], rounds: Rounds | None = None
+    ) -> None:
         _insist_on_room(objectives)
         self.diagram = diagram
         self.objectives = objectives
+        self._rounds = rounds
         outside = () if diagram.expanded else diagram.flat.linears()
         self._cuts = tightest(cuts_of([linear for linear in outside if fits(linear)]))
         self._recheck = recheck(diagram.flat)
@@ -69,19 +73,18 @@ class Optimizer:
         factors: Sequence[int],
         number: int,
         highs: Sequence[int | None] | None = None,
-        rounds: Rounds | None = None,
     ) -> RankedRows:
         """The *number* valid rows of least *factors* times the objectives, or all if there are fewer.
 
         Each objective is at most its *highs*, None for no bound. Of equal rows those come first that the list has
-        first. Raises TooMuchError when *rounds* are spent.
+        first. Raises TooMuchError when the rounds are spent.
         """
         rows, values = _nothing(self.diagram)
         if self._relaxation is None or number < 1:
             return RankedRows(rows, ())
-        if rounds is not None:
-            rounds.spend()
-        total = _combined(self.objectives, factors)
+        if self._rounds is not None:
+            self._rounds.spend()
+        total = combined(self.objectives, factors)
         _insist_on_room([total])
         unit = divisor(total)
         aim = {variable: weights // unit for variable, weights in total.items()}
@@ -99,7 +102,7 @@ class Optimizer:
         proofs = [relaxed] if cap < top else [relaxed, *(proof for _, proof in self._refutations(limits))]
         cuts = self._pruning(Cut(aim, bound), limits, relaxed.unit * unit, proofs)
         while low <= top and cuts:
-            found, reached, complete = self._within(_moved(cuts, bound), number, low, rounds)
+            found, reached, complete = self._within(_moved(cuts, bound), number, low)
             if not complete:
                 # Enough are this good. Of those that are better, and may be left out here, all are found again.
                 last = reached == reached[-1]
@@ -184,18 +187,18 @@ class Optimizer:
             multipliers[target] = multipliers.get(target, 0) + (proof.unit if target else unit)
             multipliers = {number: multiplier for number, multiplier in multipliers.items() if multiplier}
             if len(multipliers) > 1:
-                common = _combined([cuts[number].weights for number in multipliers], list(multipliers.values()))
+                common = combined([cuts[number].weights for number in multipliers], list(multipliers.values()))
                 high = sum(multiplier * cuts[number].high for number, multiplier in multipliers.items())
                 made.append(Cut(common, high, multipliers))
         return [*cuts, *made]
 
-    def _within(self, cuts: Sequence[Cut], number: int, low: int, rounds: Rounds | None) -> tuple[Rows, Ints, bool]:
+    def _within(self, cuts: Sequence[Cut], number: int, low: int) -> tuple[Rows, Ints, bool]:
         """Of the rows within the cuts the *number* of least sum of the first, by it and then in the order of the list.
 
         No valid row is below *low*. The last is false if *number* rows were found so much better than the bound that
         a walk with another bound should go on from there.
         """
-        listing = RowListing(self.diagram, cuts, movable=1, rounds=rounds)
+        listing = RowListing(self.diagram, cuts, movable=1, rounds=self._rounds)
         rows, values = _nothing(self.diagram)
         aim, bound = cuts[0].weights, cuts[0].high
         for block in listing:
@@ -216,14 +219,22 @@ class Optimizer:
         return rows, values, True
 
 
-def best(diagram: DecisionDiagram, weights: SumWeights, number: int, *, largest: bool = False) -> RankedRows:
+def best(
+    diagram: DecisionDiagram,
+    weights: SumWeights,
+    number: int,
+    *,
+    largest: bool = False,
+    rounds: Rounds | None = None,
+) -> RankedRows:
     """The *number* valid rows of least (or largest) sum of weights[variable][value], or all if there are fewer.
 
-    Weights are as in `Linear`. Raises DseError if they are too large for whole numbers of 64 bits.
+    Weights are as in `Linear`. Raises DseError if they are too large for whole numbers of 64 bits, TooMuchError when
+    *rounds* are spent.
     """
     sign = -1 if largest else 1
     aim = {variable: sign * values for variable, values in weights.items()}
-    found = Optimizer(diagram, [aim]).best([1], number)
+    found = Optimizer(diagram, [aim], rounds).best([1], number)
     return RankedRows(found.rows, tuple(sign * int(value) for value in found.values))
 
 
@@ -235,7 +246,8 @@ def sums(weights: SumWeights, rows: Rows) -> Ints:
     return total
 
 
-def _combined(objectives: Sequence[SumWeights], factors: Sequence[int]) -> dict[int, Ints]:
+def combined(objectives: Sequence[SumWeights], factors: Sequence[int]) -> dict[int, Ints]:
+    """The weights of *factors* times the objectives."""
     total: dict[int, Ints] = {}
     for objective, factor in zip(objectives, factors, strict=True):
         for variable, weights in objective.items() if factor else ():

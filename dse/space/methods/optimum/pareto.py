@@ -15,17 +15,15 @@ most 2,000 points and about a minute.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from dse.errors import fail
 from dse.space.flat import Rows
-from dse.space.methods.budget import TooMuchError
-from dse.space.methods.listing.walk import Rounds
-from dse.space.methods.mdd.diagram import DecisionDiagram
-from dse.space.methods.optimum.optimizer import Optimizer, RankedRows, SumWeights, sums
+from dse.space.methods.optimum.optimizer import RankedRows, SumWeights, sums
 
 MOST_PARETO_POINTS = 2_000
 
@@ -40,50 +38,51 @@ ParetoPoint = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ParetoFront:
-    """The Pareto set, best of the first objective first: of each point its first row; shape (points, variables)."""
+    """The Pareto set, best of the first objective first: of each point one row; shape (points, variables)."""
 
     rows: Rows
     values: tuple[ParetoPoint, ...]
 
 
+class BoxOptimizer(Protocol):
+    """Finds the best rows under combinations of *objectives*, within bounds on them."""
+
+    @property
+    def objectives(self) -> Sequence[SumWeights]:
+        """The sums to be made least."""
+
+    def ends(self, objective: int) -> tuple[int, int]:
+        """What an objective is surely not below, and not above; there must be a row."""
+
+    def best(self, factors: Sequence[int], number: int, highs: Sequence[int | None] | None = None) -> RankedRows:
+        """The *number* rows of least *factors* times the objectives, each of which is at most its *highs*."""
+
+
 def pareto(
-    diagram: DecisionDiagram,
+    make: Callable[[Sequence[SumWeights]], BoxOptimizer],
     objectives: Sequence[SumWeights],
     largest: Sequence[bool] | None = None,
     most_points: int = MOST_PARETO_POINTS,
-    most_rounds: int = MOST_PARETO_ROUNDS,
 ) -> ParetoFront:
     """The complete Pareto set of the valid rows over sums of weights, least of each or *largest* where that is true.
 
-    Raises DseError if there are more than *most_points*, if the search takes more than *most_rounds* pieces of work
-    (see `Rounds`), and if the weights are too large for 64 bits.
+    *make* makes the optimizer of sums. Raises what that raises, and DseError if there are more than *most_points*.
     """
     signs = [-1 if most else 1 for most in largest or [False] * len(objectives)]
     aims = [{v: sign * w for v, w in weights.items()} for sign, weights in zip(signs, objectives, strict=True)]
     found: dict[ParetoPoint, Rows] = {}
-    if not diagram.empty and aims:
-        optimizer = Optimizer(diagram, aims)
+    optimizer = make(aims)
+    # Boxes that begin below what can be reached at all are the hardest to search, and need no search.
+    alone = [optimizer.best([int(n == other) for other in range(len(aims))], 1).values for n in range(len(aims))]
+    if aims and all(alone):
+        ideal = [int(values[0]) for values in alone]
         ends = [optimizer.ends(number) for number in range(len(aims))]
         factors = _alike(aims, [high - low for low, high in ends])
         boxes = [tuple(high + 1 for _, high in ends)]
-        rounds = Rounds(most_rounds)
-
-        def best(factors: Sequence[int], highs: Sequence[int] | None) -> RankedRows:
-            try:
-                return optimizer.best(factors, 1, highs, rounds)
-            except TooMuchError as error:
-                hint = "fewer objectives, coarser properties or tighter constraints need less"
-                raise fail(f"the Pareto set takes too long: {len(found)} points so far", None, hint) from error
-
-        # Boxes that begin below what can be reached at all are the hardest to search, and need no search.
-        alone = [best([int(n == other) for other in range(len(aims))], None).values for n in range(len(aims))]
-        if not all(alone):
-            boxes = []
-        ideal = [int(values[0]) for values in alone if values]
         while boxes:
             # The largest first: deterministic, and its point splits most.
             box = boxes[-1]
-            ranking = best(factors, [bound - 1 for bound in box])
+            ranking = optimizer.best(factors, 1, [bound - 1 for bound in box])
             if not len(ranking.rows):
                 boxes.remove(box)
                 continue
@@ -96,7 +95,7 @@ def pareto(
             found[point] = ranking.rows[0]
             boxes = [box for box in _split(boxes, point) if _below(ideal, box)]
     points = sorted(found)
-    rows = np.array([found[point] for point in points], np.int16).reshape(len(points), len(diagram.order))
+    rows = np.array([found[point] for point in points], np.int16)
     values = tuple(tuple(sign * value for sign, value in zip(signs, point, strict=True)) for point in points)
     return ParetoFront(rows, values)
 

@@ -128,9 +128,13 @@ def estimate_occurrences(diagram: DecisionDiagram, seed: int, number: int = 10_0
             raise EmptyError
         total = count(diagram)
         return exact_shares(occurrences(diagram), total)
-    rows = sample(diagram, number, seed)
-    shares = [times / number for times in taken(diagram.flat, rows)]
-    return Shares(tuple(shares), tuple(_wilson(share, number) for share in shares))
+    return estimated_shares(diagram.flat, sample(diagram, number, seed))
+
+
+def estimated_shares(flat: FlatSpace, rows: Rows) -> Shares:
+    """The shares of *rows* that were drawn, with Wilson's intervals."""
+    shares = [times / len(rows) for times in taken(flat, rows)]
+    return Shares(tuple(shares), tuple(_wilson(share, len(rows)) for share in shares))
 
 
 def taken(flat: FlatSpace, rows: Rows) -> list[Ints]:
