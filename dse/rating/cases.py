@@ -103,7 +103,7 @@ def case_studies(
                 f"no cell of {test.test.text} meets this condition", test.condition.where, "compare attributes"
             )
     found: list[CaseStudy] = []
-    selection = Selection(ids=tuple(each.id for each in configurations))
+    selection = Selection.of(configurations)
     for group in groups.values():
         with problems:
             number = sum(each.study.bench.name == group.bench.name for each in found) + 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,7 +13,7 @@ from dse.api import ExploreOptions, explore_into
 from dse.errors import fail
 from dse.rating.cases import Case, CaseStudy, case_studies, not_simulated, tests_of, warned_tests
 from dse.rating.protocol import Cell, CellKey, Protocol
-from dse.rating.workbook import Filled, Prediction, fill, require_inputs
+from dse.rating.workbook import Points, Prediction, require_inputs, write_all
 from dse.storage import StudyFolder
 from dse.units import si_unit
 
@@ -41,12 +42,13 @@ class RatedRun:
 
 @dataclass(frozen=True)
 class RatedConfiguration:
-    """One configuration with the *runs* of its cases, its *prediction* and the workbook, *filled*."""
+    """One configuration with the *runs* of its cases, its *prediction*, and the points of its *workbook*."""
 
     configuration: Configuration
     runs: Mapping[Case, RatedRun]
     prediction: Prediction
-    filled: Filled
+    workbook: Path
+    filled: Points
 
     @property
     def id(self) -> str:
@@ -157,6 +159,7 @@ def rate(
 ) -> RatedDesign:
     """Rate *configurations* of *design*: studies in *folder*, one for each test bench, get the runs they lack.
 
+    Workbooks are written into *folder* as well, ``RATING-ID.xlsx``.
     Raises DseError with every problem of the rating, and if the protocol's package is not installed;
     ExplorationInterruptedError as `explore_into` does.
     """
@@ -169,19 +172,24 @@ def rate(
     studies = case_studies(rating, protocol, cells, design, configurations)
     runs: dict[str, dict[Case, RatedRun]] = {each.id: {} for each in configurations}
     simulated = 0
-    for each in studies:
-        place = folder / each.study.name
-        explored = explore_into(each.study, place, options or ExploreOptions(), on_progress=on_progress, tell=tell)
+    for study in studies:
+        place = folder / study.study.name
+        explored = explore_into(study.study, place, options or ExploreOptions(), on_progress=on_progress, tell=tell)
         simulated += explored.simulated
-        _read(each, place, runs)
+        _read(study, place, runs)
     inputs = {name: given.text for name, given in rating.inputs.items()}
+    predictions = {
+        folder / f"{rating.name}-{each.id}.xlsx": _predict(protocol, cells, runs[each.id], inputs)
+        for each in configurations
+    }
+    workers = (options.workers if options else 0) or os.cpu_count() or 1
     found: list[RatedConfiguration] = []
-    for configuration in configurations:
+    for each, path, filled in zip(
+        configurations, predictions, write_all(protocol, predictions, warned, workers), strict=True
+    ):
+        found.append(RatedConfiguration(each, runs[each.id], predictions[path], path, filled))
         if tell:
-            tell(f"calculating points: {len(found) + 1} of {len(configurations)}")
-        prediction = _predict(protocol, cells, runs[configuration.id], inputs)
-        filled = fill(protocol, prediction, warned)
-        found.append(RatedConfiguration(configuration, runs[configuration.id], prediction, filled))
+            tell(f"calculating points: {len(found)} of {len(configurations)}")
     missing = not_simulated(tests_of(rating, protocol, design), protocol)
     return RatedDesign(rating, design, protocol, cells, tuple(found), missing, simulated)
 

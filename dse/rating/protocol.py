@@ -8,10 +8,10 @@ from __future__ import annotations
 import logging
 import random
 import warnings
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import import_module
 from importlib.metadata import version
 from importlib.resources import files
@@ -78,6 +78,10 @@ class Protocol:
             self.model = self.module("data_model")
         except ImportError:
             raise fail(f"the package {name} is not installed", where, 'pip install "dse-workbench[ncap]"') from None
+
+    def __reduce__(self) -> tuple[Callable[[str], Protocol], tuple[str]]:
+        """In another process the package is opened there, once."""
+        return _opened, (self.name,)
 
     def module(self, name: str) -> Any:
         """A module of the package that calculates crash avoidance."""
@@ -234,6 +238,11 @@ class Protocol:
         if criteria == {rules.AssessmentCriteria.NOT_RED}:
             return bool(colour != self.common.PredictionColor.RED.value)
         return self.weight(colour) >= self.weight(nominal)
+
+
+@cache
+def _opened(name: str) -> Protocol:
+    return Protocol(name)
 
 
 def choices(sheet: Any, word: str) -> Iterator[Any]:

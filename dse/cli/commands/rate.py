@@ -57,16 +57,13 @@ def rate(
     place = folder or new_folder(space, f"{wanted.name}-{part.space.name}")
     with progress_shown(place) as watched:
         rated = rate_design(wanted, part.space, chosen, place, ExploreOptions(workers), **watched)
-    files = []
-    for each in rated.rated:
-        files.append(place / f"{wanted.name}-{each.id}.xlsx")
-        each.filled.write(files[-1])
     write_page(rated, place / "rating.html")
     if form is Output.JSON:
-        print_json(_data(rated, at_least, files, place))
+        print_json(_data(rated, at_least, place))
     else:
         _show(rated, at_least)
-        print_line(f"workbooks: {files[0]}{f' and {len(files) - 1} more' if len(files) > 1 else ''}")
+        more = f" and {len(rated.rated) - 1} more" if len(rated.rated) > 1 else ""
+        print_line(f"workbooks: {rated.rated[0].workbook}{more}")
         print_line(f"page: {place / 'rating.html'}")
     raise typer.Exit(RUNS_FAILED if any(each.failed for each in rated.rated) else DONE)
 
@@ -168,7 +165,7 @@ def _short(element: str) -> str:
     return "".join(word[0] for word in element.split())
 
 
-def _data(rated: RatedDesign, at_least: float | None, files: list[Path], place: Path) -> dict[str, object]:
+def _data(rated: RatedDesign, at_least: float | None, place: Path) -> dict[str, object]:
     from dataclasses import asdict
 
     from dse.rating import HEADING, NOT_ASSESSED
@@ -195,8 +192,8 @@ def _data(rated: RatedDesign, at_least: float | None, files: list[Path], place: 
                 "rules": list(each.filled.rules),
                 "failed": len(each.failed),
                 "scores": [asdict(score) for score in each.filled.scores],
-                "workbook": str(file),
+                "workbook": str(each.workbook),
             }
-            for each, file in zip(rated.rated, files, strict=True)
+            for each in rated.rated
         ],
     }
