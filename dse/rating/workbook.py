@@ -16,7 +16,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from dse.errors import Problems, closest, raise_if_any
-from dse.loading import Written
+from dse.loading import Written, variation_name
 from dse.processes import forget_start, unburdened
 from dse.rating.cases import Case
 from dse.rating.protocol import CellKey, Protocol, drawing, layer_cells
@@ -239,14 +239,19 @@ def _verify(protocol: Protocol, stages: Any, frames: Mapping[str, Any], predicti
         row = head + 1
         for test, points in stage.selected_points_dict.items():
             for point in points:
-                layer = frame.iat[row, heads.index("Robustness layer")] if "Robustness layer" in heads else ""
+                layer, condition = (
+                    str(frame.iat[row, heads.index(head)]) if head in heads else ""
+                    for head in ("Robustness layer", "Verification condition")
+                )
                 # The package adds attributes when it selects a point.
                 own = {
                     name: str(text).strip() for name, text in point.attributes.items() if name in protocol.attributes
                 }
                 key = test, tuple(sorted(own.items()))
-                case = key, layer if (layer, protocol.scenario(test)) in prediction.layers else ""
-                value = prediction.values.get(case, prediction.values[key, ""])
+                there = [""]
+                if (layer, protocol.scenario(test)) in prediction.layers:
+                    there = [variation_name(layer, condition), layer, ""]
+                value = next(prediction.values[key, name] for name in there if (key, name) in prediction.values)
                 frame.iat[row, heads.index("Value")] = protocol.rounded(value)
                 row += 1
 

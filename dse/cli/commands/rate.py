@@ -38,6 +38,7 @@ def rate(
     at_least: Annotated[
         float | None, typer.Option("--at-least", metavar="POINTS", help="Name the cheapest with so many points.")
     ] = None,
+    layers: Annotated[bool, typer.Option("--layers", help="Simulate the robustness layers as well.")] = False,
     workers: Workers = 0,
     form: Format = Output.TABLE,
 ) -> None:
@@ -56,7 +57,7 @@ def rate(
     chosen = chosen_configurations(part, [] if configuration is None else [configuration], where, best)
     place = folder or new_folder(space, f"{wanted.name}-{part.space.name}")
     with progress_shown(place) as watched:
-        rated = rate_design(wanted, part.space, chosen, place, ExploreOptions(workers), **watched)
+        rated = rate_design(wanted, part.space, chosen, place, ExploreOptions(workers), layers=layers, **watched)
     write_page(rated, place / "rating.html")
     if form is Output.JSON:
         print_json(_data(rated, at_least, place))
@@ -102,6 +103,8 @@ def _show(rated: RatedDesign, at_least: float | None) -> None:
         print_line(f"not simulated, 0 points: {rated.gaps}")
     if rated.undeclared:
         print_line(f"0 points, as 'inputs' of the rating does not declare: {rated.undeclared}")
+    if rated.layers_left:
+        print_line(f"robustness layers that are not simulated: {rated.layers_left}")
     print_line(f"{NOT_ASSESSED}.")
     if at_least is not None:
         print_line(_cheapest(rated, at_least))
@@ -178,6 +181,7 @@ def _data(rated: RatedDesign, at_least: float | None, place: Path) -> dict[str, 
         "protocol": f"{rated.protocol.name} {rated.protocol.version}",
         "not_assessed": NOT_ASSESSED,
         "not_simulated": list(rated.missing),
+        "layers_not_simulated": rated.layers_left,
         "not_declared": list(rated.rated[0].filled.undeclared),
         "partly_simulated": {test: {"cells": there, "of": of} for test, (there, of) in rated.partly.items()},
         "simulated": rated.simulated,
