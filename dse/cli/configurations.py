@@ -29,7 +29,8 @@ def chosen_configurations(
     if best is not None:
         from dse.space import read_aims
 
-        return [part.configuration(each.id) for each in part.best(read_aims(["sum(cost)"], [])[0], best)]
+        cheapest = part.best(read_aims(["sum(cost)"], [])[0], best)
+        return [found for each in cheapest if (found := part.of_choices(each.choices))]
     chosen = list(part.configurations(_MOST + 1 if where else 1))
     if len(chosen) > _MOST:
         raise fail(f"more than {_MOST:,} configurations meet the condition", hint="narrow --where, or take --best N")

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from dse.domain.bench import Metric, Requirement, TestBench
 from dse.domain.component import Kind, Type
+from dse.domain.design import Configuration
 from dse.domain.distribution import Correlations
 from dse.domain.expression import Expression
 from dse.domain.sampler import DesignVariable, Objective, Sampler
@@ -33,10 +34,20 @@ class CheckStep(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Which configurations a study explores: all valid ones, those named, or those where a condition holds."""
+    """Which configurations a study explores: all valid ones, those named, or those where a condition holds.
+
+    *configurations* are those of *ids* if they are known: in a large design space, finding an id takes a second.
+    """
 
     ids: tuple[str, ...] = ()
     where: Expression | None = None
+    configurations: tuple[Configuration, ...] = field(default=(), repr=False, compare=False)
+
+    @classmethod
+    def of(cls, configurations: Iterable[Configuration]) -> Selection:
+        """These *configurations*, each once."""
+        known = {each.id: each for each in configurations}
+        return cls(tuple(known), configurations=tuple(known.values()))
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,11 +1,13 @@
 from .bench.bench import read_setting as read_setting
 from .bench.procedure import Procedure as Procedure
 from .bench.rating import (
+    Change as Change,
     RatedTest as RatedTest,
     Rating as Rating,
     Written as Written,
     case_variable as case_variable,
     parse_condition as parse_condition,
+    variation_name as variation_name,
 )
 from .bench.variables import Place as Place
 from .component.kind import (

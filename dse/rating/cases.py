@@ -10,7 +10,7 @@ from dse.domain.bench import TestBench
 from dse.domain.sampler import Nominal, Point, Sampler
 from dse.domain.study import Keep, Selection, Study
 from dse.errors import DseError, Problems, closest, fail
-from dse.loading import SAMPLERS, RatedTest, Rating, case_variable, parse_condition
+from dse.loading import SAMPLERS, Change, RatedTest, Rating, case_variable, parse_condition
 from dse.rating.conditions import is_met
 from dse.rating.protocol import Cell, CellKey, Protocol
 from dse.testbench import check_bench
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from dse.loading import Place
 
 Case = tuple[CellKey, str]
-"""A run: of a cell, with a robustness layer or "" for none."""
+"""A run: of a cell, with the variation of a robustness layer or "" for none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class CaseStudy:
 class _Group:
     bench: TestBench
     tests: list[RatedTest] = field(default_factory=list)
-    cases: dict[Case, tuple[RatedTest, Cell, Mapping[str, float]]] = field(default_factory=dict)
+    cases: dict[Case, tuple[RatedTest, Cell, Mapping[str, Change]]] = field(default_factory=dict)
 
 
 def case_studies(
@@ -89,13 +89,11 @@ def case_studies(
                 _require_value(test, cell, taken)
                 group = groups.setdefault(_group_of(test), _Group(test.bench))
                 group.tests += [test] if not any(test is each for each in group.tests) else []
-                layers = {
-                    layer: settings
-                    for layer, settings in test.layers.items()
-                    if not cell.extended and (layer, protocol.scenario(cell.test)) in protocol.layers
-                }
-                for layer, settings in {"": {}, **layers}.items():
-                    group.cases[key, layer] = test, cell, settings
+                group.cases[key, ""] = test, cell, {}
+                wanted = () if cell.extended else protocol.variations(protocol.scenario(cell.test))
+                for each in test.variations:
+                    if each.name in wanted:
+                        group.cases[key, each.name] = test, cell, each.changes
     used = {id(test) for group in groups.values() for test in group.tests}
     for test in tests:
         if test.condition and id(test) not in used and not problems:
@@ -103,7 +101,7 @@ def case_studies(
                 f"no cell of {test.test.text} meets this condition", test.condition.where, "compare attributes"
             )
     found: list[CaseStudy] = []
-    selection = Selection(ids=tuple(each.id for each in configurations))
+    selection = Selection.of(configurations)
     for group in groups.values():
         with problems:
             number = sum(each.study.bench.name == group.bench.name for each in found) + 1
@@ -122,10 +120,13 @@ def tests_of(rating: Rating, protocol: Protocol, design: DesignSpace) -> tuple[R
             what, hint = f"{protocol.name} has no test '{test.test.text}'", closest(test.test.text, protocol.tests)
             problems.add(what, test.test.where, hint)
     layers = {layer for layer, _ in protocol.layers}
-    for layer in rating.layers:
+    for layer, condition in rating.layers:
         if layer.text not in layers:
             what = f"{protocol.name} has no robustness layer '{layer.text}'"
             problems.add(what, layer.where, closest(layer.text, layers))
+        elif condition and condition.text not in (known := protocol.conditions(layer.text)):
+            what = f"the layer '{layer.text}' of {protocol.name} has no condition '{condition.text}'"
+            problems.add(what, condition.where, closest(condition.text, known))
     if problems:
         raise DseError(*problems)
     found = tuple(test for test in rating.tests if test.bench.design.name == design.name)
@@ -180,8 +181,8 @@ def _study(name: str, rating: Rating, group: _Group, selection: Selection, proto
     places: dict[str, Place] = {name: place for test in group.tests for name, place in test.places.items()}
     used = {
         name
-        for test, _, settings in group.cases.values()
-        for name in (*(each.place.name for each in test.cells), *test.fixed, *settings)
+        for test, _, changes in group.cases.values()
+        for name in (*(each.place.name for each in test.cells), *test.fixed, *changes)
     }
     names = sorted(used)
     for follower in group.tests[0].derived:
@@ -189,10 +190,12 @@ def _study(name: str, rating: Rating, group: _Group, selection: Selection, proto
             raise fail(f"'{follower.name}' follows from others, and is set as well", follower.where, "remove one")
     points: dict[Case, Point] = {}
     readings: dict[Case, Reading] = {}
-    for case, (test, cell, settings) in group.cases.items():
+    for case, (test, cell, changes) in group.cases.items():
         values = {each.place.name: each.value(cell.attributes[each.attribute.text]) for each in test.cells}
-        values |= {**test.fixed, **settings}
-        points[case] = tuple(values[n] if n in values else _default(places[n], group.bench, test) for n in names)
+        values |= test.fixed
+        values |= {name: _default(places[name], group.bench, test) for name in names if name not in values}
+        values |= {name: change.of(places[name], values[name]) for name, change in changes.items()}
+        points[case] = tuple(values[name] for name in names)
         readings[case] = Reading(test.values[cell.kpi].text, parse_unit(protocol.unit(cell.kpi)))
     variables = tuple(
         case_variable(places[name], {point[number] for point in points.values()}) for number, name in enumerate(names)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +13,7 @@ from dse.api import ExploreOptions, explore_into
 from dse.errors import fail
 from dse.rating.cases import Case, CaseStudy, case_studies, not_simulated, tests_of, warned_tests
 from dse.rating.protocol import Cell, CellKey, Protocol
-from dse.rating.workbook import Filled, Prediction, fill, require_inputs
+from dse.rating.workbook import Points, Prediction, require_inputs, write_all
 from dse.storage import StudyFolder
 from dse.units import si_unit
 
@@ -41,12 +42,13 @@ class RatedRun:
 
 @dataclass(frozen=True)
 class RatedConfiguration:
-    """One configuration with the *runs* of its cases, its *prediction* and the workbook, *filled*."""
+    """One configuration with the *runs* of its cases, its *prediction*, and the points of its *workbook*."""
 
     configuration: Configuration
     runs: Mapping[Case, RatedRun]
     prediction: Prediction
-    filled: Filled
+    workbook: Path
+    filled: Points
 
     @property
     def id(self) -> str:
@@ -115,6 +117,13 @@ class RatedDesign:
         return ", ".join([*self.missing, *parts])
 
     @property
+    def layers_left(self) -> str:
+        """The robustness layers that were simulated for no scenario, in words; "" if all were."""
+        there = {name.split(": ")[0] for _, name in self.rated[0].runs}
+        left = {layer for layer, _ in self.protocol.layers} - there
+        return ", ".join(sorted({layer.rstrip("*") for layer in left}))
+
+    @property
     def undeclared(self) -> str:
         """The inputs that the package asks for and the rating does not declare, in words; "" if there is none."""
         return ", ".join(self.rated[0].filled.undeclared)
@@ -152,10 +161,14 @@ def rate(
     folder: Path,
     options: ExploreOptions | None = None,
     *,
+    layers: bool = False,
     on_progress: Callable[[Progress], None] | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> RatedDesign:
     """Rate *configurations* of *design*: studies in *folder*, one for each test bench, get the runs they lack.
+
+    With *layers*, the robustness layers are simulated, too. Workbooks are written into *folder* as well:
+    ``RATING-ID.xlsx``.
 
     Raises DseError with every problem of the rating, and if the protocol's package is not installed;
     ExplorationInterruptedError as `explore_into` does.
@@ -164,24 +177,31 @@ def rate(
         raise fail(f"no configuration of '{design.name}' was chosen")
     protocol = Protocol(rating.protocol.text, rating.protocol.where)
     require_inputs(protocol, rating.inputs)
+    if not layers:
+        rating = replace(rating, tests=tuple(replace(test, variations=()) for test in rating.tests))
     warned = warned_tests(rating, protocol)
     cells = protocol.cells(warned)
     studies = case_studies(rating, protocol, cells, design, configurations)
     runs: dict[str, dict[Case, RatedRun]] = {each.id: {} for each in configurations}
     simulated = 0
-    for each in studies:
-        place = folder / each.study.name
-        explored = explore_into(each.study, place, options or ExploreOptions(), on_progress=on_progress, tell=tell)
+    for study in studies:
+        place = folder / study.study.name
+        explored = explore_into(study.study, place, options or ExploreOptions(), on_progress=on_progress, tell=tell)
         simulated += explored.simulated
-        _read(each, place, runs)
+        _read(study, place, runs)
     inputs = {name: given.text for name, given in rating.inputs.items()}
+    predictions = {
+        folder / f"{rating.name}-{each.id}.xlsx": predict(protocol, cells, runs[each.id], inputs)
+        for each in configurations
+    }
+    workers = (options.workers if options else 0) or os.cpu_count() or 1
     found: list[RatedConfiguration] = []
-    for configuration in configurations:
+    for each, path, filled in zip(
+        configurations, predictions, write_all(protocol, predictions, warned, workers), strict=True
+    ):
+        found.append(RatedConfiguration(each, runs[each.id], predictions[path], path, filled))
         if tell:
-            tell(f"calculating points: {len(found) + 1} of {len(configurations)}")
-        prediction = _predict(protocol, cells, runs[configuration.id], inputs)
-        filled = fill(protocol, prediction, warned)
-        found.append(RatedConfiguration(configuration, runs[configuration.id], prediction, filled))
+            tell(f"calculating points: {len(found)} of {len(configurations)}")
     missing = not_simulated(tests_of(rating, protocol, design), protocol)
     return RatedDesign(rating, design, protocol, cells, tuple(found), missing, simulated)
 
@@ -202,12 +222,11 @@ def _read(each: CaseStudy, folder: Path, runs: dict[str, dict[Case, RatedRun]]) 
             found[case] = RatedRun(folder, number, reading.unit.from_si(value), problem)
 
 
-def _predict(
+def predict(
     protocol: Protocol, cells: Sequence[Cell], runs: Mapping[Case, RatedRun], inputs: Mapping[str, str]
 ) -> Prediction:
-    """The colours of all cells that have a run, and the layers whose criterion all their cells meet."""
+    """The colours of all cells that have a run, and the layers whose criteria all their cells meet."""
     colours: dict[CellKey, str] = {}
-    layers = sorted({layer for _, layer in runs if layer})
     judged: dict[tuple[str, str], list[tuple[str, bool]]] = {}
     for cell in cells:
         run = runs.get((cell.key, ""))
@@ -216,13 +235,19 @@ def _predict(
         colours[cell.key] = protocol.colour(cell, run.value, inputs)
         if protocol.weight(colours[cell.key]) == 0.0:
             continue  # a red cell is not verified, with or without a layer
-        for layer in layers:
-            if (other := runs.get((cell.key, layer))) is None:
-                continue
-            met = not other.problem and protocol.is_met(
-                layer, cell.test, colours[cell.key], protocol.colour(cell, other.value, inputs)
+        scenario = protocol.scenario(cell.test)
+        for name, (layer, condition) in protocol.variations(scenario).items() if not cell.extended else ():
+            other = runs.get((cell.key, name))
+            if other is None and (not condition or (cell.key, layer) in runs):
+                continue  # a layer that is one for all conditions has none for each, and the other way round
+            met = (
+                other is not None
+                and not other.problem
+                and protocol.is_met(
+                    layer, condition, cell.test, colours[cell.key], protocol.colour(cell, other.value, inputs)
+                )
             )
-            judged.setdefault((layer, protocol.scenario(cell.test)), []).append((cell.test, met))
+            judged.setdefault((layer, scenario), []).append((cell.test, met))
     parts: dict[str, set[str]] = {}
     for test in protocol.tests:
         parts.setdefault(protocol.scenario(test), set()).add(test)

@@ -54,6 +54,8 @@ def _body(rated: RatedDesign, title: str, folder: Path) -> Iterator[str]:
     yield f'<p class="note">{escape(NOT_ASSESSED)}.'
     if rated.gaps:
         yield f"Not simulated, 0 points: {escape(rated.gaps)}."
+    if rated.layers_left:
+        yield f"Robustness layers that are not simulated: {escape(rated.layers_left)}."
     if rated.undeclared:
         yield f"0 points, as the rating does not declare: {escape(rated.undeclared)}."
     yield "</p><p>Numbers are values of the protocol's KPIs. A dashed line marks the extended range.</p>"
@@ -103,6 +105,12 @@ def _one(rated: RatedDesign, each: RatedConfiguration, folder: Path) -> Iterator
     yield "<details><summary>Points by scenario and layer</summary>"
     yield _table(["Stage element", "Stage subelement", "Category", "Scenario", "Layer", "Points", "of"], rows)
     yield "</details>"
+    if each.prediction.layers:
+        claims = sorted(each.prediction.layers)
+        texts = (
+            f"{layer} ({', '.join(s for _, s in of)})" for layer, of in groupby(claims, key=lambda claim: claim[0])
+        )
+        yield f"<p>Robustness layers claimed: {escape('; '.join(texts))}.</p>"
     for test, cells in groupby(rated.cells, key=lambda cell: cell.test):
         if test in rated.missing:
             yield f"<h3>{escape(test)}</h3><p>Not simulated.</p>"

@@ -8,10 +8,10 @@ from __future__ import annotations
 import logging
 import random
 import warnings
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import import_module
 from importlib.metadata import version
 from importlib.resources import files
@@ -19,6 +19,7 @@ from io import BytesIO
 from typing import Any
 
 from dse.errors import Location, closest, fail
+from dse.loading import variation_name
 
 PACKAGES = ("euroncap-rating-2026",)
 """The packages that are supported. A file cannot have any other imported."""
@@ -78,6 +79,10 @@ class Protocol:
             self.model = self.module("data_model")
         except ImportError:
             raise fail(f"the package {name} is not installed", where, 'pip install "dse-workbench[ncap]"') from None
+
+    def __reduce__(self) -> tuple[Callable[[str], Protocol], tuple[str]]:
+        """In another process the package is opened there, once."""
+        return _opened, (self.name,)
 
     def module(self, name: str) -> Any:
         """A module of the package that calculates crash avoidance."""
@@ -225,15 +230,41 @@ class Protocol:
         painted = self.common.PREDICTION_COLOR_MAP.items()
         return {str(c.value): "#" + "".join(f"{round(255 * part):02x}" for part in parts) for c, parts in painted}
 
-    def is_met(self, layer: str, test: str, nominal: str, colour: str) -> bool:
-        """Whether a cell that is *nominal* without the robustness *layer*, and *colour* with it, meets the layer's
-        criterion: not red, or no worse, where the package states none or both."""
-        rules = self.module("robustness_layer")
-        stated = rules.ROBUSTNESS_LAYER_TO_VERIFICATION_CONDITION.get(layer, {}).get(self.scenario(test), ())
-        criteria = {rule for _, rule in (stated if isinstance(stated, list) else [stated] if stated else [])}
-        if criteria == {rules.AssessmentCriteria.NOT_RED}:
+    def stated(self, layer: str, scenario: str) -> dict[str, Any]:
+        """The criterion for each condition that the package states for a robustness *layer* of a *scenario*."""
+        table = self.module("robustness_layer").ROBUSTNESS_LAYER_TO_VERIFICATION_CONDITION
+        found = table.get(layer, {}).get(scenario, ())
+        return dict(found if isinstance(found, list) else [found] if found else [])
+
+    def conditions(self, layer: str) -> frozenset[str]:
+        """All conditions that the package states for a robustness *layer*."""
+        return frozenset(
+            text for other, scenario in self.layers if other == layer for text in self.stated(layer, scenario)
+        )
+
+    def variations(self, scenario: str) -> dict[str, tuple[str, str]]:
+        """The names of all variations of robustness layers that *scenario* can have, with their layers and conditions:
+        one for each condition, or one for the whole layer."""
+        return {
+            variation_name(layer, condition): (layer, condition)
+            for layer, other in sorted(self.layers)
+            if other == scenario
+            for condition in ("", *self.stated(layer, scenario))
+        }
+
+    def is_met(self, layer: str, condition: str, test: str, nominal: str, colour: str) -> bool:
+        """Whether a cell that is *nominal* without the robustness *layer*, and *colour* with it, meets the criterion of
+        the *condition*, or of all if it is "": not red, or no worse, where the package states none or both."""
+        stated = self.stated(layer, self.scenario(test))
+        criteria = {stated[condition]} if condition else set(stated.values())
+        if criteria == {self.module("robustness_layer").AssessmentCriteria.NOT_RED}:
             return bool(colour != self.common.PredictionColor.RED.value)
         return self.weight(colour) >= self.weight(nominal)
+
+
+@cache
+def _opened(name: str) -> Protocol:
+    return Protocol(name)
 
 
 def choices(sheet: Any, word: str) -> Iterator[Any]:

@@ -108,7 +108,7 @@ def verify(
         raise fail(
             f"no test of '{procedure.name}' is on a bench of '{design.name}'", procedure.where, f"it has {known}"
         )
-    selection = Selection(ids=tuple(each.id for each in configurations))
+    selection = Selection.of(configurations)
     keep = Keep.ALL if len(configurations) == 1 else Keep.NEAR_BOUNDARY
     found: list[CaseVerdict] = []
     simulated = 0

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import io
+import multiprocessing
+import signal
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from dse.errors import Problems, closest, raise_if_any
-from dse.loading import Written
+from dse.loading import Written, variation_name
+from dse.processes import forget_start, unburdened
 from dse.rating.cases import Case
 from dse.rating.protocol import CellKey, Protocol, drawing, layer_cells
 from dse.scratch import make_folder, written_whole
@@ -46,8 +51,8 @@ class Score:
 
 
 @dataclass(frozen=True, slots=True)
-class Filled:
-    """A filled workbook with its *scores*: by layer of each scenario, by category, and by stage element.
+class Points:
+    """The *scores* of a workbook: by layer of each scenario, by category, and by stage element.
 
     *rules* are the protocol's rules that took points away, in the words of its package. *undeclared* are inputs that
     the package asks for in simulated scenarios, and that the rating does not declare: such a scenario has no points.
@@ -56,9 +61,6 @@ class Filled:
     scores: tuple[Score, ...]
     rules: tuple[str, ...]
     undeclared: tuple[str, ...]
-    protocol: Protocol = field(repr=False)
-    _book: Any = field(repr=False)
-    _frames: Mapping[str, Any] = field(repr=False)
 
     @property
     def points(self) -> float:
@@ -74,6 +76,15 @@ class Filled:
     def totals(self) -> tuple[Score, ...]:
         """The points of each stage element."""
         return tuple(score for score in self.scores if not score.category)
+
+
+@dataclass(frozen=True, slots=True)
+class Filled(Points):
+    """A filled workbook, 12 MB of memory."""
+
+    protocol: Protocol = field(repr=False)
+    _book: Any = field(repr=False)
+    _frames: Mapping[str, Any] = field(repr=False)
 
     def write(self, target: Path) -> None:
         """Write the workbook with its verification points, as ``preprocess`` does, their values and the scores.
@@ -108,6 +119,33 @@ class Filled:
                 colour = named.get(str(cell.fill.fgColor.rgb)[2:].lower()) if cell.fill.fill_type == "solid" else None
                 if colour and colour != _GREY:
                     cell.value = colour.capitalize()
+
+
+def write_all(
+    protocol: Protocol, predictions: Mapping[Path, Prediction], warned: frozenset[str], workers: int
+) -> Iterator[Points]:
+    """Write a workbook for each of *predictions* to its path, in so many processes: one takes seconds."""
+    write = partial(_written, protocol, warned)
+    number = min(workers, len(predictions))
+    if number < 2:
+        yield from map(write, predictions.items())
+        return
+    with ProcessPoolExecutor(number, multiprocessing.get_context("spawn"), _start) as pool:
+        with unburdened():
+            written = pool.map(write, predictions.items())
+        yield from written
+
+
+def _start() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process, and the one that waits ends the others
+    forget_start()
+
+
+def _written(protocol: Protocol, warned: frozenset[str], wanted: tuple[Path, Prediction]) -> Points:
+    path, prediction = wanted
+    filled = fill(protocol, prediction, warned)
+    filled.write(path)
+    return Points(filled.scores, filled.rules, filled.undeclared)
 
 
 def fill(protocol: Protocol, prediction: Prediction, warned: frozenset[str], seed: int = 0) -> Filled:
@@ -201,14 +239,19 @@ def _verify(protocol: Protocol, stages: Any, frames: Mapping[str, Any], predicti
         row = head + 1
         for test, points in stage.selected_points_dict.items():
             for point in points:
-                layer = frame.iat[row, heads.index("Robustness layer")] if "Robustness layer" in heads else ""
+                layer, condition = (
+                    str(frame.iat[row, heads.index(head)]) if head in heads else ""
+                    for head in ("Robustness layer", "Verification condition")
+                )
                 # The package adds attributes when it selects a point.
                 own = {
                     name: str(text).strip() for name, text in point.attributes.items() if name in protocol.attributes
                 }
                 key = test, tuple(sorted(own.items()))
-                case = key, layer if (layer, protocol.scenario(test)) in prediction.layers else ""
-                value = prediction.values.get(case, prediction.values[key, ""])
+                there = [""]
+                if (layer, protocol.scenario(test)) in prediction.layers:
+                    there = [variation_name(layer, condition), layer, ""]
+                value = next(prediction.values[key, name] for name in there if (key, name) in prediction.values)
                 frame.iat[row, heads.index("Value")] = protocol.rounded(value)
                 row += 1
 

@@ -16,6 +16,8 @@ MOST_LISTED = 20_000
 
 def selected(space: DesignSpace, selection: Selection, where: Location | None = None) -> list[Configuration]:
     """The valid configurations the selection names, each once, in its order. Raises DseError if there is none."""
+    if selection.configurations:
+        return list(selection.configurations)
     if selection.ids:
         opened = open_space(space)
         return list({(c := opened.configuration(name)).id: c for name in selection.ids}.values())

@@ -73,6 +73,19 @@ def test_numbers_are_a_set_in_ascending_order(first: list[int], more: list[int],
     assert all((number in numbers) is (number in like) for number in (-1, *range(302)))
 
 
+def test_a_worker_stays_with_the_configuration_it_has_loaded() -> None:
+    queue = WorkQueue(None, None)
+    queue.fill(Batch(n, name, (RunRequest(n, name, {}),)) for n, name in enumerate("aaabbbcc"))
+    loaded = {"first": "", "second": ""}
+    taken: dict[str, str] = {"first": "", "second": ""}
+    for _ in range(4):
+        for worker, other in (("first", "second"), ("second", "first")):
+            batch = queue.take(fresh=False, loaded=loaded[worker], others={loaded[other]})
+            loaded[worker] = batch.configuration
+            taken[worker] += batch.configuration
+    assert taken == {"first": "aaac", "second": "bbbc"}
+
+
 def test_batches_are_made_as_they_are_needed() -> None:
     made = []
     queue = WorkQueue(None, None)

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 from command_line import run_dse
 from rated_cars import FILES, RATING
 from workspaces import written
 
+from dse.errors import DseError
 from dse.loading import Workspace
 from dse.rating.cases import case_studies, warned_tests
+from dse.rating.designs import RatedRun, predict
 from dse.testbench import one_configuration
 
 
@@ -42,6 +45,49 @@ def test_one_study_has_all_cells_of_a_bench_and_the_layers_of_its_standard_cells
     assert set(by_name["target.light"]) == {0.0}
     assert max(by_name["target.host_speed"]) == pytest.approx(80 / 3.6)
     assert set(by_name["target.location"]) == {1.25, 1.0, 0.9, 0.75, 0.5, 0.25, 0.1, 0.0, -0.25}
+
+
+BY_CONDITION = """\
+  Speed:
+    +3 km/h: {target.speed: {change: 3 km/h}}
+    -2 km/h: {target.host_speed: {change: -10 %}}
+"""
+
+
+def test_a_layer_changes_cells_in_the_conditions_of_the_protocol(workspace, protocol, rating_file):
+    (study,) = studies_of(RATING + BY_CONDITION, workspace, protocol, rating_file)
+    names = [variable.name for variable in study.study.variables]
+    host, target = names.index("target.host_speed"), names.index("target.speed")
+    varied = [case for case in study.points if case[1].startswith("Speed")]
+    assert {(key[0], name) for key, name in varied} == {("CPNA day", "Speed: +3 km/h"), ("CPNA day", "Speed: -2 km/h")}
+    for key, name in varied:
+        point, nominal = study.points[key, name], study.points[key, ""]
+        slower = 0.9 if name.endswith("-2 km/h") else 1.0
+        assert point[host] == pytest.approx(slower * nominal[host])
+        assert point[target] == pytest.approx(nominal[target] + (3 / 3.6 if slower == 1.0 else 0.0))
+
+
+def test_what_a_layer_makes_of_a_cell_must_be_allowed(workspace, protocol, rating_file):
+    text = RATING.replace("target.fog: 50 m", "target.host_speed: {change: 200 km/h}")
+    with pytest.raises(DseError, match=r"13:51: the range of 'target.host_speed' leaves what component target allows"):
+        studies_of(text, workspace, protocol, rating_file)
+
+
+@pytest.mark.parametrize(
+    ("faster", "slower", "claimed"), [(0.0, 0.0, True), (5.0, 0.0, True), (5.0, 20.0, False), (0.0, None, False)]
+)
+def test_a_layer_is_claimed_if_all_conditions_of_the_protocol_are_met(protocol, faster, slower, claimed):
+    speeds = {"": 0.0, "Speed: +3 km/h": faster, "Speed: -2 km/h": slower}
+    cells = [cell for cell in protocol.cells() if cell.test in ("CPNA day", "CPNA night")]
+    # An impact is red in some cells, whatever its speed.
+    red = {cell.key for cell in cells if protocol.colour(cell, 5.0, {}) == "red"}
+    runs = {
+        (cell.key, name): RatedRun(Path(), 0, 0.0 if cell.key in red else value)
+        for cell in cells
+        for name, value in speeds.items()
+        if value is not None and not (name and cell.extended)
+    }
+    assert predict(protocol, cells, runs, {}).layers == ({("Speed", "CPNA")} if claimed else set())
 
 
 def test_a_warning_is_declared_where_its_kpi_has_a_metric(workspace, protocol, rating_file):
@@ -81,7 +127,7 @@ def car(tmp_path_factory):
 
 @pytest.mark.thorough
 def test_two_designs_are_rated_and_compared(car, kept_cache, tmp_path):
-    arguments = ("rate", "car", "--best", "2", "--at-least", "0.5", "-o", "out/car", "--workers", "2")
+    arguments = ("rate", "car", "--layers", "--best", "2", "--at-least", "0.5", "-o", "out/car", "--workers", "2")
     done = run_dse(car, *arguments, "--format", "json", cache=tmp_path)
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
@@ -95,7 +141,8 @@ def test_two_designs_are_rated_and_compared(car, kept_cache, tmp_path):
     # By hand as in test_workbook: the brake takes off 35 km/h.
     assert scores["CCRs", "Standard"] == pytest.approx(1.2 * (3 + 0.5 + 0.5 + 0.25) / 8, abs=1e-3)
     assert found["cheapest"] == strong["id"]
-    again = json.loads(run_dse(car, *arguments, "--format", "json", cache=tmp_path).stdout)
+    alone = (*arguments[:-1], "1", "--format", "json")  # and workbooks by one process
+    again = json.loads(run_dse(car, *alone, cache=tmp_path).stdout)
     assert again["simulated"] == 0
     assert again["configurations"] == found["configurations"]
     page = (car / "out/car/rating.html").read_text(encoding="utf-8")

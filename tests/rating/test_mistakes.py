@@ -26,6 +26,8 @@ def problems_of(text, workspace, protocol, rating_file):
 END = "impact_speed}\n  CPNA"
 """The end of the first test."""
 
+NO_CONDITION = "the layer 'Adverse weather conditions' of euroncap-rating-2026 has no condition"
+
 MISTAKES = [
     ("  CCRs:", "  CCRx:", "4:3 euroncap-rating-2026 has no test 'CCRx'"),
     ("bench: wall", "bench: wal", "5:12 unknown test bench 'wal'"),
@@ -49,6 +51,9 @@ MISTAKES = [
     ("  Adverse", "  Bad", "13:3 euroncap-rating-2026 has no robustness layer 'Bad weather conditions'"),
     ("target.fog: 50 m", "target.smoke: 50 m", "13:32 no bench of the rating has 'target.smoke'"),
     ("target.fog: 50 m", "target.fog: 50 s", "13:44 wrong unit in '50 s': expected length, found time"),
+    ("{target.fog: 50 m}", "{+9 m: {target.fog: 50 m}}", f"13:32 {NO_CONDITION} '+9 m'"),
+    ("fog: 50 m", "fog: {change: 5 s}", "13:53 'target.fog' cannot change by 5 s"),
+    ("fog: 50 m", "fog: {change: x}", "13:53 'x' is not a quantity"),
     ("layers:", "inputs: {Response: Warning}\nlayers:", "12:20 euroncap-rating-2026 has no input 'Response'"),
     ("layers:", "inputs: {Vehicle response: Loud}\nlayers:", "12:28 'Vehicle response' cannot be 'Loud'"),
     (f"v_rel_impact: {END}", "}\n  CPNA", "7:13 'tests.CCRs.values': expected 1 entries, found {}"),

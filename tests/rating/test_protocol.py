@@ -88,10 +88,13 @@ def test_a_door_is_claimed_for_the_driver_alone(protocol, response, seconds, col
 
 def test_a_layers_criterion_is_the_packages(protocol):
     # In darkness a car may not be hit at the full speed; for weather the package states nothing, so no colour is lost.
-    assert protocol.is_met("Illumination (Night)", "CCRs", "green", "brown")
-    assert not protocol.is_met("Illumination (Night)", "CCRs", "green", "red")
-    assert protocol.is_met("Adverse weather conditions", "CCRs", "brown", "yellow")
-    assert not protocol.is_met("Adverse weather conditions", "CCRs", "green", "yellow")
+    assert protocol.is_met("Illumination (Night)", "", "CCRs", "green", "brown")
+    assert not protocol.is_met("Illumination (Night)", "", "CCRs", "green", "red")
+    assert protocol.is_met("Adverse weather conditions", "", "CCRs", "brown", "yellow")
+    assert not protocol.is_met("Adverse weather conditions", "", "CCRs", "green", "yellow")
+    # A pedestrian who is faster may be hit, one who is slower may not be hit harder.
+    assert protocol.is_met("Speed", "+3 km/h", "CPNA day", "green", "brown")
+    assert not protocol.is_met("Speed", "-2 km/h", "CPNA day", "green", "brown")
 
 
 def test_another_package_cannot_be_named():

@@ -196,7 +196,7 @@ def _hands(bench: TestBench, driver_in_loop: DriverInTheLoop, fmi: int) -> dict[
     names = {f"{driver_in_loop.part}.{port.name}": port.name for port in driver_in_loop.controls}
     simulation, step = bench.simulation, bench.simulation.step
     short = replace(simulation, stop=step, record=tuple(names), record_every=step, check_step=False)
-    run, _ = alone(bench_study(replace(bench, simulation=short), Selection((driver_in_loop.configuration.id,))), fmi)
+    run, _ = alone(bench_study(replace(bench, simulation=short), Selection.of((driver_in_loop.configuration,))), fmi)
     if run.waveforms is None:
         raise fail(f"bench '{bench.name}' does not run: {run.problem}", bench.where)
     return {port: float(run.waveforms.values[name][0]) for name, port in names.items()}

@@ -125,7 +125,7 @@ def _made_again(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> _
         what = "no part gives the position of a car: neither 'motion.x' nor 'position', 'gap' and 'lead.speed'"
         raise fail(f"run {stored.number} of bench '{bench.name}' is not a scene: {what}", Location(bench.name))
     again = replace(bench, simulation=_recording(bench, told.wanted))
-    made, planned = alone(bench_study(again, Selection((chosen.id,))), fmi, tell=tell)
+    made, planned = alone(bench_study(again, Selection.of((chosen,))), fmi, tell=tell)
     if made.problem and stored.is_done:
         what = f"run {stored.number} failed this time: {made.problem}"
         raise fail(what, Location(bench.name), f"'dse replay DIR {stored.number}' lists what changed")

@@ -69,7 +69,7 @@ def study_of_bench(bench: TestBench, configuration: str | None = None) -> Study:
     """The study of *bench* on the configuration whose id starts so, or on every valid one."""
     if configuration is None:
         return bench_study(bench)
-    return bench_study(bench, Selection((one_configuration(bench.design, configuration).id,)))
+    return bench_study(bench, Selection.of((one_configuration(bench.design, configuration),)))
 
 
 def fused_libraries(
@@ -99,7 +99,7 @@ def write_package(
     from dse.testbench import prepare_bench
 
     study = _single(bench, configuration, settings)
-    chosen = one_configuration(bench.design, *study.selection.ids)
+    (chosen,) = study.selection.configurations
     prepared = prepare_bench(study.bench, [chosen], version=fmi)[chosen.id]
     system, simulation, others = prepared.system, prepared.simulation, platforms_named(platforms)
     if others:
@@ -190,4 +190,4 @@ def again(
 
 def _single(bench: TestBench, configuration: str | None, settings: Mapping[str, Raw]) -> Study:
     chosen = one_configuration(bench.design, configuration)
-    return bench_study(with_settings(bench, settings, chosen), Selection((chosen.id,)))
+    return bench_study(with_settings(bench, settings, chosen), Selection.of((chosen,)))

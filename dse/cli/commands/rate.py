@@ -38,6 +38,7 @@ def rate(
     at_least: Annotated[
         float | None, typer.Option("--at-least", metavar="POINTS", help="Name the cheapest with so many points.")
     ] = None,
+    layers: Annotated[bool, typer.Option("--layers", help="Simulate the robustness layers as well.")] = False,
     workers: Workers = 0,
     form: Format = Output.TABLE,
 ) -> None:
@@ -56,17 +57,14 @@ def rate(
     chosen = chosen_configurations(part, [] if configuration is None else [configuration], where, best)
     place = folder or new_folder(space, f"{wanted.name}-{part.space.name}")
     with progress_shown(place) as watched:
-        rated = rate_design(wanted, part.space, chosen, place, ExploreOptions(workers), **watched)
-    files = []
-    for each in rated.rated:
-        files.append(place / f"{wanted.name}-{each.id}.xlsx")
-        each.filled.write(files[-1])
+        rated = rate_design(wanted, part.space, chosen, place, ExploreOptions(workers), layers=layers, **watched)
     write_page(rated, place / "rating.html")
     if form is Output.JSON:
-        print_json(_data(rated, at_least, files, place))
+        print_json(_data(rated, at_least, place))
     else:
         _show(rated, at_least)
-        print_line(f"workbooks: {files[0]}{f' and {len(files) - 1} more' if len(files) > 1 else ''}")
+        more = f" and {len(rated.rated) - 1} more" if len(rated.rated) > 1 else ""
+        print_line(f"workbooks: {rated.rated[0].workbook}{more}")
         print_line(f"page: {place / 'rating.html'}")
     raise typer.Exit(RUNS_FAILED if any(each.failed for each in rated.rated) else DONE)
 
@@ -105,6 +103,8 @@ def _show(rated: RatedDesign, at_least: float | None) -> None:
         print_line(f"not simulated, 0 points: {rated.gaps}")
     if rated.undeclared:
         print_line(f"0 points, as 'inputs' of the rating does not declare: {rated.undeclared}")
+    if rated.layers_left:
+        print_line(f"robustness layers that are not simulated: {rated.layers_left}")
     print_line(f"{NOT_ASSESSED}.")
     if at_least is not None:
         print_line(_cheapest(rated, at_least))
@@ -168,7 +168,7 @@ def _short(element: str) -> str:
     return "".join(word[0] for word in element.split())
 
 
-def _data(rated: RatedDesign, at_least: float | None, files: list[Path], place: Path) -> dict[str, object]:
+def _data(rated: RatedDesign, at_least: float | None, place: Path) -> dict[str, object]:
     from dataclasses import asdict
 
     from dse.rating import HEADING, NOT_ASSESSED
@@ -181,6 +181,7 @@ def _data(rated: RatedDesign, at_least: float | None, files: list[Path], place: 
         "protocol": f"{rated.protocol.name} {rated.protocol.version}",
         "not_assessed": NOT_ASSESSED,
         "not_simulated": list(rated.missing),
+        "layers_not_simulated": rated.layers_left,
         "not_declared": list(rated.rated[0].filled.undeclared),
         "partly_simulated": {test: {"cells": there, "of": of} for test, (there, of) in rated.partly.items()},
         "simulated": rated.simulated,
@@ -195,8 +196,8 @@ def _data(rated: RatedDesign, at_least: float | None, files: list[Path], place: 
                 "rules": list(each.filled.rules),
                 "failed": len(each.failed),
                 "scores": [asdict(score) for score in each.filled.scores],
-                "workbook": str(file),
+                "workbook": str(each.workbook),
             }
-            for each, file in zip(rated.rated, files, strict=True)
+            for each in rated.rated
         ],
     }

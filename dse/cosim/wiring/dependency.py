@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from graphlib import CycleError, TopologicalSorter
+from graphlib import CycleError
+from itertools import chain
 from typing import TypeVar
 
 from dse.cosim.wiring.border import Border, ElementPort
@@ -144,17 +145,26 @@ def _within(graph: Graph, ports: Collection[ElementPort]) -> dict[ElementPort, l
 
 
 def _generations(graph: Mapping[Node, Sequence[Node]]) -> Iterator[tuple[Node, ...]]:
-    """Nodes by how many others they come after at most; CycleError at once if some come after themselves."""
-    sorter: TopologicalSorter[Node] = TopologicalSorter()
-    for node, afters in graph.items():
-        sorter.add(node)
-        for after in afters:
-            sorter.add(after, node)
-    sorter.prepare()
-    while sorter.is_active():
-        ready = sorter.get_ready()
+    """Nodes by how many others they come after at most; CycleError at the end if some come after themselves."""
+    # Inputs of an element often have the same outputs after them, which wait for the last of these: one count for all.
+    alike: dict[tuple[Node, ...], int] = {}
+    sets = {node: alike.setdefault(tuple(afters), len(alike)) for node, afters in graph.items()}
+    followers = list(alike)
+    waiting, left = Counter(chain.from_iterable(followers)), Counter(sets.values())
+    done, ready = 0, tuple(node for node in graph if node not in waiting)
+    while ready:
         yield ready
-        sorter.done(*ready)
+        done += len(ready)
+        following: list[Node] = []
+        for number in map(sets.__getitem__, ready):
+            left[number] -= 1
+            for after in () if left[number] else followers[number]:
+                waiting[after] -= 1
+                if not waiting[after]:
+                    following.append(after)
+        ready = tuple(following)
+    if done < len(graph):
+        raise CycleError("some nodes come after themselves")
 
 
 def _components(graph: Graph) -> list[list[list[ElementPort]]]:

@@ -195,7 +195,12 @@ class Supervisor:
         for turn in range(depth):
             for worker in list(self._workers):
                 if len(worker.assignments) == turn and not worker.offence:
-                    batch = self._queue.take(fresh=not worker.used, maker=worker.maker if is_choice else None)
+                    batch = self._queue.take(
+                        fresh=not worker.used,
+                        maker=worker.maker if is_choice else None,
+                        loaded=worker.configuration,
+                        others={other.configuration for other in self._workers if other is not worker},
+                    )
                     if batch is not None:
                         self._store(batch.configuration)
                         worker.give(batch)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 
@@ -67,11 +67,23 @@ class WorkQueue:
         self._pending.extend(self._source)
         return {request.number for batch in self._pending for request in batch.todo}
 
-    def take(self, *, fresh: bool, maker: str | None = None) -> Batch | None:
-        """What a process makes next that is *fresh* or not; None if there is nothing for it or for this *maker*."""
+    def take(
+        self, *, fresh: bool, maker: str | None = None, loaded: str = "", others: Collection[str] = ()
+    ) -> Batch | None:
+        """What a process makes next that is *fresh* or not; None if there is nothing for it or for this *maker*.
+
+        Loading a configuration takes as long as many runs: first comes what is of the one it has *loaded*, then what is
+        of none that *others* have.
+        """
         self._draw()
         queue = self._again if self._again and fresh else self._pending
-        return queue.popleft() if queue and queue[0].unlike != maker else None
+        suits: tuple[Callable[[str], bool], ...] = (lambda c: c == loaded, lambda c: c not in others, lambda _: True)
+        for is_next in suits:
+            for place, batch in enumerate(queue):
+                if batch.unlike != maker and is_next(batch.configuration):
+                    del queue[place]
+                    return batch
+        return None
 
     def is_loaded(self, configuration: str) -> None:
         """A run of *configuration* has come back."""

@@ -48,9 +48,9 @@ class Assignment:
 class WorkerProcess:
     """One worker: its process, its channel, its heartbeats, and the batches it has, the one at hand first.
 
-    *used* tells that it has been given work, *useful* that it has finished a run, *retired* that it has taken its
-    leave, after a *fault* if there was one. *offence* says why it was cut off. *stopped* is how many seconds it is
-    stopped by now.
+    *used* tells that it has been given work, the last of *configuration*, *useful* that it has finished a run,
+    *retired* that it has taken its leave, after a *fault* if there was one. *offence* says why it was cut off.
+    *stopped* is how many seconds it is stopped by now.
 
     Its time is the one it had: as long as it, or the supervisor with it, is stopped, it stands still.
     """
@@ -73,7 +73,7 @@ class WorkerProcess:
         self.assignments: deque[Assignment] = deque()
         self.used = self.useful = self.retired = False
         self.fault: Fault | None = None
-        self.offence = ""
+        self.offence = self.configuration = ""
 
     @property
     def sentinel(self) -> int:
@@ -102,7 +102,7 @@ class WorkerProcess:
         """Hand over *batch*. If the worker is no longer there to take it, `reports` tells."""
         if not self.assignments:
             self._since = [self._ran] * len(self._hearts)
-        self.used = True
+        self.used, self.configuration = True, batch.configuration
         self.assignments.append(Assignment(batch))
         self._channel.send(batch)
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -21,6 +21,7 @@ from dse.loading.bench.study import FindBench
 from dse.loading.bench.variables import Place, VariableSection, read_derived, read_variable_value
 from dse.loading.include import read_document
 from dse.loading.sections import Plain, Section, read_section
+from dse.loading.values import read_quantity
 
 
 class FollowingSection(Section):
@@ -29,7 +30,15 @@ class FollowingSection(Section):
     derived: str
 
 
+class ChangingSection(Section):
+    """A parameter of a robustness layer that changes by a quantity, or by a percentage."""
+
+    change: str
+
+
 Given = Plain | bool | FollowingSection
+Varied = Plain | bool | ChangingSection
+Layer = Plain | bool | Annotated[ChangingSection | dict[str, Varied], Field(union_mode="left_to_right")]
 
 
 class RatedTestSection(Section):
@@ -52,7 +61,7 @@ class RatingFile(Section):
     protocol: str
     inputs: dict[str, str] = Field(default_factory=dict)
     tests: dict[str, RatedTestSection | list[RatedTestSection]]
-    layers: dict[str, dict[str, Plain | bool]] = Field(default_factory=dict)
+    layers: dict[str, dict[str, Layer]] = Field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +91,40 @@ class CellParameter:
 
 
 @dataclass(frozen=True, slots=True)
+class Change:
+    """What a robustness layer does to a parameter: *value* replaces it, is added to it, or is a share of it."""
+
+    value: float
+    kind: Literal["replaced", "added", "share"]
+    entry: Entry
+
+    def of(self, place: Place, value: float) -> float:
+        """What becomes of *value*, SI, at *place*. Raises DseError if it is not allowed there."""
+        changed = {"replaced": self.value, "added": value + self.value, "share": value * (1.0 + self.value)}[self.kind]
+        place.require_within(changed, changed, self.entry.where)
+        return changed
+
+
+@dataclass(frozen=True, slots=True)
+class Variation:
+    """How runs with a robustness *layer* are made: in a *condition* of the protocol's, if it states several."""
+
+    layer: Written
+    condition: Written | None
+    changes: Mapping[str, Change]
+
+    @property
+    def name(self) -> str:
+        """What tells it from others."""
+        return variation_name(self.layer.text, self.condition.text if self.condition else "")
+
+
+def variation_name(layer: str, condition: str) -> str:
+    """The name of the variation of a *layer* for a *condition*, or of the only one."""
+    return f"{layer}: {condition}" if condition else layer
+
+
+@dataclass(frozen=True, slots=True)
 class RatedTest:
     """The cells of *test* that meet the *condition* are simulated on *bench*.
 
@@ -95,17 +138,17 @@ class RatedTest:
     derived: tuple[Derived, ...]
     values: Mapping[str, Written]
     places: Mapping[str, Place]
-    """Where each parameter of *cells* and *fixed* is, and those of the layers that the bench has."""
+    """Where each parameter of *cells* and *fixed* is, and those of the variations that the bench has."""
     condition: Written | None = None
-    layers: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    """What the bench's runs are made with for each robustness layer that it can express, SI."""
+    variations: tuple[Variation, ...] = ()
+    """Those of the robustness layers that the bench can express."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rating:
     """A rating of the *protocol*'s package: *tests* on benches; *inputs* declare what no simulation tells.
 
-    *layers* are the robustness layers that are simulated.
+    *layers* are the robustness layers that can be simulated, each with its conditions.
     """
 
     name: str
@@ -113,7 +156,7 @@ class Rating:
     protocol: Written
     tests: tuple[RatedTest, ...]
     inputs: Mapping[str, Written]
-    layers: tuple[Written, ...]
+    layers: tuple[tuple[Written, Written | None], ...]
     where: Location
 
 
@@ -123,6 +166,11 @@ def read_rating(path: Path, find_bench: FindBench, inside: Path) -> Rating:
     entry = read_document(path, inside)
     file = read_section(entry, RatingFile)
     problems = Problems()
+    variations = [
+        variation
+        for layer, settings in file.layers.items()
+        for variation in _variations(Written(layer, entry["layers"][layer].key), entry["layers"][layer], settings)
+    ]
     tests = []
     for name, given in file.tests.items():
         at = entry["tests"][name]
@@ -130,12 +178,12 @@ def read_rating(path: Path, find_bench: FindBench, inside: Path) -> Rating:
         for number, section in enumerate(several):
             with problems:
                 place = at[number] if isinstance(given, list) else at
-                tests.append(_read_test(Written(name, at.key), place, section, file, entry["layers"], find_bench))
-    for layer, settings in file.layers.items():
-        for name in settings if tests and not problems else ():
-            if not any(name in test.layers.get(layer, ()) for test in tests):
-                what = f"no bench of the rating has '{name}'"
-                problems.add(what, entry["layers"][layer][name].key, "name a parameter of a bench")
+                tests.append(_read_test(Written(name, at.key), place, section, variations, find_bench))
+    known = {name for test in tests for name in test.places}
+    for _, _, settings in variations if tests and not problems else ():
+        for name, (at, _) in settings.items():
+            if name not in known:
+                problems.add(f"no bench of the rating has '{name}'", at.key, "name a parameter of a bench")
     if problems:
         raise DseError(*problems)
     return Rating(
@@ -144,13 +192,31 @@ def read_rating(path: Path, find_bench: FindBench, inside: Path) -> Rating:
         Written(file.protocol, entry["protocol"].where),
         tuple(tests),
         {name: Written(text, entry["inputs"][name].where) for name, text in file.inputs.items()},
-        tuple(Written(name, entry["layers"][name].key) for name in file.layers),
+        tuple((layer, condition) for layer, condition, _ in variations),
         entry["rating"].where,
     )
 
 
+WrittenVariation = tuple[Written, Written | None, dict[str, tuple[Entry, Varied]]]
+
+
+def _variations(layer: Written, entry: Entry, settings: Mapping[str, Layer]) -> Iterator[WrittenVariation]:
+    """The variations of a *layer*: one without a condition, and one for each condition."""
+    alone = {name: (entry[name], given) for name, given in settings.items() if not isinstance(given, dict)}
+    if alone:
+        yield layer, None, alone
+    for condition, given in settings.items():
+        if isinstance(given, dict):
+            at = entry[condition]
+            yield layer, Written(condition, at.key), {name: (at[name], varied) for name, varied in given.items()}
+
+
 def _read_test(
-    test: Written, entry: Entry, section: RatedTestSection, file: RatingFile, layers: Entry, find_bench: FindBench
+    test: Written,
+    entry: Entry,
+    section: RatedTestSection,
+    variations: Sequence[WrittenVariation],
+    find_bench: FindBench,
 ) -> RatedTest:
     bench = find_bench(section.bench, entry["bench"].where)
     components = bench_candidates(bench.design, bench.test_components)
@@ -180,26 +246,38 @@ def _read_test(
         if metric not in known:
             where = entry["values"][kpi].where
             problems.add(f"'{metric}' is not a metric of {bench.name}", where, closest(metric, known))
-    settings: dict[str, dict[str, float]] = {}
-    for layer, parameters in file.layers.items():
-        for name, value in parameters.items():
-            at = layers[layer][name]
+    varied: list[Variation] = []
+    for layer, when, settings in variations:
+        there = {name: found for name, (at, _) in settings.items() if (found := _place_if_any(at, components))}
+        places |= there
+        if there.keys() == settings.keys():
             with problems:
-                if (found := _place_if_any(at, components)) is not None:
-                    places[name] = found
-                    settings.setdefault(layer, {})[name] = _value_of(found, at, value)
+                changes = {name: _change_of(there[name], *setting) for name, setting in settings.items()}
+                varied.append(Variation(layer, when, changes))
     if problems:
         raise DseError(*problems)
-    whole = {layer: found for layer, found in settings.items() if found.keys() == file.layers[layer].keys()}
     values = {kpi: Written(metric, entry["values"][kpi].key) for kpi, metric in section.values.items()}
     condition = Written(section.where, entry["where"].where) if section.where else None
-    return RatedTest(test, bench, tuple(cells), fixed, tuple(derived), values, places, condition, whole)
+    return RatedTest(test, bench, tuple(cells), fixed, tuple(derived), values, places, condition, tuple(varied))
 
 
 def _value_of(place: Place, entry: Entry, given: Plain | bool) -> float:
     value = read_variable_value(place, entry, given)
     place.require_within(value, value, entry.where)
     return value
+
+
+def _change_of(place: Place, entry: Entry, given: Varied) -> Change:
+    if not isinstance(given, ChangingSection):
+        return Change(_value_of(place, entry, given), "replaced", entry)
+    where = entry["change"].where
+    quantity = read_quantity(given.change, where)
+    value = float(quantity.si - quantity.unit.offset)  # 5 degC more are 5 K
+    if quantity.unit.dimension == place.unit.dimension:
+        return Change(value, "added", entry)
+    if not quantity.unit.dimension:
+        return Change(value, "share", entry)
+    raise fail(f"'{place.name}' cannot change by {given.change}", where, "change: 10 %, or a quantity of its unit")
 
 
 def _place_if_any(entry: Entry, components: Candidates) -> Place | None:
