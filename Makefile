@@ -123,6 +123,7 @@ wheels: setup web
 
 bench: setup
 	$(BIN)/python benchmarks/bench_kernel.py
+	$(BIN)/python benchmarks/bench_fused.py
 	$(BIN)/python benchmarks/bench_study.py
 	$(BIN)/python benchmarks/bench_space.py
 	$(BIN)/python benchmarks/bench_evolution.py
