@@ -117,6 +117,11 @@ class RatedDesign:
         return ", ".join([*self.missing, *parts])
 
     @property
+    def folders(self) -> tuple[Path, ...]:
+        """The folders of the studies."""
+        return tuple(dict.fromkeys(run.folder for run in self.rated[0].runs.values()))
+
+    @property
     def layers_left(self) -> str:
         """The robustness layers that were simulated for no scenario, in words; "" if all were."""
         there = {name.split(": ")[0] for _, name in self.rated[0].runs}

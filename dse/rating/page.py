@@ -8,6 +8,7 @@ from html import escape
 from itertools import groupby
 from pathlib import Path
 
+from dse.api import replay_file
 from dse.rating.cases import described
 from dse.rating.designs import NOT_ASSESSED, RatedConfiguration, RatedDesign
 from dse.rating.protocol import Cell
@@ -164,10 +165,16 @@ def _cell(rated: RatedDesign, each: RatedConfiguration, cell: Cell, folder: Path
     report = run.folder / "report.html"
     text = shown
     if report.is_file():
-        address = Path(os.path.relpath(report, folder)).as_posix()
-        text = f'<a href="{escape(address)}#run={run.number}">{shown}</a>'
+        text = f'<a href="{_address(report, folder)}#run={run.number}">{shown}</a>'
+    replay = replay_file(run.folder, run.number)
+    if replay.is_file():
+        text += f'<a href="{_address(replay, folder)}">3-D</a>'
     extended = " extended" if cell.extended else ""
     return f'<td class="cell {colour}{extended}" title="{escape(hover)}">{text}</td>'
+
+
+def _address(page: Path, folder: Path) -> str:
+    return escape(Path(os.path.relpath(page, folder)).as_posix())
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

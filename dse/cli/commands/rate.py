@@ -39,6 +39,9 @@ def rate(
         float | None, typer.Option("--at-least", metavar="POINTS", help="Name the cheapest with so many points.")
     ] = None,
     layers: Annotated[bool, typer.Option("--layers", help="Simulate the robustness layers as well.")] = False,
+    reports: Annotated[
+        bool, typer.Option("--reports", help="Write the studies' reports, whose runs the cells of the page link to.")
+    ] = False,
     workers: Workers = 0,
     form: Format = Output.TABLE,
 ) -> None:
@@ -48,7 +51,7 @@ def rate(
     official calculator, and shows its points. No rating is claimed. Without -c, --where or --best, the first valid
     configuration is rated. Needs the extra 'ncap'.
     """
-    from dse.api import ExploreOptions
+    from dse.api import ExploreOptions, Results
     from dse.rating import rate as rate_design, write_page
 
     space = workspace_of(design)
@@ -58,6 +61,9 @@ def rate(
     place = folder or new_folder(space, f"{wanted.name}-{part.space.name}")
     with progress_shown(place) as watched:
         rated = rate_design(wanted, part.space, chosen, place, ExploreOptions(workers), layers=layers, **watched)
+    if reports:
+        for study in rated.folders:
+            Results(study).report()
     write_page(rated, place / "rating.html")
     if form is Output.JSON:
         print_json(_data(rated, at_least, place))
