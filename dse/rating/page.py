@@ -10,7 +10,7 @@ from pathlib import Path
 
 from dse.api import replay_file
 from dse.rating.cases import described
-from dse.rating.designs import NOT_ASSESSED, RatedConfiguration, RatedDesign
+from dse.rating.designs import RatedConfiguration, RatedDesign
 from dse.rating.protocol import Cell
 from dse.report import HEAD, ICON, hash_of
 from dse.scratch import make_folder, write_whole
@@ -52,7 +52,7 @@ def _body(rated: RatedDesign, title: str, folder: Path) -> Iterator[str]:
     yield f"<h1>{HEADING}</h1>"
     package = f"{rated.protocol.name} {rated.protocol.version}"
     yield f"<p>{escape(title)}. Design space {escape(rated.design.name)}; calculator {escape(package)}.</p>"
-    yield f'<p class="note">{escape(NOT_ASSESSED)}.'
+    yield f'<p class="note">{escape(rated.not_assessed)}.'
     if rated.gaps:
         yield f"Not simulated, 0 points: {escape(rated.gaps)}."
     if rated.layers_left:

@@ -90,7 +90,7 @@ def _rating(space: Workspace, name: str | None, design: str) -> Rating:
 
 
 def _show(rated: RatedDesign, at_least: float | None) -> None:
-    from dse.rating import HEADING, NOT_ASSESSED
+    from dse.rating import HEADING
 
     title = rated.rating.title or rated.rating.name
     print_line(f"{title}: {rated.design.name}. {HEADING}.", style="bold")
@@ -111,7 +111,7 @@ def _show(rated: RatedDesign, at_least: float | None) -> None:
         print_line(f"0 points, as 'inputs' of the rating does not declare: {rated.undeclared}")
     if rated.layers_left:
         print_line(f"robustness layers that are not simulated: {rated.layers_left}")
-    print_line(f"{NOT_ASSESSED}.")
+    print_line(f"{rated.not_assessed}.")
     if at_least is not None:
         print_line(_cheapest(rated, at_least))
     print_line(f"{rated.simulated} runs simulated now")
@@ -177,7 +177,7 @@ def _short(element: str) -> str:
 def _data(rated: RatedDesign, at_least: float | None, place: Path) -> dict[str, object]:
     from dataclasses import asdict
 
-    from dse.rating import HEADING, NOT_ASSESSED
+    from dse.rating import HEADING
 
     cheapest = None if at_least is None else rated.cheapest(at_least)
     return {
@@ -185,7 +185,7 @@ def _data(rated: RatedDesign, at_least: float | None, place: Path) -> dict[str, 
         "rating": rated.rating.name,
         "design": rated.design.name,
         "protocol": f"{rated.protocol.name} {rated.protocol.version}",
-        "not_assessed": NOT_ASSESSED,
+        "not_assessed": rated.not_assessed,
         "not_simulated": list(rated.missing),
         "layers_not_simulated": rated.layers_left,
         "not_declared": list(rated.rated[0].filled.undeclared),
