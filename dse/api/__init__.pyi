@@ -88,6 +88,7 @@ from .studies.refinement import Towards as Towards, refine as refine
 from .studies.replay import replay as replay
 from .studies.results import Results as Results, Summary as Summary, results as results
 from .studies.run import Run as Run, Waveforms as Waveforms
+from .studies.scenes import replay_file as replay_file
 from .studies.single_run import (
     fused_libraries as fused_libraries,
     prepare_once as prepare_once,

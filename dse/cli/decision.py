@@ -67,7 +67,8 @@ def _counted(pairs: list[PairedDraws], leading: Interval | None) -> str:
     both, a, b, neither = (
         sum(getattr(each, what) for each in pairs) for what in ("both", "first", "second", "neither")
     )
-    text = f"both meet it in {both} draws, only A in {a}, only B in {b}, neither in {neither} ({len(pairs)} verdicts)"
+    of = f"{len(pairs)} verdict{'s' * (len(pairs) != 1)}"
+    text = f"both meet it in {both} draws, only A in {a}, only B in {b}, neither in {neither} ({of})"
     if leading is None or math.isnan(leading.value):
         return text
     share = " … ".join(f"{100 * end:.0f}" for end in (leading.low, leading.high))

@@ -1,6 +1,5 @@
 from .cases import described as described
 from .designs import (
-    NOT_ASSESSED as NOT_ASSESSED,
     RatedConfiguration as RatedConfiguration,
     RatedDesign as RatedDesign,
     rate as rate,

@@ -13,7 +13,7 @@ from dse.api import ExploreOptions, explore_into
 from dse.errors import fail
 from dse.rating.cases import Case, CaseStudy, case_studies, not_simulated, tests_of, warned_tests
 from dse.rating.protocol import Cell, CellKey, Protocol
-from dse.rating.workbook import Points, Prediction, require_inputs, write_all
+from dse.rating.workbook import ASSESSED, Points, Prediction, require_inputs, write_all
 from dse.storage import StudyFolder
 from dse.units import si_unit
 
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 
 COST = "cost"
 """The property of components that points are compared with."""
-
-NOT_ASSESSED = "General requirements, driveability, driver state link and documents are not assessed"
-"""What the protocol asks for besides the matrices, and no simulation tells."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +112,17 @@ class RatedDesign:
         """What was not simulated and has no points, in words; "" if all was."""
         parts = [f"{test} ({there} of {of} cells simulated)" for test, (there, of) in self.partly.items()]
         return ", ".join([*self.missing, *parts])
+
+    @property
+    def not_assessed(self) -> str:
+        """What the protocol asks for besides the matrices, and neither a simulation nor the rating tells, in words."""
+        left = (name.lower() for name in ASSESSED if name not in self.rating.inputs)
+        return f"{', '.join(['General requirements', *left])} and documents are not assessed"
+
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """The folders of the studies."""
+        return tuple(dict.fromkeys(run.folder for run in self.rated[0].runs.values()))
 
     @property
     def layers_left(self) -> str:

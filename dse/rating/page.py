@@ -8,8 +8,9 @@ from html import escape
 from itertools import groupby
 from pathlib import Path
 
+from dse.api import replay_file
 from dse.rating.cases import described
-from dse.rating.designs import NOT_ASSESSED, RatedConfiguration, RatedDesign
+from dse.rating.designs import RatedConfiguration, RatedDesign
 from dse.rating.protocol import Cell
 from dse.report import HEAD, ICON, hash_of
 from dse.scratch import make_folder, write_whole
@@ -51,7 +52,7 @@ def _body(rated: RatedDesign, title: str, folder: Path) -> Iterator[str]:
     yield f"<h1>{HEADING}</h1>"
     package = f"{rated.protocol.name} {rated.protocol.version}"
     yield f"<p>{escape(title)}. Design space {escape(rated.design.name)}; calculator {escape(package)}.</p>"
-    yield f'<p class="note">{escape(NOT_ASSESSED)}.'
+    yield f'<p class="note">{escape(rated.not_assessed)}.'
     if rated.gaps:
         yield f"Not simulated, 0 points: {escape(rated.gaps)}."
     if rated.layers_left:
@@ -164,10 +165,16 @@ def _cell(rated: RatedDesign, each: RatedConfiguration, cell: Cell, folder: Path
     report = run.folder / "report.html"
     text = shown
     if report.is_file():
-        address = Path(os.path.relpath(report, folder)).as_posix()
-        text = f'<a href="{escape(address)}#run={run.number}">{shown}</a>'
+        text = f'<a href="{_address(report, folder)}#run={run.number}">{shown}</a>'
+    replay = replay_file(run.folder, run.number)
+    if replay.is_file():
+        text += f'<a href="{_address(replay, folder)}">3-D</a>'
     extended = " extended" if cell.extended else ""
     return f'<td class="cell {colour}{extended}" title="{escape(hover)}">{text}</td>'
+
+
+def _address(page: Path, folder: Path) -> str:
+    return escape(Path(os.path.relpath(page, folder)).as_posix())
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -23,6 +23,9 @@ from dse.rating.protocol import CellKey, Protocol, drawing, layer_cells
 from dse.scratch import make_folder, written_whole
 
 _GREY = "grey"
+ASSESSED = ("Driveability", "Driver state link")
+"""What a laboratory assesses, in rows of the verification without a test point: the rating may declare it."""
+_ASSESSMENTS = ["Pass", "Fail"]
 _TABLES = ("Scenario Scores", "Category Scores", "Test Scores")
 
 
@@ -213,7 +216,7 @@ def require_inputs(protocol: Protocol, inputs: Mapping[str, Written]) -> None:
     """Raise DseError unless the package asks for each of *inputs* and allows its value."""
     sheet = protocol.template()["Input parameters"]
     heads = {cell.value: cell.column for cell in sheet[1]}
-    known = {}
+    known = dict.fromkeys(ASSESSED, _ASSESSMENTS)
     for row in range(2, sheet.max_row + 1):
         allowed = _allowed(sheet, row, heads["Value"])
         if "Self claimed" not in allowed:
@@ -232,6 +235,9 @@ def _verify(protocol: Protocol, stages: Any, frames: Mapping[str, Any], predicti
     info = protocol.module("test_info")
     for (element, subelement), stage in stages.items():
         frame = frames[f"{info.get_sheet_prefix(element, subelement)} verif."]
+        for row in range(len(frame)):
+            if (name := frame.iat[row, 0]) in ASSESSED and name in prediction.inputs:
+                frame.iat[row, frame.columns.get_loc("Value")] = prediction.inputs[name]
         head = next((row for row in range(len(frame)) if "Test point" in frame.iloc[row].tolist()), None)
         if head is None:
             continue  # nothing is predicted that could be verified

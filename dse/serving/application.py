@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeVar
+from urllib.parse import quote
 
 from dse.api import Compared, StudySummary, compare, stop, study_summary
 from dse.errors import DseError, fail
@@ -29,6 +30,12 @@ T = TypeVar("T")
 
 _MOST_COMPARED = 8
 
+_NO_CODE = (
+    '<!doctype html><meta http-equiv="Content-Security-Policy" '
+    "content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">"
+)
+"""Before a page that is read from a folder, whoever made that."""
+
 
 def application(
     index: StudyIndex,
@@ -44,7 +51,7 @@ def application(
     """
     try:
         from starlette.applications import Starlette
-        from starlette.responses import HTMLResponse, JSONResponse
+        from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse
         from starlette.routing import Route
     except ImportError:
         hint = "python -m pip install 'dse-workbench[serve]'"
@@ -58,11 +65,21 @@ def application(
         return request.query_params.get("study", "")
 
     def start(_: Request) -> Response:
-        return HTMLResponse(start_page(str(index.root), {n: _summary(index, n) for n in index.studies}))
+        return HTMLResponse(
+            start_page(str(index.root), {n: _summary(index, n) for n in index.studies}, is_rated=index.is_rated)
+        )
 
     def study(request: Request) -> Response:
         name = request.path_params["name"]
         return HTMLResponse(open_studies.page(name, index.folder(name)))
+
+    def rated(_: Request) -> Response:
+        return HTMLResponse(_NO_CODE + index.rating())
+
+    def opened(request: Request) -> Response:
+        # As the links of a rating's page lead to files; the browser keeps the run in the fragment.
+        run = request.path_params.get("run")
+        return RedirectResponse(f"/study/{quote(request.path_params['name'])}/{f'replay/{run}' if run else ''}")
 
     def progress(request: Request) -> Response:
         return JSONResponse(open_studies.progress(index.folder(name_of(request))))
@@ -104,6 +121,9 @@ def application(
 
     routes: list[BaseRoute] = [
         Route("/", start),
+        Route("/rating.html", rated),
+        Route("/{name:path}/report.html", opened),
+        Route("/{name:path}/replays/run_{run:int}.html", opened),
         Route("/study/{name:path}/", study),
         Route("/study/{name:path}/replay/{run}", replay),
         Route("/replay", replayed, methods=["GET", "POST"]),

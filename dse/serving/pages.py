@@ -77,8 +77,9 @@ def study_address(name: str) -> str:
     return f"/study/{quote(name)}/"
 
 
-def start_page(place: str, studies: Mapping[str, StudySummary | DseError]) -> str:
-    """The list of *studies* by name, those that cannot be read with what is wrong; *place* is where they lie."""
+def start_page(place: str, studies: Mapping[str, StudySummary | DseError], *, is_rated: bool = False) -> str:
+    """The list of *studies* by name, those that cannot be read with what is wrong; *place* is where they lie. If they
+    are those of a rating, its page is linked."""
     running = sum(isinstance(each, StudySummary) and each.state == "running" for each in studies.values())
     beside = f'<span class="muted">{escape(place)} · {_count(len(studies), "study", "studies")}</span>'
     if not studies:
@@ -92,6 +93,8 @@ def start_page(place: str, studies: Mapping[str, StudySummary | DseError]) -> st
     )
     compare = '<p class="hint">Tick two studies or more. <button type="submit">Compare</button></p>'
     form = f'<form action="/compare" method="get">{table}{compare if len(studies) > 1 else ""}</form>'
+    if is_rated:
+        beside += '<a href="/rating.html">Rating</a>'
     return document(
         "Studies", f'<section class="card">{form}</section>\n<section class="card">{_legend()}</section>', beside
     )

@@ -17,6 +17,8 @@ DEPTH = 4
 MOST_FOLDERS = 20_000
 """So many folders are looked into at most."""
 
+_RATING = "rating.html"
+
 _FRESH = 2.0
 """Seconds for which a list is good enough to show."""
 
@@ -52,6 +54,17 @@ class StudyIndex:
         if path is None or not StudyFolder.is_at(path):
             raise fail("there is no such study here", hint="it may have been moved or removed")
         return path
+
+    @property
+    def is_rated(self) -> bool:
+        """Whether the studies are those of a rating."""
+        return (self.root / _RATING).is_file()
+
+    def rating(self) -> str:
+        """The page of the rating. DseError if there is none."""
+        if not self.is_rated:
+            raise fail("there is no rating here", hint="serve the folder that 'dse rate' has written")
+        return (self.root / _RATING).read_text(encoding="utf-8")
 
     def _named(self) -> Iterator[tuple[str, Path]]:
         for path in _below(self.root):

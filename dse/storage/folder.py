@@ -49,7 +49,7 @@ from dse.storage.waveforms import PART
 from dse.storage.write_ahead_log import LoggedBatch, clear_log, log_files, read_log
 
 _COMMIT_EVERY = 0.25
-_OURS = (WAVEFORMS, SPOOL, LOCK, WRITER, "report.html", "figures")
+_OURS = (WAVEFORMS, SPOOL, LOCK, WRITER, "report.html", "replays", "figures")
 """What an earlier study may have left in a folder that is used again."""
 
 

@@ -80,6 +80,12 @@ def test_one_objective_is_for_best_and_several_are_for_pareto(design):
         design.pareto("sum(cost)")
 
 
+def test_a_product_is_shown_in_the_units_it_is_written_in(design):
+    frame = design.best("sum(power) * 2 h", n=1).to_pandas()
+    watts = min(configuration.total("power") for configuration in design)
+    assert (frame.iloc[0, 0], frame.attrs["units"]) == (2 * watts, {"sum(power) * 2 h": "W.h"})
+
+
 def test_a_ranking_is_a_frame_with_units(design):
     frame = design.pareto("sum(cost)", "sum(power)").to_pandas()
     assert frame.loc["lmhuzsgxvx", "sum(cost)"] == 5150

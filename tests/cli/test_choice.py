@@ -12,6 +12,7 @@ from order_cases import ORDER_CASES, order_table
 from dse.analysis import Interval, choice_of
 from dse.analysis.decision import Effect
 from dse.api import choice_lines
+from dse.api.presentation.decision_text import verdicts
 from dse.cli.choice import show_choice
 
 
@@ -22,6 +23,10 @@ def test_the_terminal_has_the_sentences_of_the_page(case: dict[str, Any], tmp_pa
     assert choice is not None
     name, lines = choice_lines(choice, table.header.definition)
     assert {"name": name, "lines": [list(line) for line in lines]} == case["choice"]
+
+
+def test_one_verdict_is_no_plural() -> None:
+    assert [verdicts(1), verdicts(2), verdicts(1000)] == ["1 verdict", "2 verdicts", "1,000 verdicts"]
 
 
 def test_an_assumed_number_that_reverses_the_choice_is_named(tmp_path: Path) -> None:

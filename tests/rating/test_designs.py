@@ -151,7 +151,12 @@ def test_two_designs_are_rated_and_compared(car, kept_cache, tmp_path):
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
     assert not re.search(r"""(src|href)=["']?(https?:|//)""", page)
     assert page.count('class="cell ') == 2 * (56 + 30)
-    table = run_dse(car, *arguments, cache=tmp_path)
+    table = run_dse(car, *arguments, "--reports", cache=tmp_path)
+    linked = (car / "out/car/rating.html").read_text(encoding="utf-8")
+    assert linked.count('href="wall/report.html#run=') == 2 * (56 + 30)
+    # Its study is found again, though no file has its name.
+    replayed = run_dse(car, "replay", "out/car/wall", "3", cache=tmp_path)
+    assert replayed.returncode == 0, replayed.stderr
     assert "cheapest with at least 0.5 points" in table.stdout
     assert "not simulated, 0 points: CCRm, CCRb" in table.stdout
 

@@ -56,6 +56,7 @@ MISTAKES = [
     ("fog: 50 m", "fog: {change: x}", "13:53 'x' is not a quantity"),
     ("layers:", "inputs: {Response: Warning}\nlayers:", "12:20 euroncap-rating-2026 has no input 'Response'"),
     ("layers:", "inputs: {Vehicle response: Loud}\nlayers:", "12:28 'Vehicle response' cannot be 'Loud'"),
+    ("layers:", "inputs: {Driveability: Yes}\nlayers:", "12:24 'Driveability' cannot be 'Yes'"),
     (f"v_rel_impact: {END}", "}\n  CPNA", "7:13 'tests.CCRs.values': expected 1 entries, found {}"),
     ("  CPNA day:", "  CPNA day: 3\n  x:", "8:13 'tests.CPNA day': expected a mapping or a list, found 3"),
 ]  # fmt: skip

@@ -71,6 +71,12 @@ def test_points_of_a_middling_design_by_hand(filled):
     assert scores["CCRs", "Robustness"].points == pytest.approx(0.15 / layers, abs=1e-3)
 
 
+def test_what_a_laboratory_assesses_has_points_if_it_is_declared(filled):
+    for name, points in (("middling", (2.0, 3.0)), ("perfect", (0.0, 0.0))):
+        scores = by_layer(filled[name])
+        assert tuple(scores[row, "Standard"].points for row in ("Driveability", "Driver state link")) == points
+
+
 def test_sums_are_those_of_their_parts(filled):
     for one in filled.values():
         for total in one.totals:

@@ -107,3 +107,14 @@ def test_one_run_is_simulated_at_a_time_and_who_waits_is_told_how_far_it_is(work
         released.set()
         first.join()
         assert client.get("/study/out/first/replay/0").text == "0"
+
+
+def test_the_page_of_a_rating_leads_to_the_runs_and_runs_no_code(client, workshop) -> None:
+    assert client.get("/rating.html").status == 409
+    (workshop / "rating.html").write_text('<a href="out/first/report.html#run=1">5.0</a>', encoding="utf-8")
+    assert '<a href="/rating.html">' in client.get("/").text
+    page = client.get("/rating.html").text
+    assert page.index("default-src 'none'") < page.index('<a href="out/first/report.html#run=1">')
+    led = client.get("/out/first/report.html")
+    assert (led.status, led.headers["location"]) == (307, "/study/out/first/")
+    assert client.get("/out/first/replays/run_1.html").headers["location"] == "/study/out/first/replay/1"

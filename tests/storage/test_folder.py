@@ -337,6 +337,7 @@ def test_the_spool_of_a_batch_goes_when_its_rows_are_committed(
 def test_a_discarded_study_leaves_room_for_another(stored: Path, definition: StudyDefinition) -> None:
     (stored / "spool").mkdir()
     (stored / "spool" / "runs-00000000.7-0.spool").touch()
+    (stored / "replays").mkdir()
     StudyFolder.discard(stored)
     assert not (stored / "spool").exists()
     with StudyFolder.resume(stored, replace(definition, seed=2)) as folder:

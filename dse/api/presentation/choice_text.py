@@ -12,6 +12,7 @@ from dse.api.presentation.decision_text import (
     order_text,
     share_text,
     title_of,
+    verdicts,
 )
 from dse.api.presentation.quantities import quantity
 
@@ -40,8 +41,7 @@ def choice_lines(choice: Choice, definition: StudyDefinition) -> tuple[str, list
         cost, now = (_cost(definition, each, choice.price) for each in (configuration, first.configuration))
         what = f"{_changes(definition, first, configuration, point)} ({configuration}, run {run})"
         found.append(("cheaper", f"{what}: as few missed verdicts of each severity for {cost} instead of {now}."))
-    verdicts = f"{first.judged:,} verdict{'s' * (first.judged != 1)}"
-    unsure = f"{first.unsure or 'None'} of its {verdicts} {'are' if first.unsure > 1 else 'is'} doubtful"
+    unsure = f"{first.unsure or 'None'} of its {verdicts(first.judged)} {'are' if first.unsure > 1 else 'is'} doubtful"
     sure = [f"{unsure}.", certainty_text(decision)]
     sure += [*_reversed(choice, definition), assumed_text(decision, definition)]
     found += [("how sure", " ".join(sure)), ("order", f"{order_sentence(choice, definition)} {_VERDICT}")]
@@ -97,7 +97,7 @@ def _result(choice: Choice, definition: StudyDefinition) -> Iterator[str]:
     all_of = "both" if choice.conditions == 2 else f"all {choice.conditions:,}"
     where = f" in {all_of} conditions" if choice.conditions > 1 else ""
     if not side.missed:
-        yield f"It meets {all_}{where}: {side.judged:,} verdicts. {choice.feasible} of {choice.designs} designs do."
+        yield f"It meets {all_}{where}: {verdicts(side.judged)}. {choice.feasible} of {choice.designs} designs do."
         return
     parts = (f"{each.missed} of {each.judged:,} {class_of(each.severity, len(side.counts))}" for each in side.counts)
     yield f"No design meets {all_}{where}. This one is the first in the order: it misses {', '.join(parts)}."

@@ -50,7 +50,12 @@ def order_text(decision: Decision, definition: StudyDefinition, names: tuple[str
 
 def _missed_by_both(decision: Decision) -> str:
     side = decision.first
-    return f"Both miss {side.missed or 'none'} of {side.judged:,} verdicts"
+    return f"Both miss {side.missed or 'none'} of {verdicts(side.judged)}"
+
+
+def verdicts(number: int) -> str:
+    """So many verdicts in words."""
+    return f"{number:,} verdict{'s' * (number != 1)}"
 
 
 def class_of(severity: str, classes: int) -> str:
@@ -80,7 +85,7 @@ def certainty_text(decision: Decision) -> str:
     if all(each.draws == 1 for each in random):
         return "Each verdict rests on one draw of the noise, so that no difference of rates is certain."
     certain = sum(each.is_certain for each in random)
-    where = f"the rates differ with 95 % confidence in {certain or 'none'} of {len(random):,} verdicts"
+    where = f"the rates differ with 95 % confidence in {certain or 'none'} of {verdicts(len(random))}"
     return f"In the same draws, {where}{'.' if certain else ': with other draws the order may differ.'}"
 
 

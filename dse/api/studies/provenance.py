@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -16,6 +17,7 @@ from dse.domain.provenance import Absent, Funnel, Left, Provenance, SourceText, 
 from dse.errors import DseError, Location, fail, is_gone
 from dse.formats import shown
 from dse.loading import Workspace, find_root
+from dse.places import PROCEDURE, RATING
 from dse.storage import StudyFolder
 
 if TYPE_CHECKING:
@@ -175,7 +177,29 @@ def benches_in(workspace: Workspace, definition: StudyDefinition) -> tuple[TestB
     where = Location(definition.study)
     if not definition.variables:
         return (workspace.bench(definition.bench.name, where),)
-    return workspace.study(definition.study, where).benches
+    try:
+        return workspace.study(definition.study, where).benches
+    except DseError:
+        if (bench := _judged(workspace, definition)) is None:
+            raise
+        return (bench,)
+
+
+def _judged(workspace: Workspace, definition: StudyDefinition) -> TestBench | None:
+    """The bench of a study that a rating or a test procedure of *workspace* asks for; None if none does."""
+    for path in workspace.files("testbenches"):
+        benches: Iterable[TestBench] = ()
+        with suppress(DseError):  # that file is not the one
+            if path.name.endswith(PROCEDURE):
+                tests = workspace.procedure(str(path)).tests
+                benches = (test.bench for test in tests if test.name == definition.study)
+            elif path.name.endswith(RATING):
+                benches = (replace(test.bench, derived=test.derived) for test in workspace.rating(str(path)).tests)
+        for bench in benches:
+            derived = {each.name: each.expression.text for each in bench.derived}
+            if bench.name == definition.bench.name and derived == definition.derived:
+                return bench
+    return None
 
 
 def is_trusted(root: Path) -> bool:

@@ -39,6 +39,9 @@ def rate(
         float | None, typer.Option("--at-least", metavar="POINTS", help="Name the cheapest with so many points.")
     ] = None,
     layers: Annotated[bool, typer.Option("--layers", help="Simulate the robustness layers as well.")] = False,
+    reports: Annotated[
+        bool, typer.Option("--reports", help="Write the studies' reports, whose runs the cells of the page link to.")
+    ] = False,
     workers: Workers = 0,
     form: Format = Output.TABLE,
 ) -> None:
@@ -48,7 +51,7 @@ def rate(
     official calculator, and shows its points. No rating is claimed. Without -c, --where or --best, the first valid
     configuration is rated. Needs the extra 'ncap'.
     """
-    from dse.api import ExploreOptions
+    from dse.api import ExploreOptions, Results
     from dse.rating import rate as rate_design, write_page
 
     space = workspace_of(design)
@@ -58,6 +61,9 @@ def rate(
     place = folder or new_folder(space, f"{wanted.name}-{part.space.name}")
     with progress_shown(place) as watched:
         rated = rate_design(wanted, part.space, chosen, place, ExploreOptions(workers), layers=layers, **watched)
+    if reports:
+        for study in rated.folders:
+            Results(study).report()
     write_page(rated, place / "rating.html")
     if form is Output.JSON:
         print_json(_data(rated, at_least, place))
@@ -84,7 +90,7 @@ def _rating(space: Workspace, name: str | None, design: str) -> Rating:
 
 
 def _show(rated: RatedDesign, at_least: float | None) -> None:
-    from dse.rating import HEADING, NOT_ASSESSED
+    from dse.rating import HEADING
 
     title = rated.rating.title or rated.rating.name
     print_line(f"{title}: {rated.design.name}. {HEADING}.", style="bold")
@@ -105,7 +111,7 @@ def _show(rated: RatedDesign, at_least: float | None) -> None:
         print_line(f"0 points, as 'inputs' of the rating does not declare: {rated.undeclared}")
     if rated.layers_left:
         print_line(f"robustness layers that are not simulated: {rated.layers_left}")
-    print_line(f"{NOT_ASSESSED}.")
+    print_line(f"{rated.not_assessed}.")
     if at_least is not None:
         print_line(_cheapest(rated, at_least))
     print_line(f"{rated.simulated} runs simulated now")
@@ -171,7 +177,7 @@ def _short(element: str) -> str:
 def _data(rated: RatedDesign, at_least: float | None, place: Path) -> dict[str, object]:
     from dataclasses import asdict
 
-    from dse.rating import HEADING, NOT_ASSESSED
+    from dse.rating import HEADING
 
     cheapest = None if at_least is None else rated.cheapest(at_least)
     return {
@@ -179,7 +185,7 @@ def _data(rated: RatedDesign, at_least: float | None, place: Path) -> dict[str, 
         "rating": rated.rating.name,
         "design": rated.design.name,
         "protocol": f"{rated.protocol.name} {rated.protocol.version}",
-        "not_assessed": NOT_ASSESSED,
+        "not_assessed": rated.not_assessed,
         "not_simulated": list(rated.missing),
         "layers_not_simulated": rated.layers_left,
         "not_declared": list(rated.rated[0].filled.undeclared),

@@ -303,7 +303,7 @@ def case_variable(place: Place, values: set[float]) -> DesignVariable:
     return DesignVariable(
         place.name,
         known[0],
-        known[-1],
+        known[-1] if len(known) > 1 else known[0] + 1.0,  # an axis of a report has a length
         len(known),
         known[0],
         place.unit,

@@ -99,17 +99,18 @@ def pareto_set(space: DesignSpace, engine: Engine, wanted: Sequence[Aim]) -> tup
 def display_unit(space: DesignSpace, aim: Aim) -> Unit:
     """The unit to show the values of *aim* in: that of its own numbers, else of the properties it is made of.
 
-    A quotient or product of these has a unit of theirs, ``W/kg``; what is left is in SI.
+    A quotient or product of these has a unit of theirs, ``W/kg`` or ``W.h``; what is left is in SI.
     """
     dimension = objective(space, aim.expression).dimension
-    written = (node.unit for node in descend(aim.expression.root) if isinstance(node, Number))
+    written = [node.unit for node in descend(aim.expression.root) if isinstance(node, Number)]
     stated = {
         quantity.unit: None
         for site in sites(space)
         for quantity in (site.component.properties.values() if site.component else ())
         if not quantity.unit.offset
     }
-    made = (f"{one}{sign}{other}" for one in stated for other in stated for sign in "/." if one.symbol and other.symbol)
+    parts = [unit.symbol for unit in dict.fromkeys((*written, *stated)) if unit.symbol]
+    made = (f"{one}{sign}{other}" for other in parts for one in parts for sign in "/.")
     candidates = (*written, *stated, DIMENSIONLESS)
     simple = next((unit for unit in candidates if unit.dimension == dimension), None)
     return simple or next((unit for unit in _read(made) if unit.dimension == dimension), _si(dimension))

@@ -118,7 +118,7 @@ function result(model: Model, { classes, keys, place }: DesignOrder, decision: D
     const columns = keys.slice(0, 1 + 2 * classes.length);
     const feasible = Array.from(place).filter((_, design) => columns.every((column) => !column[design])).length;
     return [
-      `It meets ${all}${at}: ${group(decision.judged[0])} verdicts. ${group(feasible)} of ${group(place.length)} designs do.`,
+      `It meets ${all}${at}: ${count(decision.judged[0], "verdict")}. ${group(feasible)} of ${group(place.length)} designs do.`,
     ];
   }
   const parts = classes.map(

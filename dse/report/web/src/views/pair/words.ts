@@ -21,7 +21,7 @@ export function orderText(
   names: [string, string] = ["A", "B"],
 ): string {
   const { ahead, by, missed, judged } = decision;
-  const both = `Both miss ${few(missed[0])} of ${group(judged[0])} verdicts`;
+  const both = `Both miss ${few(missed[0])} of ${count(judged[0], "verdict")}`;
   if (!ahead) {
     const what = ["their least margins", ...aims.map(({ title }) => title)].join(" and in ");
     return `${both}. Neither is ahead: they are equal in ${what}.`;
