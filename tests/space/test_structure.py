@@ -463,6 +463,15 @@ def test_a_mistake_in_a_formula_over_instances_is_told_at_its_place(folder, rule
     assert (problem.where.line, problem.where.column) == (5, 13 + column)
 
 
+def test_a_connection_that_depends_on_a_choice_replaces_one_that_does_not(wired):
+    text = WIRED.replace("world.gap -> camera.gap]", "world.gap -> camera.gap, world.gap -> fusion.target_3, LAST]")
+    last = "radar.n1.target -> fusion.target_3 if radar.n2 is present"
+    space = read(Path(wired.where.file).resolve().parents[1], text.replace("LAST", last).replace(", camera.target", ""))
+    for each in open_space(space).configurations():
+        sources = {wire.source for wire in each.connections if wire.target == "fusion.n1.target_3"}
+        assert sources == {"radar.n1.target" if "radar.n2" in each.parts else "world.gap"}
+
+
 def test_a_connection_that_depends_on_no_choice_is_refused(wired, tmp_path):
     (wire, *others) = (one for one in wired.root.connections if one.when)
     wrong = replace(wire, when=("feeds.fusion_9", ()))
