@@ -88,7 +88,7 @@ def _ways(root: PlacedPart) -> tuple[list[tuple[PortOf, PortOf, Connection]], se
     """
     problems: list[Problem] = []
     drivers: dict[PortOf, tuple[PortOf, int, Connection]] = {}
-    ranks: dict[PortOf, int] = {}
+    ranks: dict[PortOf, tuple[bool, int]] = {}
     onward: dict[PortOf, list[tuple[PortOf, int, Connection]]] = {}
     components: set[str] = set()
     optionals = {place.path: place.optionals for _, place in _levels(root, 0)}
@@ -103,13 +103,13 @@ def _ways(root: PlacedPart) -> tuple[list[tuple[PortOf, PortOf, Connection]], se
                 continue
             for source, target in pairs:
                 first = drivers.pop(target, None)
-                rank = optionals[source[0]] + int(connection.when is not None)
+                rank = connection.when is not None, optionals[source[0]]
                 if first and rank == ranks[target]:
                     problems.append(two_sources(target, first[2], connection))
                 if first and rank < ranks[target]:
                     drivers[target] = first
                     continue
-                made = connection if connection.when or not rank else replace(connection, when=(source[0], ()))
+                made = connection if connection.when or not rank[1] else replace(connection, when=(source[0], ()))
                 drivers[target], ranks[target] = (source, depth, made), rank
     raise_if_any(problems)
     for target, (source, depth, connection) in drivers.items():
