@@ -18,6 +18,7 @@ from .component.kind import (
     kind_of as kind_of,
 )
 from .component.series import Column as Column, TableSection as TableSection, read_series as read_series
+from .design.connections import unknown_choices as unknown_choices
 from .design.design import misfits as misfits
 from .design.instances import Instances as Instances, unfold as unfold
 from .extensions import (

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 from dse.domain.component import Causality, Parameter, Type, same_signal
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part, walk
-from dse.errors import DseError, Problem, closest
-from dse.loading import Instances, misfits
+from dse.errors import DseError, Problem
+from dse.loading import Instances, misfits, unknown_choices
 from dse.space.configurations.wiring import PlacedPart, PortOf, port_pairs, two_sources
 from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places
@@ -59,18 +59,11 @@ def _parameters(node: Part | Alternative) -> tuple[Parameter, ...]:
 
 def _wiring(path: str, compound: Compound) -> Iterable[Problem]:
     scope, may_miss = _place(compound, path, optional=False)
-    choices = Instances(compound).choices
+    yield from unknown_choices(compound.connections, Instances(compound).choices)
     types = dict(_types(scope))
     driven: set[PortOf] = set()
     always: dict[PortOf, Connection] = {}
     for connection in compound.connections:
-        if connection.when:
-            place, names = connection.when
-            known = choices.get(place, {})
-            for name in [name for name in names if name not in known] if known else [place]:
-                yield Problem(
-                    f"{connection}: unknown choice '{name}'", connection.where, closest(name, known or choices)
-                )
         try:
             pairs = port_pairs(connection, scope)
         except DseError as error:

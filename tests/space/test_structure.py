@@ -463,6 +463,28 @@ def test_a_mistake_in_a_formula_over_instances_is_told_at_its_place(folder, rule
     assert (problem.where.line, problem.where.column) == (5, 13 + column)
 
 
+def test_a_connection_that_depends_on_a_choice_replaces_one_that_does_not(wired):
+    text = WIRED.replace("world.gap -> camera.gap]", "world.gap -> camera.gap, world.gap -> fusion.target_3, LAST]")
+    last = "radar.n1.target -> fusion.target_3 if radar.n2 is present"
+    space = read(Path(wired.where.file).resolve().parents[1], text.replace("LAST", last).replace(", camera.target", ""))
+    for each in open_space(space).configurations():
+        sources = {wire.source for wire in each.connections if wire.target == "fusion.n1.target_3"}
+        assert sources == {"radar.n1.target" if "radar.n2" in each.parts else "world.gap"}
+
+
+def test_alternatives_of_one_interface_are_wired_apart_where_a_connection_depends_on_them(wired):
+    root = Path(wired.where.file).resolve().parents[1]
+    parts = "{r: radar, s: {alternatives: [radar, other]}, w: world}"
+    wires = "[w.gap -> s.gap, w.gap -> r.gap if s is other, s.target -> r.gap if s is radar]"
+    (root / "components/other.yaml").write_text("components: {other: {implements: sensing}}\n", encoding="utf-8")
+    space = read(root, f"design: tried\nroot: {{compound: {parts}, connections: {wires}}}\n")
+    found = {
+        each.choices["s"]: {str(wire) for wire in each.connections if wire.target == "r.gap"}
+        for each in open_space(space).configurations()
+    }
+    assert found == {"radar": {"s.target -> r.gap"}, "other": {"w.gap -> r.gap"}}
+
+
 def test_a_connection_that_depends_on_no_choice_is_refused(wired, tmp_path):
     (wire, *others) = (one for one in wired.root.connections if one.when)
     wrong = replace(wire, when=("feeds.fusion_9", ()))

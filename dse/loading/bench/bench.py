@@ -20,7 +20,8 @@ from dse.loading.bench.inputs import INPUTS, InputSection, read_inputs
 from dse.loading.bench.measures import MetricSection, RequirementSection, read_metrics, read_requirements
 from dse.loading.bench.method import SimulationSection, read_positive, read_simulation
 from dse.loading.component.kind import kind_of
-from dse.loading.design.connections import instances_of, over_instances, read_connections
+from dse.loading.design.connections import instances_of, over_instances, read_connections, unknown_choices
+from dse.loading.design.instances import Instances
 from dse.loading.design.tree import FindComponent
 from dse.loading.include import read_document
 from dse.loading.names import check_name
@@ -87,6 +88,7 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
         read_simulation(entry["simulation"], file.simulation, None, problems)
         raise DseError(*error.problems, *problems) from None
     connections = over_instances(connections, design.root.parts, problems)
+    problems += unknown_choices(connections, Instances(design.root).choices)
     parts = _test_components(entry["test_components"], file, find_component, design, problems)
     # What the bench would say of a part that could not be read follows from that, and is not said.
     unread = set(file.test_components) - {part.name for part in parts}

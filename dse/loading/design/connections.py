@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from dse.domain.design import Compound, Connection, Node, Optional
 from dse.domain.expression import Chosen
 from dse.domain.labels import tightened
-from dse.errors import Location, Problems, fail
+from dse.errors import Location, Problem, Problems, closest, fail
 from dse.formats import Entry
 from dse.loading.design.located_text import part, written
 
@@ -21,12 +21,12 @@ def read_connections(entry: Entry, connections: object, problems: Problems) -> t
         return ()
     found = []
     for number, text in enumerate(connections):
-        wire, condition = _split(text) if isinstance(text, str) else ("", None)
+        wire, _, condition = text.partition(" if ") if isinstance(text, str) else ("", "", "")
         ends = [tightened(end.strip()) for end in wire.split("->")]
         if len(ends) == 2 and all(_is_path(end) for end in ends):
             when = None
             with problems:
-                when = None if condition is None else _when(text, condition, entry[number])
+                when = _when(text, condition, entry[number]) if condition else None
             found.append(Connection(ends[0], ends[1], entry[number].where, _ends(entry[number], wire), when))
         else:
             form = "write it as 'sensor.target -> controller.target'"
@@ -57,6 +57,16 @@ def over_instances(
     return tuple(found)
 
 
+def unknown_choices(connections: Iterable[Connection], choices: Mapping[str, Collection[str]]) -> Iterator[Problem]:
+    """Every choice that one of *connections* depends on and that is none of *choices*, by place."""
+    for connection in connections:
+        place, names = connection.when or ("", ())
+        known = choices.get(place, ())
+        for name in [name for name in names if name not in known] if known or not place else [place]:
+            what = f"{connection}: unknown choice '{name}'"
+            yield Problem(what, connection.where, closest(name, known or [path for path in choices if choices[path]]))
+
+
 def instances_of(end: str, parts: Mapping[str, Node]) -> list[str]:
     """The path *end* for every instance of the first repeated place in it; only itself if there is none, or named."""
     steps = end.split(".")
@@ -69,11 +79,6 @@ def instances_of(end: str, parts: Mapping[str, Node]) -> list[str]:
         if node.repeated and (taken == len(steps) or steps[taken] not in parts):
             return [".".join([*steps[:taken], name, *steps[taken:]]) for name in parts]
     return [end]
-
-
-def _split(text: str) -> tuple[str, str | None]:
-    wire, word, condition = text.partition(" if ")
-    return wire, condition if word else None
 
 
 def _when(text: str, condition: str, entry: Entry) -> tuple[str, tuple[str, ...]]:

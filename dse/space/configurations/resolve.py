@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from itertools import groupby
 from typing import TypeVar
 
@@ -56,8 +56,12 @@ class Resolver:
         self._identifier = Identifier(variables)
         self._choices = Lookup([_choice_column(number, variable) for number, variable in enumerate(variables)])
         self._parts = Lookup(part_columns(variables, there))
-        self._is_wired = any(isinstance(node, Compound) and node.connections for _, node in walk(space.root))
-        self._classes = _classes(variables, there)
+        wired = [
+            (path, one) for path, node in walk(space.root) if isinstance(node, Compound) for one in node.connections
+        ]
+        self._is_wired = bool(wired)
+        conditions = {f"{path}.{one.when[0]}" if path else one.when[0] for path, one in wired if one.when}
+        self._classes = _classes(variables, there, conditions)
         self._wirings: dict[bytes, tuple[Connection, ...]] = {}
 
     def configuration(self, choices: Choices) -> Configuration:
@@ -121,9 +125,17 @@ def part_columns(variables: Sequence[Variable], there: Sequence[Site]) -> list[L
     return columns
 
 
-def _classes(variables: Sequence[Variable], there: Sequence[Site]) -> list[tuple[int, NDArray[np.int16]]]:
-    """The decisions that matter to the wiring, with a number for each value that is the same for values wired alike."""
-    shapes: list[list[tuple[tuple[str, str], ...]]] = [[()] * (len(variable.values) + 1) for variable in variables]
+def _classes(
+    variables: Sequence[Variable], there: Sequence[Site], conditions: Collection[str]
+) -> list[tuple[int, NDArray[np.int16]]]:
+    """The decisions that matter to the wiring, with a number for each value that is the same for values wired alike.
+
+    What is chosen at the places *conditions* matters by itself.
+    """
+    shapes: list[list[tuple[tuple[str, str], ...]]] = [
+        [((variable.path, name or ""),) if variable.path in conditions else () for name in (*variable.values, None)]
+        for variable in variables
+    ]
     for site in there:
         if site.branch:
             variable, value = site.branch

@@ -5,7 +5,7 @@ compound an end without a part's name belongs to the compound's own interface; f
 interface shows only that, one without shows its parts. Groups connect port by port, each signal from the side that
 gives it, so that one arrow can carry a shaft's torque forth and its speed back. A connection with an end on a part
 that is left out vanishes. One that begins at an optional part replaces, where the part is present, one that begins at a
-part that is always there.
+part that is always there; so does one that depends on a choice, where that is made.
 """
 
 from __future__ import annotations
@@ -51,7 +51,8 @@ def wire(
     With a bench's *test_components* and the bench's *connections* those are resolved too.
     Stable in the order of the files. Raises DseError with every end that cannot be found or has two sources.
     """
-    ways, components = _ways(_with_bench(_chosen(space.root, "", choices), test_components or {}, connections))
+    made = [connection for connection in connections if _is_made(connection, "", choices)]
+    ways, components = _ways(_with_bench(_chosen(space.root, "", choices), test_components or {}, made))
     return tuple(
         Connection(".".join(source), ".".join(target), connection.where, when=connection.when)
         for source, target, connection in ways
@@ -87,6 +88,7 @@ def _ways(root: PlacedPart) -> tuple[list[tuple[PortOf, PortOf, Connection]], se
     """
     problems: list[Problem] = []
     drivers: dict[PortOf, tuple[PortOf, int, Connection]] = {}
+    ranks: dict[PortOf, tuple[bool, int]] = {}
     onward: dict[PortOf, list[tuple[PortOf, int, Connection]]] = {}
     components: set[str] = set()
     optionals = {place.path: place.optionals for _, place in _levels(root, 0)}
@@ -101,12 +103,14 @@ def _ways(root: PlacedPart) -> tuple[list[tuple[PortOf, PortOf, Connection]], se
                 continue
             for source, target in pairs:
                 first = drivers.pop(target, None)
-                if first and optionals[source[0]] == optionals[first[0][0]]:
+                rank = connection.when is not None, optionals[source[0]]
+                if first and rank == ranks[target]:
                     problems.append(two_sources(target, first[2], connection))
-                if optionals[source[0]] and connection.when is None:
-                    connection = replace(connection, when=(source[0], ()))  # noqa: PLW2901  # as far as it is made
-                is_replaced = first and optionals[source[0]] < optionals[first[0][0]]
-                drivers[target] = first if first and is_replaced else (source, depth, connection)
+                if first and rank < ranks[target]:
+                    drivers[target] = first
+                    continue
+                made = connection if connection.when or not rank[1] else replace(connection, when=(source[0], ()))
+                drivers[target], ranks[target] = (source, depth, made), rank
     raise_if_any(problems)
     for target, (source, depth, connection) in drivers.items():
         onward.setdefault(source, []).append((target, depth, connection))
