@@ -262,3 +262,18 @@ def test_a_space_without_any_decision_has_one_row_or_none() -> None:
     assert row.shape == (0,)
     assert answers.first(nothing.having(Table((), np.array(False)))) is None
     assert answers.first(nothing.having(Linear({}, 1, None))) is None
+
+
+def test_samplers_draw_and_complete_in_a_space_that_only_the_solver_opens(narrow: None) -> None:
+    space = allocation(6, 3)
+    flat = flatten(space)
+    every = {tuple(row) for row in SolverModel(flat).rows(10_000)[0].tolist()}
+    architectures = open_space(space).architectures()
+    drawn = architectures.draw(30, 1)
+    assert {tuple(flat.row(each.choices).tolist()) for each in drawn} <= every
+    assert architectures.configuration(drawn[0].id).choices == drawn[0].choices
+    # What is wanted at most, by brute force: in the order of the preferences, each if it can be had.
+    wanted = [(f"f{n}", f"f{n}_on2") for n in range(6)]
+    found = tuple(flat.row(architectures.completed(wanted, 1).choices).tolist())
+    assert found in every
+    assert [value == 2 for value in found] == max([value == 2 for value in row] for row in every)

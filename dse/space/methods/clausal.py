@@ -26,8 +26,8 @@ from dse.space.methods.sampling.tilt import EmptyError, TooRareError
 from dse.space.methods.solver import answers, model
 from dse.space.methods.tally import Tally
 
-_COMPONENTS = 5_000
-"""Components of a graph, about a second of work, beyond which the solver is faster."""
+_COMPONENTS = 3_000
+"""Components of a graph, half a second of work, beyond which the solver is faster."""
 
 _FEW = 2_000
 """Rows that are listed for exact answers."""

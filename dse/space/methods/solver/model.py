@@ -248,8 +248,8 @@ class SolverModel:
         solver.parameters.num_workers = 1
         solver.parameters.random_seed = _SEED
         solver.parameters.max_deterministic_time = budget.time
-        # Bounds of sums by linear programs: with one worker nothing else proved optima of 60 places.
-        solver.parameters.linearization_level = 1 if unit is None else 2
+        # All rules in linear programs: nothing else proved optima of 60 places with one worker.
+        solver.parameters.linearization_level = 2
         status = solver.solve(self._model, listener)
         budget.time -= solver.deterministic_time
         if status == cp_model.INFEASIBLE:
