@@ -127,9 +127,9 @@ class Engine:
     @property
     def late(self) -> int | None:
         """`LATE` where the solver is installed; else None, and a search goes on."""
-        from dse.space.methods.solver.model import is_installed
+        from importlib.util import find_spec
 
-        return LATE if is_installed() else None
+        return LATE if find_spec("ortools") else None
 
     @cached_property
     def clausal(self) -> ClausalEngine:
@@ -215,7 +215,6 @@ class Engine:
     @cached_property
     def _first(self) -> tuple[Rows | None, bool]:
         from dse.space.methods.listing.blocks import MOST_ROUNDS, first
-        from dse.space.methods.solver import answers
 
         try:
             if self.diagram is None:
@@ -223,6 +222,8 @@ class Engine:
             try:
                 return first(self.diagram, self.late or MOST_ROUNDS), False
             except TooMuchError:
+                from dse.space.methods.solver import answers
+
                 return answers.first(self.flat), True
         except TooMuchError as error:
             raise self._undecided() from error
@@ -272,11 +273,12 @@ class Engine:
             return self.clausal.least(weights, number, tell)
         from dse.space.methods.listing.walk import Rounds
         from dse.space.methods.optimum.optimizer import best
-        from dse.space.methods.solver import answers
 
         try:
             return best(self.diagram, weights, number, rounds=None if self.late is None else Rounds(self.late)).rows
         except TooMuchError:
+            from dse.space.methods.solver import answers
+
             return answers.least(self.flat, weights, number, tell)
 
     def pareto(self, objectives: Sequence[Mapping[int, Ints]], largest: Sequence[bool]) -> ParetoFront:
