@@ -52,6 +52,7 @@ def test_nothing_is_left_where_nothing_meets_the_rules():
 
 def test_few_rows_are_known_exactly():
     few = clausal(20, heads(20, 19, None))
+    assert few.is_exact
     assert few.exact_count() == 21
     assert few.times_taken() == [[1, 20, 0]] * 20
     assert few.shares(1).shares[0].tolist() == [1 / 21, 20 / 21, 0]
@@ -60,6 +61,7 @@ def test_few_rows_are_known_exactly():
 
 def test_an_estimate_has_the_true_number_inside():
     many = clausal(16, heads(16, 8, None))
+    assert not many.is_exact
     assert many.exact_count() is None
     found = many.estimate(1)
     assert not found.exact

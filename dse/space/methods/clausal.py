@@ -61,6 +61,11 @@ class ClausalEngine:
             return None
         return rows if is_complete and len(rows) <= _FEW else None
 
+    @property
+    def is_exact(self) -> bool:
+        """Whether counts, shares and draws are exact: by the graph, or because the rows are few."""
+        return self.graph is not None or self._few is not None
+
     def exact_count(self) -> int | None:
         """How many rows are valid; None if that cannot be known."""
         if self.graph is not None:

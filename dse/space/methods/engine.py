@@ -248,7 +248,10 @@ class Engine:
         return np.concatenate([np.zeros((0, len(self.flat.variables)), np.int16), *self.blocks(limit)])
 
     def sample(self, number: int, seed: int = 0) -> Rows:
-        """*number* rows drawn uniformly among the valid ones, independently. Raises DseError if there is none."""
+        """*number* rows drawn uniformly among the valid ones, independently; nearly so where only populations are left.
+
+        Raises DseError if there is none.
+        """
         from dse.space.methods import enumeration
         from dse.space.methods.sampling.sample import sample
         from dse.space.methods.sampling.tilt import EmptyError, TooRareError
