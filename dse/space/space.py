@@ -124,8 +124,16 @@ class OpenedSpace:
         return self.engine.blocks(limit)
 
     def draw(self, number: int, seed: int = 0) -> Rows:
-        """*number* valid ones as rows, drawn at random, each as likely as any other. Raises DseError."""
+        """*number* valid ones as rows, drawn at random, each as likely as any other. Raises DseError.
+
+        Nearly so, and not quite independently, unless `draws_uniformly`.
+        """
         return self.engine.sample(number, seed)
+
+    @property
+    def draws_uniformly(self) -> bool:
+        """Whether each valid one is exactly as likely as any other to be drawn."""
+        return self.engine.diagram is not None or self.engine.clausal.is_exact
 
     def resolved(self, blocks: Iterable[Rows]) -> Iterator[Configuration]:
         """The configurations of blocks of rows. Raises DseError if connections cannot be resolved."""

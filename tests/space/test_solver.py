@@ -70,6 +70,7 @@ def middling() -> tuple[FlatSpace, list[dict[int, Ints]]]:
     return FlatSpace("middling", variables, (), tuple(rules)), weigh
 
 
+@pytest.mark.thorough
 def test_the_solver_agrees_with_the_diagram_on_a_space_of_ten_to_the_fourteen() -> None:
     flat, weigh = middling()
     diagram = compile_diagram(flat)
@@ -97,16 +98,21 @@ class Extreme:
 NOTHING = np.iinfo(np.int64).max
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("gathers", list(product(Gather, Gather)))
 @pytest.mark.parametrize("bounded", [True, False])
 def test_rules_over_every_kind_of_fold_are_cut_off_exactly(gathers: tuple[Gather, Gather], bounded: bool) -> None:
-    draw = random.Random(f"{gathers}")  # noqa: S311  # reproducible, not secret
+    for seed in range(6):
+        insist_on_exact_cuts(random.Random(f"{gathers}{seed}"), gathers, bounded)  # noqa: S311  # reproducible, not secret
+
+
+def insist_on_exact_cuts(draw: random.Random, gathers: tuple[Gather, Gather], bounded: bool) -> None:
     folds = []
     for gather in gathers:
-        some = [1, 2, 3, -1] if gather is Gather.SUM else [1, 2, 3, NOTHING]
-        values = {n: np.array([*draw.choices(some, k=3), 0 if gather is Gather.SUM else NOTHING]) for n in range(4)}
+        some = [1, 2, 3, -1] if gather is Gather.SUM else [1, 2, 3, *[NOTHING] * 3]
+        values = {n: np.array([*draw.choices(some, k=2), 0 if gather is Gather.SUM else NOTHING]) for n in range(4)}
         folds.append(Fold(gather, values, draw.choice([0, 1] if gather in (Gather.SUM,) else [1, NOTHING])))
-    variables = tuple(Variable(f"p{n}", ("a", "b", "c"), (0, 1) if n == 3 else None) for n in range(4))
+    variables = tuple(Variable(f"p{n}", ("a", "b"), (0, 1) if n == 3 else None) for n in range(4))
     flat = FlatSpace("wide", variables, (), (Wide(tuple(folds), Extreme(bounded)),))
     solver = SolverModel(flat)
     listed, _ = solver.rows(1_000)
@@ -262,3 +268,18 @@ def test_a_space_without_any_decision_has_one_row_or_none() -> None:
     assert row.shape == (0,)
     assert answers.first(nothing.having(Table((), np.array(False)))) is None
     assert answers.first(nothing.having(Linear({}, 1, None))) is None
+
+
+def test_samplers_draw_and_complete_in_a_space_that_only_the_solver_opens(narrow: None) -> None:
+    space = allocation(6, 3)
+    flat = flatten(space)
+    every = {tuple(row) for row in SolverModel(flat).rows(10_000)[0].tolist()}
+    architectures = open_space(space).architectures()
+    drawn = architectures.draw(30, 1)
+    assert {tuple(flat.row(each.choices).tolist()) for each in drawn} <= every
+    assert architectures.configuration(drawn[0].id).choices == drawn[0].choices
+    # What is wanted at most, by brute force: in the order of the preferences, each if it can be had.
+    wanted = [(f"f{n}", f"f{n}_on2") for n in range(6)]
+    found = tuple(flat.row(architectures.completed(wanted, 1).choices).tolist())
+    assert found in every
+    assert [value == 2 for value in found] == max([value == 2 for value in row] for row in every)

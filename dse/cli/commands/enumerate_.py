@@ -90,7 +90,8 @@ def enumerate_(
             part.write(output.value, blocks, sys.stdout.buffer)
         else:
             _table(part.sheet(), next(blocks))
-            console().print(f"{sample} drawn, each valid configuration as likely as any other")
+            nearly = "" if part.draws_uniformly else "nearly "
+            console().print(f"{sample} drawn, each valid configuration {nearly}as likely as any other")
 
 
 def _count(part: OpenedSpace, tally: Tally, output: ListingFormat) -> None:

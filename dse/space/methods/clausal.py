@@ -26,8 +26,8 @@ from dse.space.methods.sampling.tilt import EmptyError, TooRareError
 from dse.space.methods.solver import answers, model
 from dse.space.methods.tally import Tally
 
-_COMPONENTS = 5_000
-"""Components of a graph, about a second of work, beyond which the solver is faster."""
+_COMPONENTS = 3_000
+"""Components of a graph, half a second of work, beyond which the solver is faster."""
 
 _FEW = 2_000
 """Rows that are listed for exact answers."""
@@ -60,6 +60,11 @@ class ClausalEngine:
         except TooMuchError:
             return None
         return rows if is_complete and len(rows) <= _FEW else None
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether counts, shares and draws are exact: by the graph, or because the rows are few."""
+        return self.graph is not None or self._few is not None
 
     def exact_count(self) -> int | None:
         """How many rows are valid; None if that cannot be known."""

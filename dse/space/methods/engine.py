@@ -134,9 +134,9 @@ class Engine:
     @property
     def late(self) -> int | None:
         """`LATE` where the solver is installed; else None, and a search goes on."""
-        from dse.space.methods.solver.model import is_installed
+        from importlib.util import find_spec
 
-        return LATE if is_installed() else None
+        return LATE if find_spec("ortools") else None
 
     @cached_property
     def clausal(self) -> ClausalEngine:
@@ -222,7 +222,6 @@ class Engine:
     @cached_property
     def _first(self) -> tuple[Rows | None, bool]:
         from dse.space.methods.listing.blocks import MOST_ROUNDS, first
-        from dse.space.methods.solver import answers
 
         try:
             if self.diagram is None:
@@ -230,6 +229,8 @@ class Engine:
             try:
                 return first(self.diagram, self.late or MOST_ROUNDS), False
             except TooMuchError:
+                from dse.space.methods.solver import answers
+
                 return answers.first(self.flat), True
         except TooMuchError as error:
             raise self._undecided() from error
@@ -254,7 +255,10 @@ class Engine:
         return np.concatenate([np.zeros((0, len(self.flat.variables)), np.int16), *self.blocks(limit)])
 
     def sample(self, number: int, seed: int = 0) -> Rows:
-        """*number* rows drawn uniformly among the valid ones, independently. Raises DseError if there is none."""
+        """*number* rows drawn uniformly among the valid ones, independently; nearly so where only populations are left.
+
+        Raises DseError if there is none.
+        """
         from dse.space.methods import enumeration
         from dse.space.methods.sampling.sample import sample
         from dse.space.methods.sampling.tilt import EmptyError, TooRareError
@@ -279,11 +283,12 @@ class Engine:
             return self.clausal.least(weights, number, tell)
         from dse.space.methods.listing.walk import Rounds
         from dse.space.methods.optimum.optimizer import best
-        from dse.space.methods.solver import answers
 
         try:
             return best(self.diagram, weights, number, rounds=None if self.late is None else Rounds(self.late)).rows
         except TooMuchError:
+            from dse.space.methods.solver import answers
+
             return answers.least(self.flat, weights, number, tell)
 
     def pareto(self, objectives: Sequence[Mapping[int, Ints]], largest: Sequence[bool]) -> ParetoFront:

@@ -47,7 +47,10 @@ class SpaceArchitectures:
         return self.tally.value
 
     def draw(self, number: int, seed: int) -> Sequence[Architecture]:
-        """*number* of them, independently, each as likely as any other. Raises DseError if there is none."""
+        """*number* of them, independently, each as likely as any other; nearly so where only populations are left.
+
+        Raises DseError if there is none.
+        """
         return self._made(self._engine.sample(number, seed))
 
     def stratified(self, number: int, seed: int) -> Sequence[Architecture]:

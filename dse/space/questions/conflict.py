@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dse.domain.design import Constraint
 from dse.errors import DseError, fail
 from dse.space.methods.engine import Engine
-from dse.space.methods.solver.answers import conflict as solved_conflict
 
 _MANY = 100
 """Constraints from which on the solver takes less time than a diagram for each question, where it is installed."""
@@ -22,7 +21,9 @@ def conflict(engine: Engine) -> tuple[Constraint, ...]:
     if not engine.is_empty():
         raise _no_conflict(engine)
     if engine.is_solved or (engine.is_structural() and len(engine.flat.constraints) > _MANY and engine.late):
-        found = solved_conflict(engine.flat) or ()
+        from dse.space.methods.solver import answers
+
+        found = answers.conflict(engine.flat) or ()
     else:
 
         def consistent(owners: Sequence[int]) -> bool:

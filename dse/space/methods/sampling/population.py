@@ -131,7 +131,10 @@ class _Population:
         for numbers in alike.values():
             mixed = self._random.permutation(numbers).tolist()
             for one, other in zip(mixed[::2], mixed[1::2], strict=False):
-                self._try({one: self._columns[other].copy(), other: self._columns[one].copy()})
+                first, second = self._columns[[one, other]]
+                # Not in all rows, so that copies become different.
+                swaps = self._random.random(_BLOCK) < 0.5
+                self._try({one: np.where(swaps, second, first), other: np.where(swaps, first, second)})
 
     def shuffled(self) -> Rows:
         """The rows in an order at random."""

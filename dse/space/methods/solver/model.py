@@ -22,7 +22,7 @@ from functools import cache
 from importlib.util import find_spec
 from math import ceil, gcd
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, assert_never
 
 import numpy as np
 
@@ -112,6 +112,10 @@ class SolverModel:
                         self._add_clause([(number, ~mask) for number, mask in box], rule.owner)
                 case Linear():
                     self.add_bounds(rule.weights, rule.low, rule.high, rule.owner)
+                case Wide():
+                    pass  # cut off where a row breaks it
+                case _:
+                    assert_never(rule)
 
     def copy(self) -> SolverModel:
         """The same rows; what is added to the copy is not added here."""
@@ -248,8 +252,8 @@ class SolverModel:
         solver.parameters.num_workers = 1
         solver.parameters.random_seed = _SEED
         solver.parameters.max_deterministic_time = budget.time
-        # Bounds of sums by linear programs: with one worker nothing else proved optima of 60 places.
-        solver.parameters.linearization_level = 1 if unit is None else 2
+        # All rules in linear programs: nothing else proved optima of 60 places with one worker.
+        solver.parameters.linearization_level = 2
         status = solver.solve(self._model, listener)
         budget.time -= solver.deterministic_time
         if status == cp_model.INFEASIBLE:
