@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -47,7 +47,7 @@ def build_modelica(component: Component, source: ModelicaSource, version: int, c
 
     With the compiler ``auto``, what dse cannot translate is given to OpenModelica, if this machine has it.
     """
-    sources = _read(component, source)
+    sources = _read(component, source, cache)
     omc = find_omc() if source.compiler is not ModelicaCompiler.RUMOCA else None
     if source.compiler is ModelicaCompiler.OMC:
         if omc is None:
@@ -69,7 +69,7 @@ def check_modelica(component: Component, source: ModelicaSource, cache: Path | N
 
     No C compiler is needed, and OpenModelica is not run. What was found right is noted in the cache.
     """
-    sources = _read(component, source)
+    sources = _read(component, source, cache)
     if source.compiler is ModelicaCompiler.OMC:
         if find_omc() is None:
             raise _without_omc(component)
@@ -143,8 +143,12 @@ def _answers(cache: Path | None) -> AnswerCache:
     return AnswerCache(cache_folder(cache) / "modelica", _implementation())
 
 
-def _read(component: Component, source: ModelicaSource) -> ModelSources:
-    return read_sources(component.name, source.model, source.files, source.roots, component.where)
+def _read(component: Component, source: ModelicaSource, cache: Path | None) -> ModelSources:
+    def keep(asked: Sequence[tuple[str, bytes]], make: Callable[[], bytes]) -> bytes:
+        key = content_key([*asked, ("implementation", _implementation().encode())])
+        return keep_content(cache_folder(cache) / "modelica" / f"parts-{key}.json", make)
+
+    return read_sources(component.name, source.model, source.files, source.roots, component.where, keep)
 
 
 def _contents(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -369,6 +369,25 @@ def test_the_front_end_reads_only_the_classes_that_are_used_each_at_its_place() 
     assert kept["e.mo"] == CHAIN["e.mo"].replace("model W end W;", "              ")
     assert " ".join(kept["a.mo"].split()) == "within P; package Q constant Real k = R.k; end Q;"
     assert kept["a.mo"].index("end Q") == CHAIN["a.mo"].index("end Q")
+
+
+def test_the_parts_of_libraries_are_made_again_only_if_a_file_has_changed(tmp_path: Path) -> None:
+    kept: dict[tuple[tuple[str, bytes], ...], bytes] = {}
+    made: list[bytes] = []
+
+    def keep(asked: Sequence[tuple[str, bytes]], make: Callable[[], bytes]) -> bytes:
+        if tuple(asked) not in kept:
+            kept[tuple(asked)] = make()
+            made.append(kept[tuple(asked)])
+        return kept[tuple(asked)]
+
+    written(tmp_path, {**LIBRARY, "Other/package.mo": "package Lib model A Real x = 1; end A; end Lib;"})
+    first, again = (read_sources("part", "Lib.A", [], [tmp_path], keep=keep) for _ in range(2))
+    assert first == again
+    assert sorted(first.parts) == ["Lib/A.mo", "Lib/Part/package.mo", "Lib/package.mo", "Other/package.mo"]
+    (tmp_path / "Lib" / "A.mo").write_text("within Lib; model A Real x = 2; end A;", encoding="utf-8")
+    assert read_sources("part", "Lib.A", [], [tmp_path], keep=keep).parts != first.parts
+    assert len(made) == 2
 
 
 def test_prefixes_and_what_constrains_a_class_go_with_it() -> None:

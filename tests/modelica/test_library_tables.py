@@ -9,6 +9,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from modelica_components import MakeModel
 from slaves import run_cs
+from workspaces import written
 
 from dse.modelica.frontend.library_tables import with_tables
 
@@ -70,8 +71,28 @@ def test_the_lines_of_a_rewritten_text_stay_where_they_are() -> None:
     assert "tableID" not in new.replace("input Types.", "")
 
 
-def test_a_text_without_tables_is_kept() -> None:
-    assert with_tables("model M Real x = 1; end M;") == "model M Real x = 1; end M;"
+def test_the_first_true_element_is_found(made: MakeModel, tmp_path: Path) -> None:
+    function = (
+        "package V function firstTrueIndex input Boolean b[:]; output Integer index; algorithm index := 0;"
+        " for i in 1:size(b, 1) loop if b[i] then index := i; return; end if; end for; end firstTrueIndex; end V;"
+    )
+    root = written(tmp_path / "library", {"V.mo": function})
+    file = tmp_path / "First.mo"
+    file.write_text(
+        "model First output Real y = V.firstTrueIndex({time > 0.25 and time < 0.75, time > 0.15}); end First;",
+        encoding="utf-8",
+    )
+    rows = run_cs(made(file, (root,)), ["y"], 9, 0.1, {}, {}, 1e-6)
+    assert [row["y"] for row in rows] == [0, 0, 2, 1, 1, 1, 1, 1, 2, 2]
+
+
+def test_what_is_none_of_the_known_functions_is_kept() -> None:
+    other = (
+        "function firstTrueIndex input Boolean b[:]; output Integer index; algorithm index := size(b, 1);"
+        " for i in 1:size(b, 1) loop if b[i] then index := i; return; end if; end for; end firstTrueIndex;"
+    )
+    for text in ("model M Real x = 1; end M;", other):
+        assert with_tables(text) == text
 
 
 def test_a_smooth_table_gives_no_number(made: MakeModel, tmp_path: Path) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -58,10 +59,19 @@ def _lay_out(folder: Path, contents: Mapping[str, bytes]) -> None:
         target.write_bytes(content)
 
 
+Keep = Callable[[Sequence[tuple[str, bytes]], Callable[[], bytes]], bytes]
+"""Gives what was made of the same named contents before, or makes it."""
+
+
 def read_sources(
-    component: str, model: str, files: Iterable[Path], roots: Iterable[Path] = (), where: Location | None = None
+    component: str,
+    model: str,
+    files: Iterable[Path],
+    roots: Iterable[Path] = (),
+    where: Location | None = None,
+    keep: Keep = lambda _, make: make(),
 ) -> ModelSources:
-    """Read *files*: Modelica files, or folders that hold a ``package.mo``.
+    """Read *files*: Modelica files, or folders that hold a ``package.mo``. *keep* keeps the parts of libraries.
 
     Raises DseError for what is missing, cannot be read, is no UTF-8, or has the name of another file.
     """
@@ -104,24 +114,30 @@ def read_sources(
         what = f"component '{component}': more than {_MOST_FILES} Modelica files"
         raise fail(what, where, "name large libraries under 'modelica_path'")
     sources = ModelSources(component, model, contents, origins, tuple(roots), where)
-    return _with_parts(sources) if sources.roots else sources
+    return _with_parts(sources, keep) if sources.roots else sources
 
 
-def _with_parts(sources: ModelSources) -> ModelSources:
+def _with_parts(sources: ModelSources, keep: Keep) -> ModelSources:
     """*sources* with the parts of the libraries that the model may use. Raises DseError."""
-    own = [SourceText(name, content.decode()) for name, content in sorted(sources.contents.items())]
-    origins = dict(sources.origins)
-    files: dict[str, SourceText] = {}
-    for name, path, content in _library_files(sources):
-        if name not in origins:
-            origins[name] = _shown(path)
-            files[name] = SourceText(name, content.removeprefix(_BYTE_ORDER_MARK).decode("utf-8", "replace"))
-    parts = {
-        text.path: with_tables(text.text).encode()
-        for text in reached([*own, *files.values()], sources.model)
-        if text.path in files
-    }
-    return replace(sources, parts=parts, origins={name: origins[name] for name in (*sources.contents, *parts)})
+    found = [(name, path, content) for name, path, content in _library_files(sources) if name not in sources.contents]
+    files = {name: (path, content) for name, path, content in reversed(found)}  # the first of a name counts
+    own = sorted(sources.contents.items())
+    library = [(name, content) for name, (_, content) in sorted(files.items())]
+
+    def made() -> bytes:
+        texts = [SourceText(name, _text(content)) for name, content in (*own, *library)]
+        parts = {text.path: with_tables(text.text) for text in reached(texts, sources.model) if text.path in files}
+        return json.dumps(parts).encode()
+
+    asked = [("model", sources.model.encode()), ("own", str(len(own)).encode()), *own, *library]
+    parts = {name: text.encode() for name, text in json.loads(keep(asked, made)).items()}
+    return replace(
+        sources, parts=parts, origins={**sources.origins, **{name: _shown(files[name][0]) for name in parts}}
+    )
+
+
+def _text(content: bytes) -> str:
+    return content.removeprefix(_BYTE_ORDER_MARK).decode("utf-8", "replace")
 
 
 def library_contents(sources: ModelSources) -> Iterator[tuple[str, bytes]]:
