@@ -110,6 +110,7 @@ READING = {
     "dse/formats/parse_cache.py": "our cache",
     "dse/modelica/frontend/answer_cache.py": "our cache",
     "dse/modelica/frontend/child.py": "a request of dse, in a process without it",
+    "dse/modelica/frontend/sources.py": "our cache",
     "dse/modelica/frontend/process.py": "an expression is as deep as the user's model; anything wrong is FrontEndDied",
     "dse/partners/python_class.py": "a resource of an FMU, in a process of it",
     "dse/simulink/declarations.py": "our cache",

@@ -104,6 +104,7 @@ SECTIONS = (
     CacheSection("fused", "fused configurations"),
     CacheSection("fused/parts", "components of fused configurations"),
     CacheSection("fused/names", "names in the C of fused components"),
+    CacheSection("web", "modules of report pages that simulate"),
     CacheSection("generated", "C written by kinds of components"),
     CacheSection("sumo", "roads as networks of SUMO"),
     CacheSection("coded", "libraries of code from Simulink"),
