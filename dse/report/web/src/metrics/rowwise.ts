@@ -10,7 +10,9 @@ function rowwise(f: (a: number, b: number, c: number) => number): Rowwise {
   return (x, y = 0, z = 0) => {
     const waveform = [x, y, z].find((each) => typeof each !== "number");
     if (!waveform) return f(at(x, 0), at(y, 0), at(z, 0));
-    return waveform.map((_, row) => f(at(x, row), at(y, row), at(z, row)));
+    const made = new Float64Array((waveform as Float64Array).length);
+    for (let row = 0; row < made.length; row++) made[row] = f(at(x, row), at(y, row), at(z, row));
+    return made;
   };
 }
 

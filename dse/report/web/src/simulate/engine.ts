@@ -61,6 +61,8 @@ export class Engine {
   readonly #document: SimulationDocument;
   readonly #module: WebAssembly.Module;
   #instance: Exports | null = null;
+  /** By system, time and columns of the last run: to get memory anew costs as much as what is done with it. */
+  readonly #tables = new Map<System, Table>();
 
   constructor(document: SimulationDocument, module: WebAssembly.Module) {
     this.#document = document;
@@ -112,8 +114,9 @@ export class Engine {
       ran.problem = textAt(instance, instance.dse_web_said()) || WAYS_TO_FAIL[code]! + at;
       return;
     }
-    const columns = columnsOf(instance, of);
-    const time = Float64Array.from({ length: of.steps + 1 }, (_, row) => row * of.step);
+    const table = this.#tables.get(of) ?? emptyTable(of);
+    this.#tables.set(of, table);
+    const { time, columns } = filled(table, instance, of);
     const found = runProgram(programs[of.program]!, time, columns, constants);
     metrics.forEach((metric, at) => {
       const value = found.metrics[metric.name];
@@ -176,16 +179,26 @@ function textAt({ memory }: Exports, place: number): string {
   return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
 }
 
-function columnsOf({ memory, dse_web_rows }: Exports, { columns, steps }: System): Record<string, Float64Array> {
+interface Table {
+  time: Float64Array;
+  columns: Record<string, Float64Array>;
+}
+
+function emptyTable({ columns, steps, step }: System): Table {
+  const time = new Float64Array(steps + 1);
+  for (let row = 0; row <= steps; row++) time[row] = row * step;
+  return { time, columns: Object.fromEntries(columns.map((name) => [name, new Float64Array(steps + 1)])) };
+}
+
+/** *table* with the rows of the last run. */
+function filled(table: Table, { memory, dse_web_rows }: Exports, { columns, steps }: System): Table {
   const wide = columns.length;
   const rows = new Float64Array(memory.buffer, dse_web_rows(), (steps + 1) * wide);
-  return Object.fromEntries(
-    columns.map((name, column) => {
-      const values = new Float64Array(steps + 1);
-      for (let row = 0, at = column; row <= steps; row++, at += wide) values[row] = rows[at]!;
-      return [name, values];
-    }),
-  );
+  columns.forEach((name, column) => {
+    const values = table.columns[name]!;
+    for (let row = 0, at = column; row <= steps; row++, at += wide) values[row] = rows[at]!;
+  });
+  return table;
 }
 
 function everyNth(rows: Float64Array, stride: number): Float64Array {
