@@ -126,7 +126,9 @@ export class Engine {
       const mark = found.verdicts[name];
       if (mark === undefined) return;
       ran.marks[at] = mark;
-      ran.close[at] = Number(Math.abs(found.margins[name]!) <= CLOSE * Math.max(1, Math.abs(found.bounds[name]!)));
+      const [by, bound] = [found.margins[name]!, found.bounds[name]!];
+      // What is exactly nothing at a bound of nothing, as the duration of no collision, has not been rounded to it.
+      ran.close[at] = Number(Math.abs(by) <= CLOSE * Math.max(1, Math.abs(bound)) && (by !== 0 || bound !== 0));
     });
     if (traces) ran.traces = figures.map((figure) => traceOf(figure, of, time, columns, constants));
     if (isAll) for (const [name, rows] of Object.entries(columns)) ran.columns[name] = everyNth(rows, of.stride);
