@@ -187,13 +187,17 @@ def benches_in(workspace: Workspace, definition: StudyDefinition) -> tuple[TestB
 
 def _judged(workspace: Workspace, definition: StudyDefinition) -> TestBench | None:
     """The bench of a study that a rating or a test procedure of *workspace* asks for; None if none does."""
+    named = re.compile(rf"bench: {re.escape(definition.bench.name)}(?![\w.-])")
     for path in workspace.files("testbenches"):
+        # To read all that a rating asks for takes a second.
+        if not path.name.endswith((PROCEDURE, RATING)) or not named.search(path.read_text("utf-8")):
+            continue
         benches: Iterable[TestBench] = ()
         with suppress(DseError):  # that file is not the one
             if path.name.endswith(PROCEDURE):
                 tests = workspace.procedure(str(path)).tests
                 benches = (test.bench for test in tests if test.name == definition.study)
-            elif path.name.endswith(RATING):
+            else:
                 benches = (replace(test.bench, derived=test.derived) for test in workspace.rating(str(path)).tests)
         for bench in benches:
             derived = {each.name: each.expression.text for each in bench.derived}
