@@ -16,19 +16,9 @@ export function copyParts(
     shown.textContent = text();
     return shown.textContent;
   };
-  const details = el(
-    "details",
-    {
-      class: "yaml",
-      open,
-      toggle: () => {
-        if (details.open) fill();
-        toggled(details.open);
-      },
-    },
-    el("summary", {}, title),
-    shown,
-  );
+  // A key that opens it is a click, too; the event "toggle" comes later.
+  const summary = el("summary", { click: () => void fill() }, title);
+  const details = el("details", { class: "yaml", open, toggle: () => toggled(details.open) }, summary, shown);
   if (open) fill();
   const copy = el(
     "button",
