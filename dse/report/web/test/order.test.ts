@@ -41,6 +41,7 @@ function studied({ designs, objectives, choices }: Designs): Store {
       parts: [],
       radial: null,
       noisy: Boolean(noisy),
+      allocations: [],
     })),
     variables: [
       variable(
