@@ -101,11 +101,12 @@ def describe_configuration(
             totals[name] = DefinedTotal(float(value), unit.symbol)
     components = {path: component.name for path, component in configuration.parts.items()}
     allocations = tuple(
-        allocation_in(configuration, path, allocation)
+        _allocated(configuration, path, allocation)
         for path, allocation in _allocations(space.root, "", configuration.choices)
     )
-    choices = dict(configuration.choices)
-    return DefinedConfiguration(configuration.id, choices, components, totals, allocations=allocations)
+    return DefinedConfiguration(
+        configuration.id, dict(configuration.choices), components, totals, allocations=allocations
+    )
 
 
 def _allocations(node: Node, path: str, choices: Mapping[str, str]) -> Iterator[tuple[str, Allocation]]:
@@ -125,7 +126,7 @@ def _allocations(node: Node, path: str, choices: Mapping[str, str]) -> Iterator[
                     yield from _allocations(option, path, choices)
 
 
-def allocation_in(configuration: Configuration, place: str, allocation: Allocation) -> DefinedAllocation:
+def _allocated(configuration: Configuration, place: str, allocation: Allocation) -> DefinedAllocation:
     """The *allocation* at *place* as *configuration* has it, loads in the unit of the first capacity."""
     before = place[: place.rfind(".") + 1]
     hosts = {

@@ -500,10 +500,10 @@ def test_an_allocation_is_described_with_the_loads_and_capacities_of_a_configura
         "s: {alternatives: [A, B]}",
         "o: {optional: A}",
         "t: {times: 2, alternatives: [C, D]}",
-        "placement: {allocate: [s, o], to: t, load: mass, redundancy: {s: 2}, exclude: [o -> t.n1]}",
+        "placement: {allocate: [s, o], to: t, load: mass, redundancy: {s: 2}}",
         f"bay: {{optional: {{compound: {{q: D, use: {use}}}}}}}",
     )
-    rules = "{one: {require: s is B and o is present and bay is present and t.n1 is C and t.n2 is D}}"
+    rules = "{one: {require: s is B and placement.o is t_2 and bay is present and t.n1 is C and t.n2 is D}}"
     space = space_of(folder, *parts, rules=rules)
     (found,) = [describe_configuration(each, space) for each in open_space(space).configurations()]
     hosts = ("t_1", "t_2")
