@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,15 +31,18 @@ ORDER_CASES: dict[str, Any] = json.loads(Path(__file__).with_suffix(".json").rea
 
 
 def order_study(case: dict[str, Any]) -> StudyDefinition:
-    """The designs of a *case* under its objectives; with other requirements or runs if it has some."""
+    """The designs of a *case* under its objectives; with other choices, requirements or runs if it has some."""
     configurations = defined_configurations(row for row in ORDER_CASES["configurations"] if row[0] in case["designs"])
+    choices = case.get("choices", {})
+    configurations = tuple(replace(each, choices=choices.get(each.id, each.choices)) for each in configurations)
+    places = dict.fromkeys(place for each in configurations for place in each.choices)
     requirements = (
         DefinedRequirement(name, title, metric, "", met_in=ORDER_CASES["met_in"], severity=severity, **bounds)
         for name, title, metric, bounds, severity in case.get("requirements", ORDER_CASES["requirements"])
     )
     return stored_definition(
         configurations,
-        design=DefinedDesign("design", places=("part",)),
+        design=DefinedDesign("design", places=tuple(places)),
         variables=(
             DefinedVariable("world.speed", "speed", "m/s", 10.0, 20.0, 2, 10.0, values=(10.0, 20.0), role="condition"),
             DefinedVariable(DRAW, "", "", 0.0, 1e13, 0, 0.0, role="replicate"),

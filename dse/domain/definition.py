@@ -166,6 +166,29 @@ class DefinedTotal:
 
 
 @dataclass(frozen=True, slots=True)
+class DefinedLoad:
+    """A *load* of functions, and the *capacity* of hosts for it, each of a name, in a unit."""
+
+    load: str
+    capacity: str
+    unit: str
+    loads: Mapping[str, float] = field(default_factory=dict)
+    capacities: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class DefinedAllocation:
+    """An allocation as a configuration has it: its path, the *hosts* and *functions* that are present in the order of
+    the file, and the hosts that each function is executed *on*."""
+
+    place: str
+    hosts: tuple[str, ...]
+    functions: tuple[str, ...]
+    on: Mapping[str, tuple[str, ...]]
+    loads: tuple[DefinedLoad, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class DefinedConfiguration:
     """A configuration: *choices* and *components* by path, *totals* by property, *constants* by ``part.parameter``.
 
@@ -183,6 +206,7 @@ class DefinedConfiguration:
     wires: tuple[str, ...] = ()
     columns: tuple[str, ...] = ()
     streams: tuple[str, ...] = ()
+    allocations: tuple[DefinedAllocation, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

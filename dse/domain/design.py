@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from dse.domain.component import NO_INTERFACE, Component, Interface
 from dse.domain.expression import Expression
 from dse.errors import Location
+from dse.units import Quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,11 +56,27 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
+class Allocation:
+    """Which functions are allocated to which hosts, each by what choices call it with its path beside the allocation.
+
+    *pairs* are a function, a host, the path of the decision about both below the allocation, and what is chosen there
+    where the host executes the function; "" stands for anything. Of each of *loads* the first property of the
+    functions is bounded by the second one of the host. *stated* are those of functions that are only names.
+    """
+
+    functions: Mapping[str, str]
+    hosts: Mapping[str, str]
+    pairs: tuple[tuple[str, str, str, str], ...]
+    loads: tuple[tuple[str, str], ...] = ()
+    stated: Mapping[str, Mapping[str, Quantity]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class Compound:
     """An architecture: named parts and their wiring.
 
     An end of a connection that does not start with a part's name is a port of *interface*. The parts of a *repeated*
-    one are its instances.
+    one are its instances. The parts of one with an *allocation* are its decisions.
     """
 
     name: str
@@ -68,6 +85,7 @@ class Compound:
     interface: Interface | None = None
     where: Location | None = None
     repeated: bool = False
+    allocation: Allocation | None = None
 
 
 @dataclass(frozen=True, slots=True)

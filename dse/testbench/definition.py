@@ -6,17 +6,20 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 
 from dse import __version__
 from dse.domain.bench import Figure, Metric, Requirement, Simulation, TestBench
 from dse.domain.definition import (
+    DefinedAllocation,
     DefinedBench,
     DefinedConfiguration,
     DefinedCorrelation,
     DefinedDesign,
     DefinedDistribution,
     DefinedFigure,
+    DefinedLoad,
     DefinedMetric,
     DefinedObjective,
     DefinedReplicates,
@@ -28,7 +31,7 @@ from dse.domain.definition import (
     Json,
     StudyDefinition,
 )
-from dse.domain.design import Configuration, DesignSpace
+from dse.domain.design import Allocation, Alternative, Compound, Configuration, DesignSpace, Node, Optional
 from dse.domain.method import PLAIN
 from dse.domain.run import ERROR_BAR
 from dse.domain.sampler import DesignVariable, Grid, Role
@@ -37,7 +40,7 @@ from dse.domain.system import Element
 from dse.errors import Location
 from dse.space import alternatives, summed_properties
 from dse.testbench.multi_bench import Prepared, singly
-from dse.units import Unit
+from dse.units import DIMENSIONLESS, Unit
 
 
 def define(study: Study, prepared: Mapping[str, Prepared], space: str = "") -> StudyDefinition:
@@ -97,7 +100,67 @@ def describe_configuration(
             value = (sum((quantity.si for quantity in given), Fraction(0)) - unit.offset) / unit.factor
             totals[name] = DefinedTotal(float(value), unit.symbol)
     components = {path: component.name for path, component in configuration.parts.items()}
-    return DefinedConfiguration(configuration.id, dict(configuration.choices), components, totals)
+    allocations = tuple(
+        _allocated(configuration, path, allocation)
+        for path, allocation in _allocations(space.root, "", configuration.choices)
+    )
+    return DefinedConfiguration(
+        configuration.id, dict(configuration.choices), components, totals, allocations=allocations
+    )
+
+
+def _allocations(node: Node, path: str, choices: Mapping[str, str]) -> Iterator[tuple[str, Allocation]]:
+    """The allocations below *node* that are there with *choices*, with their paths."""
+    match node:
+        case Compound(parts=parts, allocation=allocation):
+            if allocation:
+                yield path, allocation
+            for name, part in parts.items():
+                yield from _allocations(part, f"{path}.{name}" if path else name, choices)
+        case Optional(content=content):
+            if path in choices:
+                yield from _allocations(content, path, choices)
+        case Alternative(options=options):
+            for option in options:
+                if option.name == choices.get(path):
+                    yield from _allocations(option, path, choices)
+
+
+def _allocated(configuration: Configuration, place: str, allocation: Allocation) -> DefinedAllocation:
+    """The *allocation* at *place* as *configuration* has it, loads in the unit of the first capacity."""
+    before = place[: place.rfind(".") + 1]
+    hosts = {
+        host: [part for at, part in configuration.parts.items() if f"{at}.".startswith(f"{before}{path}.")]
+        for host, path in allocation.hosts.items()
+    }
+    hosts = {host: parts for host, parts in hosts.items() if parts}
+    on: dict[str, tuple[str, ...]] = {}
+    for function, host, path, name in allocation.pairs:
+        found = configuration.choices.get(f"{place}.{path}")
+        if found and name in ("", found):
+            on[function] = (*on.get(function, ()), host)
+    loads = []
+    for load, capacity in allocation.loads:
+        amounts = {
+            function: allocation.stated[function][load]
+            if function in allocation.stated
+            else configuration.parts[f"{before}{allocation.functions[function]}"].properties[load]
+            for function in on
+        }
+        given = {
+            host: [p.properties[capacity] for p in parts if capacity in p.properties] for host, parts in hosts.items()
+        }
+        unit = next((q.unit for q in (*chain(*given.values()), *amounts.values())), DIMENSIONLESS)
+        loads.append(
+            DefinedLoad(
+                load,
+                capacity,
+                unit.symbol,
+                {function: float(amount.si / unit.factor) for function, amount in amounts.items()},
+                {host: float(sum((q.si for q in some), Fraction(0)) / unit.factor) for host, some in given.items()},
+            )
+        )
+    return DefinedAllocation(place, tuple(hosts), tuple(on), on, tuple(loads))
 
 
 def _variable(variable: DesignVariable) -> DefinedVariable:

@@ -1,15 +1,17 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 from definitions import metrics, stored_definition
 
-from dse.domain.definition import DefinedConfiguration
+from dse.domain.definition import DefinedAllocation, DefinedConfiguration, DefinedLoad
 from dse.report import read_content, read_insight
 from dse.report.content.data import ReportContent, label
+from dse.report.page.payload import payload_of
 from dse.report.verdicts import Mark, marks_of, overall_marks
 from dse.storage import StudyFolder
 
@@ -55,6 +57,35 @@ def test_a_value_exactly_at_its_bound_passes(sliced: ReportContent) -> None:
 
 def test_a_failed_run_is_counted_as_failed_to_run(sliced: ReportContent) -> None:
     assert np.flatnonzero(overall_marks(sliced) == Mark.FAILED_TO_RUN).tolist() == [37, 150]
+
+
+def test_an_allocation_is_stored_with_the_study_and_shown_by_the_page(tmp_path: Path) -> None:
+    load = DefinedLoad("compute", "capacity", "TOPS", {"brake": 2.0, "acc": 1.0}, {"ecu_1": 4.0, "ecu_2": 8.0})
+    on = {"brake": ("ecu_1", "ecu_2"), "acc": ("ecu_2",)}
+    allocation = DefinedAllocation("placement", ("ecu_1", "ecu_2"), ("brake", "acc"), on, (load,))
+    configurations = [DefinedConfiguration("c1", allocations=(allocation,)), DefinedConfiguration("c2")]
+    with StudyFolder.create(tmp_path / "study", stored_definition(configurations, metrics=metrics("end"))):
+        pass
+    document = json.loads(payload_of(read_content(tmp_path / "study")).document)
+    first, second = (entry["allocations"] for entry in document["configurations"])
+    assert second == []
+    assert first == [
+        {
+            "place": "placement",
+            "hosts": ["ecu_1", "ecu_2"],
+            "functions": ["brake", "acc"],
+            "on": {"brake": ["ecu_1", "ecu_2"], "acc": ["ecu_2"]},
+            "loads": [
+                {
+                    "load": "compute",
+                    "capacity": "capacity",
+                    "unit": "TOPS",
+                    "loads": {"brake": 2.0, "acc": 1.0},
+                    "capacities": {"ecu_1": 4.0, "ecu_2": 8.0},
+                }
+            ],
+        }
+    ]
 
 
 def test_a_study_without_variables_can_be_read(tmp_path: Path) -> None:

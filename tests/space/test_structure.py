@@ -14,6 +14,7 @@ from structured_spaces import COMPONENTS, structured
 
 import dse
 from dse.domain.component import NO_INTERFACE, Component
+from dse.domain.definition import DefinedAllocation, DefinedLoad
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Part
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
@@ -22,6 +23,7 @@ from dse.loading import Workspace, write_design
 from dse.space import alternatives, open_space
 from dse.space.check import check_space
 from dse.space.methods.engine import Engine
+from dse.testbench.definition import describe_configuration
 
 OPTIONS = "alternatives: [A, B, C]"
 ARCHITECTURE = "compound: {x: {alternatives: [A, B]}, y: {optional: {alternatives: [A, B]}}}"
@@ -490,3 +492,28 @@ def test_a_connection_that_depends_on_no_choice_is_refused(wired, tmp_path):
     wrong = replace(wire, when=("feeds.fusion_9", ()))
     (problem,) = check_space(replace(wired, root=replace(wired.root, connections=(wrong, *others))))
     assert problem.what.endswith("unknown choice 'feeds.fusion_9'")
+
+
+def test_an_allocation_is_described_with_the_loads_and_capacities_of_a_configuration(folder):
+    use = "{allocate: {f: {mass: 500 g}, g: {mass: 1 kg}}, to: q, load: mass}"
+    parts = (
+        "s: {alternatives: [A, B]}",
+        "o: {optional: A}",
+        "t: {times: 2, alternatives: [C, D]}",
+        "placement: {allocate: [s, o], to: t, load: mass, redundancy: {s: 2}}",
+        f"bay: {{optional: {{compound: {{q: D, use: {use}}}}}}}",
+    )
+    rules = "{one: {require: s is B and placement.o is t_2 and bay is present and t.n1 is C and t.n2 is D}}"
+    space = space_of(folder, *parts, rules=rules)
+    (found,) = [describe_configuration(each, space) for each in open_space(space).configurations()]
+    hosts = ("t_1", "t_2")
+    loads = DefinedLoad("mass", "mass", "kg", {"s": 2.0, "o": 1.0}, {"t_1": 4.0, "t_2": 8.0})
+    inner = DefinedLoad("mass", "mass", "kg", {"f": 0.5, "g": 1.0}, {"q": 8.0})
+    assert found.allocations == (
+        DefinedAllocation("placement", hosts, ("s", "o"), {"s": hosts, "o": ("t_2",)}, (loads,)),
+        DefinedAllocation("bay.use", ("q",), ("f", "g"), {"f": ("q",), "g": ("q",)}, (inner,)),
+    )
+    without = space_of(folder, *parts, rules="{one: {require: o is absent and bay is absent}}")
+    for configuration in open_space(without).configurations():
+        (only,) = describe_configuration(configuration, without).allocations
+        assert only.on == {"s": hosts}

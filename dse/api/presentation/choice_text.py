@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -58,18 +59,23 @@ def order_sentence(choice: Choice, definition: StudyDefinition) -> str:
 
 
 def design_name(definition: StudyDefinition, side: Side) -> str:
-    """What a design chooses where configurations differ, and its values of the design variables."""
+    """What a design chooses where configurations differ, and its values of the design variables.
+
+    What configurations choose at several of these places is named with its place: ``computer_1 at brake``.
+    """
     from dse.analysis import value_label
 
     choices = [each.choices for each in definition.configurations]
     mine = definition.configuration(side.configuration).choices
-    chosen = [
-        mine[path]
-        for path in definition.design.places
-        if path in mine and len({each.get(path) for each in choices}) > 1
+    chosen = {path: {each.get(path, "") for each in choices} for path in definition.design.places}
+    places = Counter(what for found in chosen.values() if len(found) > 1 for what in found)
+    names = [
+        f"{mine[path]} at {path}" if places[mine[path]] > 1 else mine[path]
+        for path, found in chosen.items()
+        if path in mine and len(found) > 1
     ]
     variables = {each.name: each for each in definition.variables}
-    return ", ".join(chosen + [value_label(variables[name], value) for name, value in side.point.items()]) or (
+    return ", ".join(names + [value_label(variables[name], value) for name, value in side.point.items()]) or (
         side.configuration
     )
 

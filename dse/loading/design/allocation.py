@@ -6,9 +6,10 @@ An allocation is a choice of connections: each function has as many as it is to 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 
-from dse.domain.design import Compound, Node, Optional, Part
+from dse.domain.design import Allocation, Compound, Node, Optional, Part
 from dse.errors import Problem, closest, fail, raise_if_any
 from dse.formats import Entry
 from dse.loading.design.connection_choice import (
@@ -60,7 +61,27 @@ def read_allocation(entry: Entry, parts: Mapping[str, Node], scope: Scope) -> Ch
         "apart": list(_apart(entry["apart"], section.apart, layout)),
         "together": list(_together(entry["together"], section.together, layout)),
     }
-    return chosen(entry, layout, parts, scope, rules)
+    structure = chosen(entry, layout, parts, scope, rules)
+    return replace(structure, node=replace(structure.node, allocation=_allocation(entry, section, layout)))
+
+
+def _allocation(entry: Entry, section: AllocateSection, layout: Layout) -> Allocation:
+    sources, targets = layout.pattern.sources, layout.pattern.targets
+    decisions = {(i, j): layout.place(i, j) for i, j in sorted(layout.pattern.pairs)}
+    stated = section.allocate if isinstance(section.allocate, Mapping) else {}
+    return Allocation(
+        {end.label: end.path for end in sources},
+        {end.label: end.path for end in targets},
+        tuple(
+            (sources[i].label, targets[j].label, path.removeprefix(f"{layout.name}."), names[0] if names else "")
+            for (i, j), (path, names) in decisions.items()
+        ),
+        tuple(_bounds(entry, section)),
+        {
+            name: {load: read_quantity(raw, entry["allocate"][name][load].where) for load, raw in each.items()}
+            for name, each in stated.items()
+        },
+    )
 
 
 def _functions(entry: Entry, named: Sequence[str] | Mapping[str, object], parts: Mapping[str, Node]) -> list[Endpoint]:
@@ -104,13 +125,8 @@ def _number(entry: Entry, name: str, functions: Sequence[Endpoint]) -> int:
 
 def _loads(entry: Entry, section: AllocateSection, layout: Layout) -> Iterator[str]:
     """For every property and host: the sum over what is allocated there is at most what the host states."""
-    loads = [section.load] if isinstance(section.load, str) else section.load
-    capacities = [section.capacity] if isinstance(section.capacity, str) else section.capacity or loads
-    if len(loads) != len(capacities):
-        what = f"{len(loads)} loads and {len(capacities)} capacities"
-        raise fail(what, entry["capacity"].where, "one capacity for each load")
     functions, hosts = layout.pattern.sources, layout.pattern.targets
-    for load, capacity in zip(loads, capacities, strict=True):
+    for load, capacity in _bounds(entry, section):
         amounts = [_amount(entry, section.allocate, end, load) for end in functions]
         for j, host in enumerate(hosts):
             some = [
@@ -120,6 +136,16 @@ def _loads(entry: Entry, section: AllocateSection, layout: Layout) -> Iterator[s
             ]
             if some:
                 yield f"{' + '.join(some)} <= sum({capacity}, {host.path})"
+
+
+def _bounds(entry: Entry, section: AllocateSection) -> Iterator[tuple[str, str]]:
+    """Each load with the property that bounds it."""
+    loads = [section.load] if isinstance(section.load, str) else section.load
+    capacities = [section.capacity] if isinstance(section.capacity, str) else section.capacity or loads
+    if len(loads) != len(capacities):
+        what = f"{len(loads)} loads and {len(capacities)} capacities"
+        raise fail(what, entry["capacity"].where, "one capacity for each load")
+    yield from zip(loads, capacities, strict=True)
 
 
 def _amount(

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.domain.definition import DefinedAllocation
 from dse.domain.provenance import Provenance
 from dse.domain.sampler import Role
 from dse.errors import Problem
@@ -171,6 +172,7 @@ class ConfigurationEntry:
     parts: Mapping[str, str] = field(default_factory=dict)
     links: tuple[tuple[str, str], ...] = ()
     noisy: bool = False
+    allocations: tuple[DefinedAllocation, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

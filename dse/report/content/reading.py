@@ -196,7 +196,8 @@ def _bound(value: float | None, unit: Unit) -> float | None:
 def _configuration(entry: DefinedConfiguration, definition: StudyDefinition) -> ConfigurationEntry:
     choices = {place: entry.choices[place] for place in definition.design.places if place in entry.choices}
     properties = {name: Property(total.value, total.unit) for name, total in entry.totals.items()}
-    return ConfigurationEntry(entry.id, choices, properties, *parts_and_links(entry))
+    parts, links = parts_and_links(entry)
+    return ConfigurationEntry(entry.id, choices, properties, parts, links, allocations=entry.allocations)
 
 
 def lacking(header: StudyHeader) -> list[tuple[int, ...]]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.domain.definition import to_json
 from dse.report.charts.chart import Axis, Chart, Drawn, Limits, Points, Rule, limits, values_of
 from dse.report.content.data import Draws, FigureSpec, ReportContent, SamplerKind
 from dse.report.content.insight import Insight
@@ -99,7 +100,8 @@ def _document(content: ReportContent) -> Json:
             for r in content.requirements
         ],
         "configurations": [
-            {"id": c.id, "choices": list(c.choices.items()), "noisy": c.noisy} for c in content.configurations
+            {"id": c.id, "choices": list(c.choices.items()), "noisy": c.noisy, "allocations": to_json(c.allocations)}
+            for c in content.configurations
         ],
         # One variable by itself spans no plane.
         "slices": [[variables.index(name) for name in names] for names in content.slices if len(names) > 1],

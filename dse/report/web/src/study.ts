@@ -77,6 +77,21 @@ export interface Requirement {
   origin: [string, string][];
 }
 
+/** Which hosts each function is allocated to, and for each load its amounts beside the capacities of the hosts. */
+export interface Allocation {
+  place: string;
+  hosts: string[];
+  functions: string[];
+  on: Record<string, string[]>;
+  loads: {
+    load: string;
+    capacity: string;
+    unit: string;
+    loads: Record<string, number>;
+    capacities: Record<string, number>;
+  }[];
+}
+
 export interface Configuration {
   id: string;
   choices: [string, string][];
@@ -88,6 +103,7 @@ export interface Configuration {
   radial: Radial | null;
   /** Whether its runs depend on a draw. */
   noisy: boolean;
+  allocations: Allocation[];
 }
 
 /** The single runs behind those that stand for several draws: which one each belongs to; the draw, 0 for no noise;
@@ -184,7 +200,7 @@ interface Document {
   }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: Pick<Requirement, "name" | "title" | "metric" | "atMost" | "atLeast" | "metIn" | "level" | "origin">[];
-  configurations: { id: string; choices: [string, string][]; noisy: boolean }[];
+  configurations: Pick<Configuration, "id" | "choices" | "noisy" | "allocations">[];
   properties: { name: string; title: string; unit: string; isPrice: boolean }[];
   composites: { name: string; title: string; unit: string }[];
   objectives: Objective[];

@@ -77,6 +77,7 @@ function priced() {
       parts: [],
       radial: null,
       noisy: false,
+      allocations: [],
     })),
     variables: [
       variable(

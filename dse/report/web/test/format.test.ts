@@ -81,7 +81,9 @@ test("counts are grouped by thousands and have their plural", () => {
 function gains(id = "c4f1a2") {
   return studyOf(3, {
     title: "Gains\nof two lines",
-    configurations: [{ id, choices: [], properties: [], picture: -1, parts: [], radial: null, noisy: false }],
+    configurations: [
+      { id, choices: [], properties: [], picture: -1, parts: [], radial: null, noisy: false, allocations: [] },
+    ],
     variables: [
       variable("controller.kp", [0.1, 0.30000000000000004, 1e-7], { unit: "1/s", high: 3, nominal: 1.2 }),
       variable("controller.kd", [0, -2, 5], { low: -2, high: 5 }),

@@ -11,11 +11,15 @@ import { metric, near, requirement, storeOf, studyOf, variable } from "./study";
 
 type Point = [string, number, number, number, number | null, [number, number, number, number][]];
 type Run = [string, number, number, number, number | null];
-type Case = (typeof cases.cases)[number];
+interface Designs {
+  designs: string;
+  objectives: (string | boolean)[][];
+  choices?: Record<string, Record<string, string>> | undefined;
+}
 const LEVELS: Record<string, number> = { Critical: 0, major: 1, "": 2 };
 
 /** The designs of a case. */
-function studied({ designs, objectives }: Pick<Case, "designs" | "objectives">): Store {
+function studied({ designs, objectives, choices }: Designs): Store {
   const own = cases.configurations.filter(([id]) => designs.includes(String(id)));
   const ids = own.map(([id]) => String(id));
   const points = (cases.points as unknown as Point[]).filter(([id]) => ids.includes(id));
@@ -31,12 +35,13 @@ function studied({ designs, objectives }: Pick<Case, "designs" | "objectives">):
     configuration: Int32Array.from(points, ([id]) => ids.indexOf(id)),
     configurations: own.map(([id, , noisy]) => ({
       id: String(id),
-      choices: [["part", String(id)] as [string, string]],
+      choices: Object.entries(choices?.[String(id)] ?? { part: String(id) }),
       properties: [],
       picture: -1,
       parts: [],
       radial: null,
       noisy: Boolean(noisy),
+      allocations: [],
     })),
     variables: [
       variable(

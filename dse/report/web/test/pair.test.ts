@@ -30,6 +30,7 @@ function paired(): Study {
       parts: [],
       radial: null,
       noisy: Boolean(noisy),
+      allocations: [],
     })),
     variables: [
       variable(

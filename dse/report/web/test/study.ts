@@ -39,7 +39,7 @@ export function requirement(
 
 export function studyOf(size: number, facts: Partial<Study>): Study {
   const configurations = facts.configurations ?? [
-    { id: "c", choices: [], properties: [], picture: -1, parts: [], radial: null, noisy: false },
+    { id: "c", choices: [], properties: [], picture: -1, parts: [], radial: null, noisy: false, allocations: [] },
   ];
   return {
     title: "made up",

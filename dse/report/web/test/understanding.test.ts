@@ -40,6 +40,7 @@ test("a run has the places of its values and choices", () => {
     parts: [],
     radial: null,
     noisy: false,
+    allocations: [],
   });
   const study = studyOf(2, {
     configuration: Int32Array.from([0, 1]),

@@ -1,6 +1,7 @@
 // What compared designs are made of and what hangs on what, as boxes and lines; the layout comes from Python.
 import { el } from "../../dom";
 import type { Configuration, Picture } from "../../study";
+import { allocationTables } from "../shared/allocation";
 import { seriesColour } from "./colouring";
 import { configurationOf, type Model, nameOf } from "./model";
 
@@ -45,7 +46,8 @@ function figureOf(model: Model, configuration: Configuration, shown: Configurati
   const drawn = picture
     ? draw(picture, configuration, differs, seriesColour(shown.indexOf(configuration)))
     : el("p", { class: "muted" }, "Its structure is not drawn.");
-  return el("figure", {}, el("figcaption", {}, el("b", {}, names), el("code", {}, configuration.id)), drawn);
+  const tables = allocationTables(configuration);
+  return el("figure", {}, el("figcaption", {}, el("b", {}, names), el("code", {}, configuration.id)), drawn, ...tables);
 }
 
 function partsOf(picture: Picture | undefined, { parts }: Configuration): Map<string, string> {

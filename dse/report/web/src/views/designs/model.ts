@@ -198,11 +198,16 @@ export function subscribeCalmly(model: Model, listener: (changed: ChangedKeys) =
 
 const MOST_PART = 60;
 
-/** What a design is called: what it chooses where configurations differ, and its values of the design variables. */
+/** What a design is called: what it chooses where configurations differ, and its values of the design variables. What
+ * configurations choose at several of these places is named with its place. */
 export function nameOf(model: Model, design: number): string {
   const { store, grouping } = model;
   const configuration = configurationOf(model, design);
-  const chosen = differingPlaces(store).map((name) => choiceAt(store, configuration, name));
+  const { places, repeated } = differingIn(store.study);
+  const chosen = places.map((name) => {
+    const choice = choiceAt(store, configuration, name);
+    return repeated.has(choice) ? `${choice} at ${name}` : choice;
+  });
   const has = variablesOf(store.study, "design").filter(({ lack }) => !lack.includes(configuration));
   const values = has.map(
     ({ title, unit, values, text }) => `${title} ${withUnit(text(values[grouping.first[design]!]!), unit)}`,
@@ -224,10 +229,20 @@ export function configurationOf({ store, grouping }: Model, design: number): num
   return store.study.configuration[grouping.first[design]!]!;
 }
 
-const differing = new WeakMap<Study, string[]>();
+interface Differing {
+  places: string[];
+  /** What is chosen at several of the places. */
+  repeated: Set<string>;
+}
+
+const differing = new WeakMap<Study, Differing>();
 
 /** The places at which configurations choose differently, in the order of the design space. */
 export function differingPlaces({ study }: Store): string[] {
+  return differingIn(study).places;
+}
+
+function differingIn(study: Study): Differing {
   let found = differing.get(study);
   if (!found) {
     found = placesThatDiffer(study);
@@ -236,10 +251,19 @@ export function differingPlaces({ study }: Store): string[] {
   return found;
 }
 
-function placesThatDiffer(study: Study): string[] {
-  const places = [...new Set(study.configurations.flatMap(({ choices }) => choices.map(([name]) => name)))];
-  const chosen = study.configurations.map(({ choices }) => new Map(choices));
-  return places.filter((name) => chosen.some((one) => one.get(name) !== chosen[0]!.get(name)));
+function placesThatDiffer({ configurations }: Study): Differing {
+  const chosen = new Map<string, Set<string>>();
+  const times = new Map<string, number>();
+  for (const { choices } of configurations)
+    for (const [place, choice] of choices) {
+      times.set(place, (times.get(place) ?? 0) + 1);
+      chosen.set(place, (chosen.get(place) ?? new Set()).add(choice));
+    }
+  const places = [...chosen.keys()].filter(
+    (place) => chosen.get(place)!.size > 1 || times.get(place)! < configurations.length,
+  );
+  const all = places.flatMap((place) => [...chosen.get(place)!]);
+  return { places, repeated: new Set(all.filter((choice, index) => all.indexOf(choice) !== index)) };
 }
 
 /** Whether the design has the variable of a column; others have a value to stand somewhere. */

@@ -13,6 +13,7 @@ import { choiceAt, configurationOf, createModel, differingPlaces, type Model, na
 import { SETTING } from "../pair/pair";
 import { assumedNumbers, assumedText, placeText, reverses } from "../pair/tables";
 import { certaintyOf, classText, orderSentence, orderText } from "../pair/words";
+import { allocationTables } from "../shared/allocation";
 import { shareText } from "../shared/margins";
 import { openRun } from "../shared/runs";
 
@@ -45,9 +46,11 @@ function contentOf(model: Model): HTMLElement[] {
     store.set({ view: "pair" });
   };
   const worst = model.standing().deciding[first]!;
+  const configuration = store.study.configurations[configurationOf(model, first)]!;
   return [
     el("h3", { id: "choice-name" }, name),
     el("dl", { class: "facts" }, ...lines.flatMap(([label, text]) => [el("dt", {}, label), el("dd", {}, text)])),
+    ...allocationTables(configuration),
     el(
       "div",
       { class: "row" },
