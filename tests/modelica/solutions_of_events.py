@@ -366,3 +366,9 @@ def mixed_kinds(t: float, given: Given) -> Values:
 def relations_of_jumps(t: float, given: Given) -> Values:
     late = t > given["T"]
     return {"never": 0, "once": int(late), "never_too": 0, "caught": 10 if late else 0}
+
+
+@case("SampleFromStart", step=0.0713, events=(0.1, 0.3, 0.5, 0.7, 0.9), error=1e-12)
+def sample_from_start(t: float, given: Given) -> Values:
+    count = math.floor((t + 0.1) / 0.2)
+    return {"at": 0.2 * count - 0.1 if count else -1.0, "count": count}

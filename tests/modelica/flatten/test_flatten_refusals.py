@@ -56,7 +56,7 @@ REFUSED = [
         "'d' assigned under several conditions that are not one when-clause",
     ),
     ("model M input Boolean b = true; Real y = if b then 1 else 2; end M;", "the input 'b' with a default value"),
-    ("model M Real y(start = time) = 2; end M;", "'start' of 'y' that depends on more than parameters"),
+    ("model M Real x = time; Real y(start = x) = 2; end M;", "'start' of 'y' that depends on more than parameters"),
     (
         STATE + "Integer n; initial equation n = if x > 0 then 1 else 2; equation der(x) = 1; when x > 1 then n = 2; "
         "end when; end M;",
