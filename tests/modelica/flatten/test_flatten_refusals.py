@@ -50,9 +50,17 @@ REFUSED = [
         "a terminate in an elsewhen",
     ),
     (
-        STATE
-        + "discrete Real d; equation der(x) = 1; algorithm when x > 1 then d := 1; end when; when x > 2 then d := 2; "
-        "end when; end M;",
+        STATE + "discrete Real d; discrete Real e; equation der(x) = 1; algorithm when x > 1 then d := 1; end when; "
+        "when x > 2 then e := 1; elsewhen x > 3 then d := 2; end when; end M;",
+        "'d' assigned under several conditions that are not one when-clause",
+    ),
+    (
+        STATE + "discrete Real d; discrete Boolean b = x > 3; equation der(x) = 1; algorithm when x > 1 then d := 1; "
+        "end when; when x > 2 then if b then d := 2; end if; end when; end M;",
+        "'d' assigned under several conditions that are not one when-clause",
+    ),
+    (
+        STATE + "discrete Real d; equation der(x) = 1; algorithm d := 1; when x > 2 then d := 2; end when; end M;",
         "'d' assigned under several conditions that are not one when-clause",
     ),
     ("model M input Boolean b = true; Real y = if b then 1 else 2; end M;", "the input 'b' with a default value"),
