@@ -95,7 +95,11 @@ _WITHIN = f"""
       elseif extrapolation == {_TYPES}Extrapolation.LastTwoPoints then x else {_NONE.format("x")};
 """
 _LINE = """table[j, columns[icol]] + (if table[j + 1, 1] > table[j, 1] then
-    (z - table[j, 1])*(table[j + 1, columns[icol]] - table[j, columns[icol]])/(table[j + 1, 1] - table[j, 1]) else 0)"""
+    (z - table[j, 1])*(table[j + 1, columns[icol]] - table[j, columns[icol]])/(table[j + 1, 1] - table[j, 1])
+    elseif j == n - 1 and z >= table[j, 1] then table[j + 1, columns[icol]] - table[j, columns[icol]] else 0)"""
+# Constant segments are continued by straight lines, as by the library.
+_BEYOND = f"""for j in 1:n - 1 loop y := if extrapolation == {_TYPES}Extrapolation.LastTwoPoints
+    and (j == 1 and {{0}} or j == n - 1 and {{1}}) then {_LINE} else y; end for;"""
 
 
 def _value(name: str, body: str) -> str:
@@ -112,7 +116,8 @@ def _value_of_time(name: str, body: str) -> str:
 
 
 _STEPS = f"""{_WITHIN} y := table[1, columns[icol]];
-    for j in 2:n loop y := if z >= table[j, 1] then table[j, columns[icol]] else y; end for;"""
+    for j in 2:n loop y := if z >= table[j, 1] then table[j, columns[icol]] else y; end for;
+    {_BEYOND.format("x < table[1, 1]", "x > table[n, 1]")}"""
 _LINES = f"""{_WITHIN} y := table[1, columns[icol]];
     for j in 1:n - 1 loop y := if j == 1 or z >= table[j, 1] then {_LINE} else y; end for;"""
 # In a periodic table, how many periods the segment before the next event is away.
@@ -126,7 +131,8 @@ _PERIODS = f"""
         {_NONE.format("x")} else x;
 """
 _STEPS_OF_TIME = f"""{_PERIODS} y := table[1, columns[icol]];
-    for j in 2:n loop y := if k > table[j, 1] + 1e-10*(1 + abs(k)) then table[j, columns[icol]] else y; end for;"""
+    for j in 2:n loop y := if k > table[j, 1] + 1e-10*(1 + abs(k)) then table[j, columns[icol]] else y; end for;
+    {_BEYOND.format("k <= table[1, 1]", "k > table[n, 1] + 1e-10*(1 + abs(k))")}"""
 _LINES_OF_TIME = f"""{_PERIODS} y := table[1, columns[icol]];
     for j in 1:n - 1 loop y := if j == 1 or k > table[j, 1] + 1e-10*(1 + abs(k)) then {_LINE} else y; end for;"""
 _NEXT = f"""function getNextTimeEvent {_TIMES} input Real timeIn; output Real nextTimeEvent;
