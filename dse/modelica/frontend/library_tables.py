@@ -48,7 +48,8 @@ def with_tables(text: str) -> str:
         changes.append((match.start(), clean.index(";", match.end()) + 1, ""))
         given = _given(text, match[1], inside(clean, match.start(3)), match.end())
         call = re.compile(rf"[\w.]+\s*(\()\s*(?={re.escape(match[2])}\b)")
-        for use in (use for part in _users(clean, match.start()) for use in call.finditer(clean, *part)):
+        uses = {use.start(): use for part in _users(clean, match.start()) for use in call.finditer(clean, *part)}
+        for use in uses.values():
             # The front-end miscounts parameters whose binding is a call with an array, but not a product.
             after = use.end(1) + len(inside(clean, use.start(1))) + 1
             changes += [(use.start(), use.start(), "(1*"), (after, after, ")")]

@@ -95,6 +95,7 @@ package Modelica "Stands for the Modelica Standard Library: the declarations of 
           else Internal.getTable2DValue(tableID, u1, u2);
       end Surface;
       block Friction "A number of a table in a parameter"
+        extends Icons.Friction;
         import Modelica.Blocks.Types.{ExternalCombiTable1D, Extrapolation, Smoothness};
         import Modelica.Blocks.Tables.Internal.getTable1DValueNoDer2;
         parameter Real mu_pos[:, 2] = [0, 0.5];
@@ -102,6 +103,10 @@ package Modelica "Stands for the Modelica Standard Library: the declarations of 
           table = mu_pos, columns = {2}, smoothness = Smoothness.LinearSegments) "Object";
         final parameter Real mu0 = getTable1DValueNoDer2(tableID, 1, 0);
       end Friction;
+      package Icons
+        partial block Friction "Of the same name as the block"
+        end Friction;
+      end Icons;
       package Internal
         pure function getTable1DValue
           input Types.ExternalCombiTable1D tableID;
