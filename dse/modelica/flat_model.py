@@ -84,10 +84,12 @@ class Relation:
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """Ticks at *phase* + k * *period* seconds of time, for k = 0, 1, … (``sample(phase, period)``)."""
+    """Ticks at *phase* + k * *period* seconds, for k = 0, 1, … (``sample(phase, period)``), of the time, or since the
+    start of the simulation if *is_from_start*."""
 
     period: Fraction
     phase: Fraction
+    is_from_start: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,15 +39,15 @@ class Slave:
             self._callbacks = lambda env, status, category, text: self._told(text)
             self.fmu.instantiate(logMessage=self._callbacks)
 
-    def start(self, given: Mapping[str, float], tolerance: float | None) -> None:
-        """Set what is *given* and initialize."""
+    def start(self, given: Mapping[str, float], tolerance: float | None, time: float = 0.0) -> None:
+        """Set what is *given* and initialize at *time*."""
         for name, value in given.items():
             self.set(name, value)
         if self.model.version == 2:
-            self.fmu.setupExperiment(tolerance=tolerance, startTime=0.0)
+            self.fmu.setupExperiment(tolerance=tolerance, startTime=time)
             self.fmu.enterInitializationMode()
         else:
-            self.fmu.enterInitializationMode(tolerance=tolerance, startTime=0.0)
+            self.fmu.enterInitializationMode(tolerance=tolerance, startTime=time)
         self.fmu.exitInitializationMode()
 
     def set(self, name: str, value: float) -> None:

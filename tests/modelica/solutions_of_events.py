@@ -366,3 +366,16 @@ def mixed_kinds(t: float, given: Given) -> Values:
 def relations_of_jumps(t: float, given: Given) -> Values:
     late = t > given["T"]
     return {"never": 0, "once": int(late), "never_too": 0, "caught": 10 if late else 0}
+
+
+@case("SampleFromStart", step=0.0713, events=(0.1, 0.3, 0.5, 0.7, 0.9), error=1e-12)
+def sample_from_start(t: float, given: Given) -> Values:
+    count = math.floor((t + 0.1) / 0.2)
+    return {"at": 0.2 * count - 0.1 if count else -1.0, "count": count}
+
+
+@case("SeveralWhens", given={"second": 0.4}, variants=({"second": 0.5},), events=(0.2, 0.4, 0.5, 0.6, 0.8), error=0.0)
+def several_whens(t: float, given: Given) -> Values:
+    changes = {0.2: 1, given["second"]: 2, 0.4: 3, 0.8: 4}
+    count = next((changes[at] for at in sorted(changes, reverse=True) if t >= at), 0)
+    return {"count": count, "lit": 0.4 <= t < 0.6 or t >= 0.8}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from language_case import Cases, Given, Values
+from language_case import Cases, Given, Steps, Values
 from scipy.linalg import expm
 
 CASES = Cases()
@@ -283,3 +283,16 @@ def input_with_default(t: float, given: Given) -> Values:
 @case("DerivativeAnnotation", error=EXACT)
 def derivative_annotation(t: float, given: Given) -> Values:
     return {"y": 2 * t}
+
+
+MOTION = (Steps((0, 0.21), (1.0, 3.0)), Steps((0, 0.35), (0.5, -2.0)), Steps((0, 0.49), (7.0, 4.0)))
+
+
+@case(
+    "NoDerivative",
+    inputs={f"motion[{place}]": signal for place, signal in enumerate(MOTION, 1)},
+    given={"m": 2.0},
+    variants=({"m": 0.5},),
+)
+def no_derivative(t: float, given: Given) -> Values:
+    return {"place": MOTION[0].before(t), "force": given["m"] * MOTION[2].before(t), "copied_speed": -math.exp(-t)}

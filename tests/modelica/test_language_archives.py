@@ -102,6 +102,18 @@ def test_a_saved_state_goes_on_as_if_nothing_had_happened(name: str, version: in
         assert later(second) == straight
 
 
+@both_versions
+def test_ticks_are_counted_from_the_start_that_the_importer_gives(version: int, built: Built) -> None:
+    with instance(built(case("SampleFromStart"), version)) as slave:
+        slave.start({}, None, time=2.05)
+        counts = []
+        for k in range(5):
+            slave.fmu.doStep(2.05 + k * 0.08, 0.08)
+            counts.append(slave.get("count"))
+        assert counts == [0, 1, 1, 2, 2]
+        assert slave.get("at") == pytest.approx(2.35, abs=1e-12)
+
+
 @pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", RUN_TWICE)
 def test_the_optimizer_changes_no_bit(name: str, built: Built, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

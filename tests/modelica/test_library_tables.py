@@ -36,7 +36,8 @@ def expected(t: float) -> dict[str, float]:
         "line": line(u),
         "held": float(np.interp(u, *CURVE)),
         "periodic": float(np.interp(u % 4, *CURVE)),
-        "stepped": CURVE[1][max((k for k, at in enumerate(CURVE[0]) if at <= u), default=0)],
+        "stepped": CURVE[1][max(k for k, at in enumerate(CURVE[0]) if at <= u)] if 0 <= u <= 4 else line(u),
+        "ended": 5.0 * min(t, 0.5) if t < 0.5 - 1e-9 else 7.0,
         "mu": 0.5,
         "slid": 0.5,
         "width": 4,
@@ -57,6 +58,47 @@ def test_tables_follow_their_points(made: MakeModel) -> None:
             assert row[name] == pytest.approx(value, abs=1e-8), (name, k * 0.07)
     whole, rest = divmod(31 * 0.07, 1)
     assert rows[31]["area"] == pytest.approx(1.3 * whole + rest**2, abs=1e-6)
+
+
+ROWS, COLUMNS = [1.0, 2.0, 4.0], [1.0, 2.0, 4.0]
+HEIGHTS = np.array([[1.0, 3.0, 5.0], [2.0, 4.0, 9.0], [0.0, 1.0, 2.0]])
+
+
+def cell(at: float, axis: list[float]) -> int:
+    return int(np.clip(np.searchsorted(axis, at, side="right") - 1, 0, len(axis) - 2))
+
+
+def plane(x: float, y: float) -> float:
+    """Bilinear in the cell of the point, or in the nearest one."""
+    i, k = cell(x, ROWS), cell(y, COLUMNS)
+    p, q = (x - ROWS[i]) / (ROWS[i + 1] - ROWS[i]), (y - COLUMNS[k]) / (COLUMNS[k + 1] - COLUMNS[k])
+    return float(np.array([1 - p, p]) @ HEIGHTS[i : i + 2, k : k + 2] @ np.array([1 - q, q]))
+
+
+def step(x: float, y: float) -> float:
+    return float(HEIGHTS[np.searchsorted(ROWS, x, side="right") - 1, np.searchsorted(COLUMNS, y, side="right") - 1])
+
+
+def test_tables_over_two_inputs_follow_their_points(made: MakeModel) -> None:
+    model = made(TABLES / "Surfaces.mo", (TABLES,))
+    names = ["lines", "held", "periodic", "stepped", "steps_held", "slope", "span"]
+    are_inside = set()
+    for k, row in enumerate(run_cs(model, names, 14, 0.07, {}, {}, 1e-9)):
+        x, y = 5 * k * 0.07, 5 - 6 * k * 0.07
+        held = (float(np.clip(x, 1, 4)), float(np.clip(y, 1, 4)))
+        is_inside = held == (x, y)
+        are_inside.add(is_inside)
+        wanted = {
+            "lines": plane(x, y),
+            "held": plane(*held),
+            "periodic": plane(1 + (x - 1) % 3, 1 + (y - 1) % 3),
+            "stepped": step(x, y) if is_inside else plane(x, y),
+            "steps_held": step(*held),
+            "slope": (plane(x + 5e-6, y - 6e-6) - plane(x - 5e-6, y + 6e-6)) / 2e-6,
+            "span": 3.0,
+        }
+        assert row == pytest.approx(wanted, abs=1e-6), k
+    assert are_inside == {True, False}
 
 
 def test_the_lines_of_a_rewritten_text_stay_where_they_are() -> None:

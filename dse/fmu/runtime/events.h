@@ -11,16 +11,17 @@
 /* Limit for chattering: number of consecutive events, each close to the one before. */
 #define DSE_CLOSE_EVENTS 16
 
-static inline double dse_tick_time(uint32_t clock, int64_t tick) {
+static inline double dse_tick_time(const dse_component *m, int clock, int64_t tick) {
     const struct dse_clock *at = &dse_clocks[clock];
-    return (double)(at->phase + tick * at->period) / (double)at->denominator;
+    const double since = (double)(at->phase + tick * at->period) / (double)at->denominator;
+    return at->is_from_start ? m->started + since : since;
 }
 
 /* The time of the next tick of a clock; infinite if there is none. */
 static inline double dse_next_tick(const dse_component *m) {
     double next = INFINITY;
     for (int k = 0; k < DSE_CLOCKS; k++) {
-        next = fmin(next, dse_tick_time(k, m->next_tick[k]));
+        next = fmin(next, dse_tick_time(m, k, m->next_tick[k]));
     }
     return next;
 }
@@ -29,12 +30,13 @@ static inline double dse_next_tick(const dse_component *m) {
 static void dse_wind_clocks(dse_component *m, double time, double spare) {
     for (int k = 0; k < DSE_CLOCKS; k++) {
         const struct dse_clock *at = &dse_clocks[k];
-        const double ticks = ceil(((time - spare) * (double)at->denominator - (double)at->phase) / (double)at->period);
+        const double since = at->is_from_start ? -spare : time - spare;
+        const double ticks = ceil((since * (double)at->denominator - (double)at->phase) / (double)at->period);
         int64_t tick = ticks > 0.0 ? (int64_t)ticks : 0;
-        while (tick > 0 && dse_tick_time(k, tick - 1) >= time - spare) {
+        while (tick > 0 && dse_tick_time(m, k, tick - 1) >= time - spare) {
             tick--;
         }
-        while (dse_tick_time(k, tick) < time - spare) {
+        while (dse_tick_time(m, k, tick) < time - spare) {
             tick++;
         }
         m->next_tick[k] = tick;
@@ -175,7 +177,7 @@ static bool dse_pass(dse_component *m, dse_tell *tell, bool *has_jumped) {
 static bool dse_event(dse_component *m, dse_tell *tell, double spare) {
     bool is_settled = false;
     for (int k = 0; k < DSE_CLOCKS; k++) {
-        m->ticks[k] = dse_tick_time((uint32_t)k, m->next_tick[k]) <= m->time + spare;
+        m->ticks[k] = dse_tick_time(m, k, m->next_tick[k]) <= m->time + spare;
         m->next_tick[k] += m->ticks[k];
     }
     m->solver.past.events++;
@@ -204,6 +206,7 @@ static bool dse_solve_initial(dse_component *m, dse_tell *tell) {
     if (!dse_is_done(m, model_parameters(m)) || !dse_is_done(m, model_guess(m))) {
         return false;
     }
+    m->started = m->time;
     dse_wind_clocks(m, m->time, spare);
     for (int k = 0; k < DSE_PRE; k++) {
         m->pre[k] = m->v[dse_discrete[k]];

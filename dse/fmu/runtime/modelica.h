@@ -79,10 +79,11 @@ extern const char dse_token[DSE_TOKEN_SIZE];
 extern const double dse_starts[];   /* of everything in v */
 extern const double dse_nominals[]; /* of the states */
 
-/* Tick k = 0, 1, ... is at (phase + k * period) / denominator seconds, never summed up. Each number is less than 2^31,
+/* Tick k = 0, 1, ... is at (phase + k * period) / denominator seconds, never summed up, of the time or since the
+ * initialization. Each number is less than 2^31,
  * so the sum is exact for 2^32 ticks. */
 struct dse_clock {
-    int64_t period, phase, denominator;
+    int64_t period, phase, denominator, is_from_start;
 };
 
 /* kind: REAL, INTEGER, BOOLEAN or ENUMERATION. role: INPUT, TUNABLE, FIXED (a parameter that is not tunable, or the
@@ -135,6 +136,7 @@ typedef struct {
     double settled;                   /* its time */
     double refused;                   /* its distance from a point without values; 0 once a step has covered it */
     double time;
+    double started;   /* the time of the initialization */
     double continued; /* during homotopy: its share of the actual expression */
     int64_t next_tick[DSE_ROOM(DSE_CLOCKS)];
     double before_pass[DSE_RELATIONS > 0 ? DSE_ROOM(DSE_VALUES) : 1]; /* v before a pass of the event iteration */

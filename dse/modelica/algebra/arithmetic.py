@@ -92,6 +92,7 @@ FUNCTIONS: Mapping[str, Callable[..., float]] = {
     "or": lambda a, b: float(a != 0 or b != 0),
     "not": lambda a: float(a == 0),
     "if": lambda condition, a, b: a if condition != 0 else b,
+    "prescribed": lambda value, _: value,
     "abs": abs,
     "sign": _sign,
     "sqrt": _guarded(math.sqrt),

@@ -28,10 +28,12 @@ def derived(roots: Iterable[Expression], rate: Rate) -> list[Expression]:
     """Derivative of each of *roots* where each leaf changes with *rate* (chain rule, forward)."""
     listed = list(roots)
     done: dict[int, Expression] = {}
-    for node in walk(listed):
+    for node in walk(listed, "prescribed"):
         graph = node.graph
         if node.symbol is not None:
             done[node.number] = rate(node.symbol)
+        elif node.operator == "prescribed":
+            done[node.number] = node.operands[1]
         elif node.operator == "array":
             elements = [done[operand.number] for operand in node.operands]
             is_still = all(element.is_number(0) for element in elements)

@@ -30,10 +30,11 @@ STEPS = TRUTHS | {"sign", "floor", "ceil"}
 class Expression:
     """A node. *symbol* is given for leaves that are no constants, *value* for constants, *name* for calls.
 
-    Operators are those of `FUNCTIONS`, over scalars, and three more. ``array``: the elements, row by row, only as an
-    operand of the other two; its shape is the expression's *shape*. ``select``: array, then one whole index from 1 for
-    each dimension; outside the array it is an error at run time. ``call``: of the primitive *name*, with scalars and
-    arrays.
+    Operators are those of `FUNCTIONS`, over scalars, and three more. ``prescribed`` is its first operand with the
+    second one as its time derivative; there are none after the index reduction. ``array``: the elements, row by row,
+    only as an operand of the other two; its shape is the expression's *shape*. ``select``: array, then one whole index
+    from 1 for each dimension; outside the array it is an error at run time. ``call``: of the primitive *name*, with
+    scalars and arrays.
     """
 
     graph: Graph
@@ -115,6 +116,10 @@ class Graph:
     def knows(self, symbol: Symbol) -> bool:
         """Whether any expression refers to *symbol*."""
         return ("symbol", symbol) in self._nodes
+
+    def uses(self, operator: str) -> bool:
+        """Whether any expression is made by *operator*."""
+        return any(node.operator == operator for node in self._nodes.values())
 
     def variable(self, name: str, order: int = 0) -> Expression:
         """The variable *name*, or its time derivative."""

@@ -8,8 +8,11 @@ from dse.modelica.algebra.expression import STEPS, Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
 
 
-def walk(roots: Iterable[Expression]) -> Iterator[Expression]:
-    """Every expression below and including *roots* once, operands before what uses them."""
+def walk(roots: Iterable[Expression], closed: str = "") -> Iterator[Expression]:
+    """Every expression below and including *roots* once, operands before what uses them.
+
+    Nothing below expressions of the operator *closed*.
+    """
     seen: set[int] = set()
     stack: list[tuple[Expression, bool]] = [(root, False) for root in reversed(list(roots))]
     while stack:
@@ -19,6 +22,8 @@ def walk(roots: Iterable[Expression]) -> Iterator[Expression]:
         elif node.number not in seen:
             seen.add(node.number)
             stack.append((node, True))
+            if node.operator == closed:
+                continue
             stack.extend((operand, False) for operand in reversed(node.operands) if operand.number not in seen)
 
 
@@ -58,6 +63,15 @@ def actual(root: Expression) -> Expression:
     return replaced((root,), new)[0]
 
 
+def without_rates(root: Expression) -> Expression:
+    """*root* after the index reduction: each ``prescribed`` value without its derivative."""
+
+    def new(node: Expression) -> Expression | None:
+        return without_rates(node.operands[0]) if node.operator == "prescribed" else None
+
+    return replaced((root,), new)[0]
+
+
 def smooth(root: Expression) -> dict[Symbol, None]:
     """Symbols by which *root* has a derivative that is not 0 everywhere: not those inside steps and conditions only."""
     found: dict[Symbol, None] = {}
@@ -91,6 +105,6 @@ def _continuous_operands(node: Expression) -> tuple[Expression, ...]:
     match node.operator:
         case "if":
             return node.operands[1:]
-        case "select":
+        case "select" | "prescribed":
             return node.operands[:1]
     return node.operands

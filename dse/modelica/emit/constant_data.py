@@ -53,7 +53,7 @@ def table_lines(solved: Solved, memory: MemoryLayout, failures: Sequence[str]) -
     yield from table("static const char *const dse_state_names[]", [quoted(str(state)) for state in solved.states])
     yield from table("static const uint32_t dse_discrete[]", [str(memory.of(name)) for name in memory.pre])
     yield from table("static const char *const dse_relations[]", relations)
-    yield from table("static const struct dse_clock dse_clocks[]", clocks, "{0, 0, 1}")
+    yield from table("static const struct dse_clock dse_clocks[]", clocks, "{0, 0, 1, 0}")
     yield from table("static const char *const dse_failure[]", [quoted(text) for text in failures])
 
 
@@ -69,7 +69,7 @@ def _clock(clock: Clock) -> str:
     if max(abs(number) for number in numbers) >= 2**31:
         what = f"the ticks of sample({float(clock.phase):g}, {float(clock.period):g}) cannot be counted exactly"
         raise fail(what, None, "round the period and the start to fewer digits")
-    return "{" + ", ".join(str(number) for number in numbers) + "}"
+    return "{" + ", ".join(str(number) for number in (*numbers, int(clock.is_from_start))) + "}"
 
 
 def slot_rows(variables: Sequence[FmuVariable]) -> tuple[Row, ...]:

@@ -37,7 +37,8 @@ class Model:
 
     *discrete_inputs* change at events only. *tick_of* names the variable that is true while clock number … ticks;
     *rounded* the variable that holds a rounding between events; *constants* their values, by the node of the binding;
-    *compared* are the functions whose derivative annotations were found right.
+    *compared* are the functions whose derivative annotations were found right, or are *prescribed*: with `noDerivative`
+    they state another derivative than the algorithm's.
     Variables made here have names that begin with ``$``.
     """
 
@@ -54,6 +55,7 @@ class Model:
     rounded: dict[tuple[str, Expression], str] = field(default_factory=dict)
     constants: dict[int, Value] = field(default_factory=dict)
     compared: set[int] = field(default_factory=set)
+    prescribed: set[int] = field(default_factory=set)
     _varies: dict[int, bool] = field(default_factory=dict)
 
     def held(self, truth: Expression, where: Location | None) -> Expression:

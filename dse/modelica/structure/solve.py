@@ -9,7 +9,7 @@ from dse.errors import DseError, Problem, raise_if_any
 from dse.graphs import components
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
-from dse.modelica.algebra.traversal import actual, replaced, symbols
+from dse.modelica.algebra.traversal import actual, replaced, symbols, without_rates
 from dse.modelica.flat_model import FlatModel, Relation, Role
 from dse.modelica.solved_model import Block, EventBlock, Explicit, Solved
 from dse.modelica.structure.aliases.elimination import Eliminated, rewriter, without_aliases
@@ -39,10 +39,14 @@ def solve(flat: FlatModel) -> Solved:
     flat, notes = _reduced_model(flat, eliminated)
     names = _unknown_names(flat, eliminated)
     _refuse_lone_derivatives(flat)
-    known = Known(flat, Starts(flat, parameters))
 
     rows = [Row(actual(_with_initial(one.residual, 0.0)), one.where) for one in flat.equations]
     found = reduced(rows, names, flat.variables)
+    if flat.graph.uses("prescribed"):
+        flat = flat.mapped(without_rates)
+        cleared = [[replace(row, residual=without_rates(row.residual)) for row in chain] for chain in found.chains]
+        found = replace(found, chains=tuple(map(tuple, cleared)))
+    known = Known(flat, Starts(flat, parameters))
     choice = chosen(found, flat.variables, known)
     chains = guarded(found.chains, choice.guards)
     every = [Symbol(name, order) for name in names for order in range(found.highest[name] + 1)]

@@ -117,6 +117,14 @@ def test_sample_times_are_exact_fractions_even_if_they_are_computed() -> None:
     assert flat.clocks == (Clock(Fraction(1, 10), Fraction(1, 20)), Clock(Fraction(1, 20), Fraction(0)))
 
 
+def test_a_sample_can_be_counted_from_the_start() -> None:
+    flat = flattened(
+        "model M parameter Real t0(fixed = false); Integer n(start = 0); initial equation t0 = time; equation "
+        "when sample(t0 + 0.05, 0.1) then n = pre(n) + 1; end when; end M;"
+    )
+    assert flat.clocks == (Clock(Fraction(1, 10), Fraction(1, 20), is_from_start=True),)
+
+
 def test_a_sample_in_a_compound_condition_ticks_through_an_internal_variable() -> None:
     flat = flattened(
         STATE + "discrete Real d; equation der(x) = 1; when sample(0, 0.1) and x > 0 then d = x; end when; end M;"

@@ -50,13 +50,21 @@ REFUSED = [
         "a terminate in an elsewhen",
     ),
     (
-        STATE
-        + "discrete Real d; equation der(x) = 1; algorithm when x > 1 then d := 1; end when; when x > 2 then d := 2; "
-        "end when; end M;",
+        STATE + "discrete Real d; discrete Real e; equation der(x) = 1; algorithm when x > 1 then d := 1; end when; "
+        "when x > 2 then e := 1; elsewhen x > 3 then d := 2; end when; end M;",
+        "'d' assigned under several conditions that are not one when-clause",
+    ),
+    (
+        STATE + "discrete Real d; discrete Boolean b = x > 3; equation der(x) = 1; algorithm when x > 1 then d := 1; "
+        "end when; when x > 2 then if b then d := 2; end if; end when; end M;",
+        "'d' assigned under several conditions that are not one when-clause",
+    ),
+    (
+        STATE + "discrete Real d; equation der(x) = 1; algorithm d := 1; when x > 2 then d := 2; end when; end M;",
         "'d' assigned under several conditions that are not one when-clause",
     ),
     ("model M input Boolean b = true; Real y = if b then 1 else 2; end M;", "the input 'b' with a default value"),
-    ("model M Real y(start = time) = 2; end M;", "'start' of 'y' that depends on more than parameters"),
+    ("model M Real x = time; Real y(start = x) = 2; end M;", "'start' of 'y' that depends on more than parameters"),
     (
         STATE + "Integer n; initial equation n = if x > 0 then 1 else 2; equation der(x) = 1; when x > 1 then n = 2; "
         "end when; end M;",

@@ -22,7 +22,7 @@ from dse.modelica.structure.reduction.pantelides import total
 
 ARITY = {
     **dict.fromkeys(("add", "subtract", "multiply", "divide", "power", "minimum", "maximum", "atan2", "and", "or"), 2),
-    **dict.fromkeys(("less", "less_equal", "greater", "greater_equal", "equal", "not_equal"), 2),
+    **dict.fromkeys(("less", "less_equal", "greater", "greater_equal", "equal", "not_equal", "prescribed"), 2),
     "if": 3,
 }
 SMOOTH = (

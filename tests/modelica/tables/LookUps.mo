@@ -13,6 +13,7 @@ model LookUps "Every way to read tables that are declared as in the Modelica Sta
   output Real stairs;
   output Real repeated;
   output Real late;
+  output Real ended;
   output Real area(start = 0, fixed = true);
 protected
   Modelica.Blocks.Tables.Curve a(table = curve);
@@ -25,6 +26,7 @@ protected
   Modelica.Blocks.Sources.Course q(table = jumps, smoothness = Smoothness.ConstantSegments, extrapolation = Extrapolation.HoldLastPoint);
   Modelica.Blocks.Sources.Course r(table = jumps, extrapolation = Extrapolation.Periodic);
   Modelica.Blocks.Sources.Course s(table = jumps, extrapolation = Extrapolation.HoldLastPoint, startTime = 0.35, shiftTime = 0.22);
+  Modelica.Blocks.Sources.Course e(table = [0, 0; 0.5, 2.5; 0.5, 7]);
 equation
   a.u = 5*time - 1;
   b.u = a.u;
@@ -41,5 +43,6 @@ equation
   stairs = q.y;
   repeated = r.y;
   late = s.y;
+  ended = e.y;
   der(area) = r.y;
 end LookUps;

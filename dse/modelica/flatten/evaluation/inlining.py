@@ -10,7 +10,7 @@ from typing import Any
 from dse.errors import DseError, Location, fail
 from dse.modelica.algebra.derivative import derived
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.expression import Expression, Graph
 from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.flatten.document import Document, Record, check_counters, fields, points, shape, single
 from dse.modelica.flatten.evaluation import externals
@@ -66,6 +66,8 @@ def call(visit: Visit) -> Outputs:
         outputs = yield from externals.called(document, visit.model, inside, function, number)
     else:
         outputs = yield from _carried_out(document, inside, function)
+    if node.data["function"] in visit.model.prescribed:
+        outputs = yield from _prescribed(visit, node.data["function"], inside.arguments, outputs)
     if len(visit.graph) - before > _MOST_NODES:
         what = f"the call of '{name}', which unrolls to more than {_MOST_NODES} operations,"
         raise document.refused(what, number)
@@ -88,7 +90,8 @@ def _refuse_contradiction(
 ) -> Generator[Request, Value, None]:
     """Refuse a derivative annotation that is not the derivative of the function's own algorithm, which is used.
 
-    Both are compared at a few points. What is external or has records, and second derivatives, are not compared.
+    With `noDerivative`, another derivative is what the annotation is for: it is noted and used. Both are compared at a
+    few points. What is external or has records, and second derivatives, are not compared.
     """
     document, graph = visit.document, visit.graph
     where = document.where(stated.get("provenance"))
@@ -135,8 +138,50 @@ def _refuse_contradiction(
     wanted = derived(roots, lambda leaf: rate_of.get(leaf, graph.constant(0.0)))
     found = [item for value in other_own for item in array(value).elements]
     if len(found) != len(wanted) or not all(_agree(wanted, found, trial) for trial in range(_TRIALS)):
-        what = f"the annotation derivative of '{function['name']}': '{other['name']}' is not its derivative"
-        raise fail(what, where, "the derivative of the algorithm is used: correct the annotation or leave it out")
+        if "NoDerivative" not in stated["inputs"] or len(function["derivatives"]) > 1:
+            raise _contradiction(document, number, stated)
+        visit.model.prescribed.add(number)
+
+
+def _contradiction(document: Document, number: int, stated: Record) -> DseError:
+    own, other = (document.lists["functions"][one]["name"] for one in (number, stated["target"]))
+    what = f"the annotation derivative of '{own}': '{other}' is not its derivative"
+    hint = "the derivative of the algorithm is used: correct the annotation or leave it out"
+    return fail(what, document.where(stated.get("provenance")), hint)
+
+
+def _prescribed(
+    visit: Visit, number: int, arguments: tuple[Value, ...], outputs: tuple[Value, ...]
+) -> Generator[Request, Value, tuple[Value, ...]]:
+    """*outputs* of function *number* with the time derivatives that its annotation states.
+
+    Raises DseError where an input to differentiate is neither the time nor constant: their rates are known here.
+    """
+    document, graph = visit.document, visit.graph
+    functions, time = document.lists["functions"], graph.symbol(Symbol(referent=Referent.TIME))
+    if not functions[number]["derivatives"]:
+        return outputs
+    (stated,) = functions[number]["derivatives"]
+    done = len(functions[stated["previous"][0]]["parameters"]) if stated["previous"] else 0
+    rates = []
+    for how, argument in list(zip(stated["inputs"], arguments, strict=True))[done:]:
+        if how == "Differentiate" and isinstance(argument, Array):
+            if not all(item is time or item.is_constant for item in argument.elements):
+                raise _contradiction(document, number, stated)
+            rates.append(Array(tuple(graph.of(float(item is time)) for item in argument.elements), argument.shape))
+    target, given = stated["target"], (*arguments, *rates)
+    inside = visit.frame.call(target, given)
+    found = yield from _carried_out(document, inside, functions[target])
+    if [array(value).shape for value in found] != [array(value).shape for value in outputs]:
+        raise _contradiction(document, number, stated)
+    if rates:
+        found = yield from _prescribed(visit, target, given, found)
+    return tuple(_with_rate(graph, array(value), array(rate)) for value, rate in zip(outputs, found, strict=True))
+
+
+def _with_rate(graph: Graph, value: Array, rate: Array) -> Array:
+    pairs = zip(value.elements, rate.elements, strict=True)
+    return Array(tuple(graph.make("prescribed", one, other) for one, other in pairs), value.shape)
 
 
 def _agree(wanted: Sequence[Expression], found: Sequence[Expression], trial: int) -> bool:

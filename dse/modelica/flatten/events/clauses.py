@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from dse.errors import Location, fail
 from dse.modelica.algebra.arithmetic import FUNCTIONS
 from dse.modelica.algebra.expression import Expression, Graph
-from dse.modelica.algebra.traversal import walk
+from dse.modelica.algebra.traversal import symbols, walk
 from dse.modelica.flat_model import Assignment
 from dse.modelica.flatten.events.chains import BranchNumber, Chains, Span
 
@@ -39,31 +39,42 @@ class Clauses:
         """The assignments of one target, of which the first active one holds; *kept* is the value where none gives one.
 
         Their triggers are still numbers of conditions. A branch of a when-clause that leaves the target alone keeps it
-        from later branches by an assignment of its own. Raises DseError where the order cannot be told.
+        from later branches by an assignment of its own. Of several when-clauses in an algorithm, the last one in the
+        text holds; the front-end refuses what reads the target between them. Raises DseError where the order cannot be
+        told.
         """
         groups: dict[int | None, list[Item]] = {}
         for item in items:
             groups.setdefault(item.trigger, []).append(item)
         places = {trigger: self._place(trigger, items[0].owner) for trigger in groups}
         steps = {trigger: self._merged(graph, group, kept, places[trigger]) for trigger, group in groups.items()}
-        clauses = {None if place is None else place.clause for place in places.values()}
-        if len(clauses) > 1 or (None in clauses and len(groups) > 1):
-            raise fail(
-                f"'{items[0].target}' assigned under several conditions that are not one when-clause is not supported",
-                list(steps.values())[-1].where,
-                "write one when-clause with elsewhen",
-            )
-        (clause,) = clauses
-        if clause is None:
+        known = [place for place in places.values() if place is not None]
+        clauses = sorted({place.clause for place in known}, reverse=True)
+        unordered = fail(
+            f"'{items[0].target}' assigned under several conditions that are not one when-clause is not supported",
+            list(steps.values())[-1].where,
+            "write one when-clause with elsewhen",
+        )
+        if len(known) < len(groups) > 1 or (len(clauses) > 1 and any(map(self.chains.is_equation, known))):
+            raise unordered
+        if not known:
             (trigger,) = groups
             if trigger is not None and self.chains.may_follow(self.spans.get(trigger)):
                 raise fail(f"this elsewhen that writes '{items[0].target}' is not supported", items[0].where)
             return list(steps.values())
-        by_branch = {place.branch: steps[trigger] for trigger, place in places.items() if place is not None}
-        return [
-            by_branch[branch] if branch in by_branch else self._silent(BranchNumber(clause, branch), items[0], kept)
-            for branch in range(max(by_branch) + 1)
-        ]
+        found: list[Assignment] = []
+        for clause in clauses:
+            by_branch = {
+                place.branch: steps[trigger] for trigger, place in places.items() if place and place[0] == clause
+            }
+            own = [
+                by_branch[branch] if branch in by_branch else self._silent(BranchNumber(clause, branch), items[0], kept)
+                for branch in range(max(by_branch) + 1)
+            ]
+            if clause != clauses[-1] and kept.symbol in symbols(*(step.value for step in own)):
+                raise unordered  # what is kept there is what the clauses before give
+            found += own
+        return found
 
     def _place(self, trigger: int | None, owner: str) -> BranchNumber | None:
         return None if trigger is None else self.chains.find(self.spans.get(trigger), frozenset({owner}))

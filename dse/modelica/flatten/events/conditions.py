@@ -148,14 +148,14 @@ def read_clocks(evaluation: Evaluation) -> None:
             raise fail(f"a clock of kind '{kind}' is not supported", where)
         fields(data, "lattice anchor", "a clock", where)
         fields(data["lattice"], "period phase", "a clock", where)
-        if data["anchor"] != "absolute":
+        if data["anchor"] not in ("absolute", "simulation_start"):
             raise fail(f"a clock that starts at '{data['anchor']}' is not supported", where)
         period, phase = (_fraction(data["lattice"][name]) for name in ("period", "phase"))
         if period <= 0 or phase < 0:
             raise fail("a sample with a period that is not positive, or from before time 0", where)
         if max(period.numerator, period.denominator, phase.numerator, phase.denominator) > _LARGEST:
             raise fail("a sample whose times have too many digits is not supported", where)
-        evaluation.model.clocks.append(Clock(period, phase))
+        evaluation.model.clocks.append(Clock(period, phase, data["anchor"] == "simulation_start"))
 
 
 def _fraction(record: dict[str, int]) -> Fraction:

@@ -20,6 +20,22 @@ package Modelica "Stands for the Modelica Standard Library: the declarations of 
           external "C" absent(object);
         end destructor;
       end ExternalCombiTable1D;
+      class ExternalCombiTable2D
+        extends ExternalObject;
+        function constructor
+          input String tableName;
+          input String fileName;
+          input Real table[:, :];
+          input Smoothness smoothness;
+          input Extrapolation extrapolation = Extrapolation.LastTwoPoints;
+          output ExternalCombiTable2D object;
+          external "C" object = absent(tableName, fileName, table);
+        end constructor;
+        function destructor
+          input ExternalCombiTable2D object;
+          external "C" absent(object);
+        end destructor;
+      end ExternalCombiTable2D;
       class ExternalCombiTimeTable
         extends ExternalObject;
         function constructor
@@ -58,7 +74,28 @@ package Modelica "Stands for the Modelica Standard Library: the declarations of 
           elseif smoothness == Types.Smoothness.LinearSegments then Internal.getTable1DValueNoDer2(tableID, 1, u)
           else Internal.getTable1DValue(tableID, 1, u);
       end Curve;
+      partial block Grid "The declaration of a table over two inputs"
+        parameter Real table[:, :] = fill(0.0, 0, 2);
+        parameter Types.Smoothness smoothness = Types.Smoothness.LinearSegments;
+        parameter Types.Extrapolation extrapolation = Types.Extrapolation.LastTwoPoints;
+        final parameter Real first[2] = Internal.getTable2DAbscissaUmin(tableID);
+        final parameter Real last[2] = Internal.getTable2DAbscissaUmax(tableID);
+      protected
+        parameter Types.ExternalCombiTable2D tableID = Types.ExternalCombiTable2D("NoName", "NoName", table,
+          smoothness, extrapolation);
+      end Grid;
+      block Surface "A table over two inputs, declared in the class that it extends"
+        extends Tables.Grid;
+        input Real u1;
+        input Real u2;
+        output Real y;
+      equation
+        y = if smoothness == Types.Smoothness.ConstantSegments then Internal.getTable2DValueNoDer(tableID, u1, u2)
+          elseif smoothness == Types.Smoothness.LinearSegments then Internal.getTable2DValueNoDer2(tableID, u1, u2)
+          else Internal.getTable2DValue(tableID, u1, u2);
+      end Surface;
       block Friction "A number of a table in a parameter"
+        extends Icons.Friction;
         import Modelica.Blocks.Types.{ExternalCombiTable1D, Extrapolation, Smoothness};
         import Modelica.Blocks.Tables.Internal.getTable1DValueNoDer2;
         parameter Real mu_pos[:, 2] = [0, 0.5];
@@ -66,6 +103,10 @@ package Modelica "Stands for the Modelica Standard Library: the declarations of 
           table = mu_pos, columns = {2}, smoothness = Smoothness.LinearSegments) "Object";
         final parameter Real mu0 = getTable1DValueNoDer2(tableID, 1, 0);
       end Friction;
+      package Icons
+        partial block Friction "Of the same name as the block"
+        end Friction;
+      end Icons;
       package Internal
         pure function getTable1DValue
           input Types.ExternalCombiTable1D tableID;
@@ -98,6 +139,37 @@ package Modelica "Stands for the Modelica Standard Library: the declarations of 
           output Real uMax;
           external "C" uMax = absent(tableID);
         end getTable1DAbscissaUmax;
+        pure function getTable2DValue
+          input Types.ExternalCombiTable2D tableID;
+          input Real u1;
+          input Real u2;
+          output Real y;
+          external "C" y = absent(tableID, u1, u2);
+        end getTable2DValue;
+        pure function getTable2DValueNoDer
+          input Types.ExternalCombiTable2D tableID;
+          input Real u1;
+          input Real u2;
+          output Real y;
+          external "C" y = absent(tableID, u1, u2);
+        end getTable2DValueNoDer;
+        pure function getTable2DValueNoDer2
+          input Types.ExternalCombiTable2D tableID;
+          input Real u1;
+          input Real u2;
+          output Real y;
+          external "C" y = absent(tableID, u1, u2);
+        end getTable2DValueNoDer2;
+        pure function getTable2DAbscissaUmin
+          input Types.ExternalCombiTable2D tableID;
+          output Real u[2];
+          external "C" absent(tableID, u);
+        end getTable2DAbscissaUmin;
+        pure function getTable2DAbscissaUmax
+          input Types.ExternalCombiTable2D tableID;
+          output Real u[2];
+          external "C" absent(tableID, u);
+        end getTable2DAbscissaUmax;
         pure function getTimeTableValueNoDer
           input Types.ExternalCombiTimeTable tableID;
           input Integer icol;
