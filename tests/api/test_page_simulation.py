@@ -16,6 +16,7 @@ from dse.api.studies import page_simulation
 from dse.domain.bench import VERDICTS
 from dse.errors import DseError, Location
 from dse.loading import Workspace
+from dse.report import read_content
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -144,11 +145,16 @@ def test_what_changes_during_a_run_counts_from_then_on(results: dse.Results, liv
 def test_noise_conditions_and_solvers_are_the_same_in_a_page(folder: Path, tmp_path: Path) -> None:
     shutil.copytree(folder, tmp_path / "ws")
     (tmp_path / "ws/testbenches/noisy.pet.yaml").write_text(NOISY, "utf-8")
+    bench = tmp_path / "ws/testbenches/acc_following.yaml"
+    bench.write_text(bench.read_text("utf-8").replace("  stop: 60 s", "  stop: 60 s\n  check_step: true"), "utf-8")
     found = dse.open(tmp_path / "ws").studies["noisy"].explore(tmp_path / "out", workers=1)
     page = found.report(live=True, workspace=tmp_path / "ws")
     document, runs = simulated(page, lambda document: points_of(found, document))
     assert document["draws"] == len({run["draw"] for run in points_of(found, document)}) > 1
     assert len(document["systems"]) == len(found.definition.configurations) > 1
+    # Error bars stand beside their metrics in a page.
+    assert [each["name"] for each in document["metrics"]] == [each.name for each in read_content(found.folder).metrics]
+    assert any(each.error_of for each in found.definition.metrics)
     assert_equal(found, document, runs)
 
 

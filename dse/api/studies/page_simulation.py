@@ -176,7 +176,10 @@ class _Gathered:
             "variables": [_variable(each) for each in self.definition.variables],
             "requirements": [each.name for each in self.definition.requirements],
             "titles": [each.title or each.name for each in self.definition.requirements],
-            "metrics": [{"name": each.name, **_scale(each.unit)} for each in self.definition.metrics],
+            # Those of the page, which has error bars beside them.
+            "metrics": [
+                {"name": each.name, **_scale(each.unit)} for each in self.definition.metrics if not each.error_of
+            ],
             "figures": [
                 {
                     "name": each.name,

@@ -10,12 +10,13 @@ import { type Axis, coarseFirst, gridStudy, LEVELS, valueAt } from "../simulate/
 import { createPool, type Pool } from "../simulate/pool";
 import { type Control, controlsOf, createSliders, type Sliders } from "../simulate/sliders";
 import { createTrace } from "../simulate/traces";
+import { createVerdicts } from "../simulate/verdicts";
 import { createStore, type State, type Store } from "../store";
-import { CLASSES, FAIL, margin, NOT_APPLICABLE, NOT_EXERCISED, PASS, WORDS } from "../verdicts";
 import { simulatedStudy } from "../yaml";
 import type { View } from "./view";
 
-const PLACE = "testbench";
+/** The condition that tells the bench of a run. */
+const BENCH = "testbench";
 
 export const simulateView: View = {
   name: "simulate",
@@ -50,7 +51,7 @@ function fill(box: HTMLElement, store: Store, document: SimulationDocument, pool
   const holder = el("div", { class: "plane" });
   const cross = el("div", { class: "picked", "aria-hidden": "true", hidden: true });
   const sliderBox = el("div");
-  const verdicts = el("div", { class: "tried", id: "simulated" });
+  const verdicts = createVerdicts(store);
   const charts = document.figures.map((figure) => createTrace(figure, "of the run simulated here"));
   const problem = el("p", { class: "problem", hidden: true });
   const restart = el(
@@ -74,7 +75,10 @@ function fill(box: HTMLElement, store: Store, document: SimulationDocument, pool
         el("div", { class: "folds" }, ...copied),
       ),
     ),
-    column("beside", column("decide", settings, card("simulated-run", "Run simulated here", problem, verdicts, waves))),
+    column(
+      "beside",
+      column("decide", settings, card("simulated-run", "Run simulated here", problem, verdicts.element, waves)),
+    ),
   );
 
   // ---- where it starts ----
@@ -82,21 +86,20 @@ function fill(box: HTMLElement, store: Store, document: SimulationDocument, pool
   const begin = (): void => {
     const run = Math.max(0, store.state.selected);
     const configuration = study.size ? study.configuration[run]! : 0;
-    const bench = study.variables.findIndex(({ name }) => name === PLACE);
-    const number_ = bench < 0 || !study.size ? 0 : study.variables[bench]!.values[run]!;
-    choose_(systemOf(configuration, number_), new Map(runValues(run)));
+    const benches = study.variables.find(({ name }) => name === BENCH)?.values;
+    takeSystem(systemOf(configuration, benches?.[run] ?? 0), new Map(runValues(run)));
   };
   const systemOf = (configuration: number, bench: number): number => {
     const found = document.systems.findIndex((each) => each.configuration === configuration && each.bench === bench);
     return Math.max(0, found);
   };
   const runValues = (run: number): [string, number][] =>
-    study.variables.map(({ name, values: column_ }, index) => {
+    study.variables.map((variable, index) => {
       const { factor, offset } = document.variables[index]!;
-      return [name, column_[run]! * factor + offset];
+      return [variable.name, variable.values[run]! * factor + offset];
     });
   /** Another system, with what is *known* of its settings by name (SI). */
-  const choose_ = (chosen: number, known: ReadonlyMap<string, number>): void => {
+  const takeSystem = (chosen: number, known: ReadonlyMap<string, number>): void => {
     system = chosen;
     const entries = document.systems[system]!.settings;
     values = Float64Array.from(entries, ([at, , value]) => known.get(document.settings[at]!.name) ?? value);
@@ -135,7 +138,7 @@ function fill(box: HTMLElement, store: Store, document: SimulationDocument, pool
       axis(1, "Vertical");
     }
     const { configuration, bench } = document.systems[system]!;
-    const names = new Map(values_(controls, values));
+    const known = byName(controls, values);
     const pick = (id: string, text: string, labels: string[], now: number, chosen: (value: number) => void): void => {
       if (labels.length < 2) return;
       const select = choose(
@@ -148,10 +151,10 @@ function fill(box: HTMLElement, store: Store, document: SimulationDocument, pool
     };
     const ids = study.configurations.map(({ id }) => id);
     pick("simulated-configuration", "Configuration", ids, configuration, (value) =>
-      choose_(systemOf(value, bench), names),
+      takeSystem(systemOf(value, bench), known),
     );
     pick("simulated-bench", "Test bench", document.benches, bench, (value) =>
-      choose_(systemOf(configuration, value), names),
+      takeSystem(systemOf(configuration, value), known),
     );
     const draws = Array.from({ length: document.draws }, (_, place) => `draw ${place + 1}`);
     pick("simulated-draw", "Noise", draws, draw, (value) => {
@@ -277,7 +280,7 @@ function fill(box: HTMLElement, store: Store, document: SimulationDocument, pool
     problem.hidden = !last.problem;
     problem.textContent = last.problem && `The run failed: ${last.problem}`;
     waves.hidden = Boolean(last.problem);
-    verdicts.replaceChildren(...tables(store, last, before));
+    verdicts.show(last, before);
     if (last.problem) return;
     last.traces.forEach((trace, at) => charts[at]!.show(trace, before && before !== last ? before.traces[at] : null));
   };
@@ -303,67 +306,6 @@ function fill(box: HTMLElement, store: Store, document: SimulationDocument, pool
   begin();
 }
 
-function values_(controls: Control[], values: Float64Array): [string, number][] {
-  return controls.map(({ setting, place }) => [setting.name, values[place]!]);
-}
-
-/** Requirements with their verdicts at the reader's thresholds, and the other metrics; *before* is where it started. */
-function tables({ study, state }: Store, ran: Ran, before: Ran | null): HTMLElement[] {
-  if (ran.problem) return [];
-  const text = (value: number, unit: string): string => withUnit(number(value, 6), unit);
-  const judged = study.requirements.flatMap(({ title, metric, name }, index) => {
-    const { atMost, atLeast } = state.thresholds[index]!;
-    if (ran.marks[index] === NOT_APPLICABLE) return [];
-    const { unit } = study.metrics[metric]!;
-    const value = ran.metrics[metric]!;
-    const by = margin(value, { atMost, atLeast });
-    const mark = ran.marks[index] === NOT_EXERCISED ? NOT_EXERCISED : by >= 0 ? PASS : FAIL;
-    const bound = [
-      atLeast === null ? "" : `\u2265 ${text(atLeast, unit)}`,
-      atMost === null ? "" : `\u2264 ${text(atMost, unit)}`,
-    ];
-    const word = ran.close[index] ? `${WORDS[mark]}, at the bound` : WORDS[mark];
-    return [
-      el(
-        "tr",
-        { class: "judged" },
-        el("th", { scope: "row", title: name }, title),
-        el("td", {}, text(value, unit)),
-        el("td", { class: "muted" }, before ? text(before.metrics[metric]!, unit) : ""),
-        el("td", {}, bound.filter(Boolean).join(", ")),
-        el("td", { class: `verdict ${CLASSES[mark]}` }, word!),
-      ),
-    ];
-  });
-  const asked = new Set(study.requirements.map(({ metric }) => metric));
-  const others = study.metrics.flatMap(({ title, unit }, at) =>
-    asked.has(at)
-      ? []
-      : [
-          el(
-            "tr",
-            {},
-            el("th", { scope: "row" }, title),
-            el("td", {}, text(ran.metrics[at]!, unit)),
-            el("td", { class: "muted" }, before ? text(before.metrics[at]!, unit) : ""),
-          ),
-        ],
-  );
-  const table = (heads: string[], rows: HTMLElement[]): HTMLElement =>
-    el(
-      "div",
-      { class: "scroll" },
-      el(
-        "table",
-        { class: "metrics" },
-        el("thead", {}, el("tr", {}, ...heads.map((head) => el("th", { scope: "col" }, head)))),
-        el("tbody", {}, ...rows),
-      ),
-    );
-  return [
-    ...(judged.length ? [table(["Requirement", "Value", "At the start", "Required", "Verdict"], judged)] : []),
-    ...(others.length
-      ? [el("details", {}, el("summary", {}, "Other metrics"), table(["Metric", "Value", "At the start"], others))]
-      : []),
-  ];
+function byName(controls: Control[], values: Float64Array): Map<string, number> {
+  return new Map(controls.map(({ setting, place }) => [setting.name, values[place]!]));
 }
