@@ -42,6 +42,7 @@ INCOMPLETE = frozenset({
     "c_component.h", "c_component_osmp.h",  # need a model.h of a component in C
     "datagram.h", "udp.h", "udp_told.h",  # need the sizes of a component's packets
     "host.c",  # is for Windows
+    "web.h",  # needs the counts of a page's driver
 })  # fmt: skip
 """What cannot stand alone; nor can the solvers, which ask things of whoever includes them,
 and the core of scenarios, which needs sizes."""

@@ -10,7 +10,7 @@ export function copyParts(
   open = false,
   toggled: (open: boolean) => void = () => {},
 ): [HTMLElement, HTMLElement] {
-  const shown = el("pre", { id, tabindex: 0 });
+  const shown = el("pre", { id, tabindex: 0, "aria-label": title });
   const said = el("span", { class: "muted", role: "status" });
   const fill = (): string => {
     shown.textContent = text();
