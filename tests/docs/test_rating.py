@@ -43,7 +43,7 @@ def test_the_rating_of_the_page_is_for_the_cells_it_names(workspace, tmp_path):
 def test_the_shipped_rating_is_run_and_its_workbook_has_the_same_points(tmp_path, kept_cache):
     import openpyxl
 
-    arguments = ("rate", "aeb_vehicle", "--format", "json", "-o", str(tmp_path / "out"), "--workers", "2")
+    arguments = ("rate", "aeb_vehicle", "--layers", "--format", "json", "-o", str(tmp_path / "out"), "--workers", "2")
     done = run_dse(ROOT, *arguments, cache=tmp_path / "cache")
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
