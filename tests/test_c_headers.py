@@ -40,9 +40,8 @@ INCOMPLETE = frozenset({
     "modelica.h",  # needs the sizes that model.h defines before it
     "fmi2_exchange.h", "fmi3_exchange.h", "fmi3_refused.h", "fused_part.h",  # ends of a unit: further functions
     "c_component.h", "c_component_osmp.h",  # need a model.h of a component in C
-    "datagram.h", "udp.h", "udp_told.h",  # need the sizes of a component's packets
+    "datagram.h", "udp.h", "udp_told.h", "web.h",  # need the sizes of a component's packets, or of a page's systems
     "host.c",  # is for Windows
-    "web.h",  # needs the counts of a page's driver
 })  # fmt: skip
 """What cannot stand alone; nor can the solvers, which ask things of whoever includes them,
 and the core of scenarios, which needs sizes."""
