@@ -87,7 +87,9 @@ class Handmade:
             _table("uint32_t dse_discrete[]", [f"place_{name}" for name in self.discretes], "0"),
             _table("char *const dse_failure[]", [f'"{text}"' for text in self.failures], '""'),
             _table("char *const dse_relations[]", [f'"{a} {op} {b}"' for a, op, b in self.relations], '""'),
-            _table("struct dse_clock dse_clocks[]", [f"{{{a}, {b}, {c}}}" for a, b, c in self.clocks], "{1, 0, 1}"),
+            _table(
+                "struct dse_clock dse_clocks[]", [f"{{{a}, {b}, {c}, 0}}" for a, b, c in self.clocks], "{1, 0, 1, 0}"
+            ),
             f"#define DSE_SLOT_COUNT {len(names)}u",
             _table("struct dse_slot dse_slots[]", slots, "DSE_VALUE(0, REAL, OUTPUT, 0)"),
             _table("char *const dse_names[]", [f'"{name}"' for name in names], '""'),
