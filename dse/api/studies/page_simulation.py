@@ -202,12 +202,10 @@ class _Gathered:
         yield from (figure.target for figure in self.definition.figures if figure.target)
 
     def _program(self, program: dict[str, Any]) -> int:
-        found = [*self.programs]
+        """Its place among the programs; an equal one has the same."""
         key = repr(program)
-        if key not in self.programs:
-            self.programs[key] = program
-            return len(found)
-        return found.index(key)
+        self.programs.setdefault(key, program)
+        return [*self.programs].index(key)
 
 
 def _variable(variable: DefinedVariable) -> dict[str, Any]:

@@ -93,7 +93,7 @@ def _bench_of(stored: Run, source: str | Path | None, near: Path, workspace: Pat
 
 @dataclass(frozen=True, slots=True)
 class _Made:
-    """*stored* simulated again for the eye, as *planned*, on *bench*; *told* tells what is to be seen."""
+    """*stored* simulated again as *planned* on *bench*, with all signals recorded that *told* finds for a scene."""
 
     stored: Run
     bench: TestBench
