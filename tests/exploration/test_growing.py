@@ -35,6 +35,7 @@ from dse.storage.folder import StudyFolder
 NAMES = ("a", "b")
 BISECTION = Bisection(requirement="R1", width=0.002)
 BOUNDARY = Boundary(samples=28, first=6, batch=5)
+HALF = 11  # of the runs of the smaller study
 
 
 def test_a_sampler_that_looks_at_results_closes_in_on_a_boundary(tmp_path: Path) -> None:
@@ -104,6 +105,13 @@ run(Path({folder!r}), study, workers={workers}, seconds={seconds})
 """
 
 
+def runs_in(folder: Path) -> int:
+    if not (folder / "study.sqlite").exists():
+        return 0
+    with StudyFolder.open(folder) as opened:
+        return len(opened.finished())
+
+
 def killed_on_the_way(folder: Path, keep: Keep, sampler: str, workers: int, kills: int, seconds: float) -> int:
     """Explore into *folder*, killed with all workers *kills* times at random moments; how often it was alive then."""
     here = Path(__file__).parent
@@ -120,10 +128,11 @@ def killed_on_the_way(folder: Path, keep: Keep, sampler: str, workers: int, kill
         process = subprocess.Popen(
             [sys.executable, str(script)], start_new_session=True, env={**os.environ, "TMPDIR": str(folder.parent)}
         )
-        # From the first import to well into the runs, wherever this machine is by then.
-        until = time.monotonic() + moments.uniform(0.2, 2.0)
-        while time.monotonic() < until and process.poll() is None:
+        # From the first import to some runs on; however fast the machine, not the whole study before the last kill.
+        wanted = runs_in(folder) + moments.randint(0, -(-HALF // kills))
+        while runs_in(folder) < wanted and process.poll() is None:
             time.sleep(0.01)
+        time.sleep(moments.uniform(0, seconds / 4 if wanted else 0.5))
         alive += process.poll() is None
         os.killpg(process.pid, signal.SIGKILL) if process.poll() is None else None
         process.wait()
