@@ -34,12 +34,14 @@ class Host:
     length: float
     width: float
     front: float
+    height: float = 1.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sensor:
     """What looks around: *returns* are columns valid, range, azimuth of what it tells, seen from *mount* m ahead of the
-    centre of gravity; it reaches *reach* m within *angle* rad (0: not known)."""
+    centre of gravity; it reaches *reach* m within *angle* rad (0: not known). *scan* are number and age (s) of the
+    scan, if a trace needs them."""
 
     name: str
     title: str
@@ -47,6 +49,7 @@ class Sensor:
     reach: float
     angle: float
     returns: tuple[Mapping[str, Floats], ...]
+    scan: Mapping[str, Floats] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
