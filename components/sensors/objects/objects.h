@@ -9,6 +9,9 @@
  * half the closing speed. Doppler is the speed of that point relative to the sensor, which turns with the car, along
  * the ray; the object's yaw rate is neglected, as actors do not report it.
  *
+ * Mounting. The sensor's axes are those of the car, moved by *mount* and *mount_left* and turned by *mount_turn*. Ranges,
+ * azimuths and the field of view are relative to them; the scan reports all three.
+ *
  * Strength. An echo falls with R^n exp(2 a R) (n = 4 for radar: radar equation; n = 2 for a target that fills the beam
  * of a lidar), and grows with the object's reflection s and with its visible share:
  *   signal / noise = threshold (s / s_car) share (max_range / R)^n exp(-2 a R),
@@ -94,7 +97,7 @@ typedef struct {
 
 typedef struct {
     int32_t number;
-    double age, mount;
+    double age, mount, mount_left, mount_turn;
     objects_lasting scale, misalignment;
     objects_detection returns[OBJECTS_RETURNS];
 } objects_scan;
@@ -120,7 +123,7 @@ typedef struct {
         objects_scan scan;
     } out;
     struct {
-        double mount, mount_height;      /* m ahead of the centre of gravity; m above the road */
+        double mount, mount_left, mount_height, mount_turn; /* m ahead and left of the centre of gravity, above the road; rad to the left */
         double max_range, field_of_view; /* m; rad, from edge to edge */
         double echo_exponent;            /* n; 0: sees by contrast */
         double threshold;                /* the least signal to noise */
