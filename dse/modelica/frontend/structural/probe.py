@@ -11,11 +11,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from dse.errors import Problem, raise_if_any
+from dse.errors import DseError, Problem, raise_if_any
 from dse.modelica.frontend.compile import Session, opened
 from dse.modelica.frontend.literal import Value, literal
 from dse.modelica.frontend.process import FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import FrontEndResult
+from dse.modelica.frontend.signal_connections import is_refused_for_connections, with_equations
 from dse.modelica.frontend.sources import ModelSources
 from dse.modelica.frontend.structural.alterations import Alteration, alterations, number, refers_to
 from dse.modelica.frontend.structural.shape import shaping
@@ -23,10 +24,23 @@ from dse.modelica.frontend.structural.shape import shaping
 
 def compile_probed(sources: ModelSources, structural: Mapping[str, Value] | None = None) -> FrontEndResult:
     """As `compile_model`, and the result's *structural* is known. Raises DseError."""
-    changes = {name: literal(value) for name, value in (structural or {}).items()}
+    changed = sources
+    for least in (2, 1, 0):  # first only signals with more than one such connection
+        try:
+            return _compiled(changed, structural or {})
+        except DseError as refusal:
+            if not least or not is_refused_for_connections(refusal):
+                raise
+        contents, parts = (with_equations(files, least) for files in (sources.contents, sources.parts))
+        changed = replace(sources, contents=contents, parts=parts)
+    raise AssertionError
+
+
+def _compiled(sources: ModelSources, structural: Mapping[str, Value]) -> FrontEndResult:
+    changes = {name: literal(value) for name, value in structural.items()}
     with opened(sources) as session:
         result = session.compiled(changes)
-        raise_if_any(_ineffective(result, sources, structural or {}))
+        raise_if_any(_ineffective(result, sources, structural))
         return replace(result, structural=_Probe(session, result, changes).structural())
 
 
