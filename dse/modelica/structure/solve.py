@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
@@ -22,6 +23,7 @@ from dse.modelica.structure.known import Known, Starts, default, dependent_param
 from dse.modelica.structure.reduction.dummies import chosen
 from dse.modelica.structure.reduction.guards import guarded
 from dse.modelica.structure.reduction.pantelides import reduced
+from dse.modelica.structure.reduction.preferred import with_preferred_rates
 from dse.modelica.structure.rows import Row, listed
 
 
@@ -34,6 +36,14 @@ def solve(flat: FlatModel) -> Solved:
     if flat.graph.knows(Symbol(referent=Referent.CONTINUED)):
         # Only equations are solved by continuation.
         flat = replace(flat.mapped(actual), equations=flat.equations, initial_equations=flat.initial_equations)
+    preferred = with_preferred_rates(flat)
+    if preferred is not flat:
+        with contextlib.suppress(DseError):  # a preference is no demand
+            return _sorted(preferred)
+    return _sorted(flat)
+
+
+def _sorted(flat: FlatModel) -> Solved:
     parameters = dependent_parameters(flat)
     eliminated = without_aliases(flat)
     flat, notes = _reduced_model(flat, eliminated)
