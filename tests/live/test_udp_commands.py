@@ -327,7 +327,8 @@ def test_the_deadlines_of_a_world_in_c_are_absolute(tmp_path):
         pytest.skip("no C compiler")
     made = tmp_path / "clock.so"
     (tmp_path / "clock.c").write_text(
-        '#include "dse_udp.h"\ndouble next_deadline(double last, double now) { return dse_udp_deadline(last, 0.01, now); }\n'
+        '#include "dse_udp.h"\n'
+        "double next_deadline(double last, double now) { return dse_udp_deadline(last, 0.01, now); }\n"
     )
     options = ["-std=c99", "-D_DEFAULT_SOURCE", "-shared", "-fPIC", "-Wno-unused-function", f"-I{CLIENTS / 'c'}"]
     subprocess.run([compiler, *options, str(tmp_path / "clock.c"), "-o", str(made)], check=True)
