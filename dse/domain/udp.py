@@ -33,8 +33,8 @@ class LinkMode(StrEnum):
 class UdpSource(Source):
     """Somebody at *host* and *port*; a server listens there. A step waits *timeout* s, a start *wait* s.
 
-    With a *layout* the last value of what is heard must be this number. With *answers*, a host and a port, a server sends
-    there instead of to the sender of a request.
+    With a *layout* the last value of what is heard must be this number. A server with *answers*, a host and a
+    port, sends there instead of to the sender of a request.
     """
 
     kind = "udp"
