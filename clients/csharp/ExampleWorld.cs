@@ -51,9 +51,15 @@ static class ExampleWorld
     // By its own clock, as Unity's FixedUpdate: the newest force counts, nobody waits for anybody.
     static void Free(World world)
     {
-        double time = 0.0;
-        for (;; Thread.Sleep((int)(1000 * Step)))
+        double time = 0.0, deadline = 0.0;
+        var clock = System.Diagnostics.Stopwatch.StartNew();
+        for (;;)
         {
+            // Deadlines are absolute, so that delays do not add up; more than 0.1 s is not caught up.
+            deadline += Step;
+            double rest = deadline - clock.Elapsed.TotalSeconds;
+            if (rest < -0.1) deadline -= rest;
+            if (rest > 0.0) Thread.Sleep((int)(1000 * rest));
             Request request;
             while (world.TryTake(out request))
             {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import json
 import math
 import random
@@ -316,6 +317,28 @@ def test_the_example_worlds_pass_the_check(language, request, dse):
         for _ in range(2):  # a world is there for more than one client
             done = dse("udp", "check", f"127.0.0.1:{port}", "--out", "1", "--back", "3", "--steps", "50", *PATIENT)
             assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.thorough
+def test_the_deadlines_of_a_world_in_c_are_absolute(tmp_path):
+    """Of a step of 10 ms, however late each wake-up is; a delay of more than 0.1 s moves the later deadlines."""
+    compiler = shutil.which("cc")
+    if not compiler:
+        pytest.skip("no C compiler")
+    made = tmp_path / "clock.so"
+    (tmp_path / "clock.c").write_text(
+        '#include "dse_udp.h"\n'
+        "double next_deadline(double last, double now) { return dse_udp_deadline(last, 0.01, now); }\n"
+    )
+    options = ["-std=c99", "-D_DEFAULT_SOURCE", "-shared", "-fPIC", "-Wno-unused-function", f"-I{CLIENTS / 'c'}"]
+    subprocess.run([compiler, *options, str(tmp_path / "clock.c"), "-o", str(made)], check=True)
+    following = ctypes.CDLL(str(made)).next_deadline
+    following.restype, following.argtypes = ctypes.c_double, [ctypes.c_double, ctypes.c_double]
+    deadline = 100.0
+    for late in [0.009, 0.0, 0.05, 0.02] * 50:  # each wake-up is so late
+        deadline = following(deadline, deadline + late)
+    assert deadline == pytest.approx(102.0)
+    assert following(102.0, 102.2) == 102.2
 
 
 @pytest.mark.thorough
