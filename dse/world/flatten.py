@@ -14,8 +14,9 @@ import numpy as np
 from dse.errors import Location, Problem, raise_if_any
 from dse.world.cross_section import Band, bands_of, overlaps
 from dse.world.evaluation import place
+from dse.world.in_the_way import ALL_USERS
 from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph
-from dse.world.opendrive.curves import curve_of
+from dse.world.opendrive.curves import Reals, curve_of
 from dse.world.opendrive.driving import DRIVEN, runs_along
 from dse.world.opendrive.reading import read_network
 from dse.world.opendrive.structure import Cubic, Network, Road, Sign, Signal, TrafficOrder as Ordered
@@ -160,7 +161,24 @@ def _lanes(passages: Sequence[_Passage], *, every_lane: bool) -> Iterator[LaneBa
             _along_sections(passages, [[band.left for band in row] for row in rows]),
             _along_sections(passages, [[band.right for band in row] for row in rows]),
             _along_sections(passages, [[band.friction for band in row] for row in rows]),
+            _common_users(passages, rows),
         )
+
+
+def _common_users(passages: Sequence[_Passage], rows: Sequence[Sequence[Band]]) -> int:
+    """The bits of who may drive on a lane wherever it is there."""
+    users = ALL_USERS
+    for passage, row in zip(passages, rows, strict=True):
+        for at, band in zip(passage.places, row, strict=True):
+            section = passage.road.sections[at.section]
+            if np.any(np.abs(_widths(band, section.end - section.s)) > _NO_LANE):
+                users &= band.users
+    return users
+
+
+def _widths(band: Band, length: float) -> Reals:
+    stations = np.linspace(0.0, length, 5)
+    return value(band.left, stations) - value(band.right, stations)
 
 
 def _along_sections(passages: Sequence[_Passage], parts: Sequence[Sequence[Piecewise]]) -> Piecewise:
@@ -178,7 +196,7 @@ def _band(bands: dict[int, Band], number: int) -> Band:
     if number in bands:
         return bands[number]
     edge = bands[max(bands)].left if number > 0 else bands[min(bands)].right
-    return Band(edge, edge, steps((), 0.0, 1.0, 1.0))
+    return Band(edge, edge, steps((), 0.0, 1.0, 1.0), ALL_USERS)
 
 
 def _speed_limit(passage: _Passage) -> Piecewise:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.world.in_the_way import ALL_USERS
+
 
 @dataclass(frozen=True, eq=False)
 class Piecewise:
@@ -24,13 +26,15 @@ class LaneBand:
     """A lane beside a path: *number* 0 is the path's own, 1 the next to the left, -1 the next to the right.
 
     *left* and *right* are its borders, in m to the left of the reference line; where the lane is not there they are
-    equal. *friction*, against dry asphalt, is constant in pieces. Only lanes that vehicles use are counted.
+    equal. *friction*, against dry asphalt, is constant in pieces. Only lanes that vehicles use are counted. *users* are
+    the bits of the classes (`in_the_way.user_bits`) that may drive along all of it.
     """
 
     number: int
     left: Piecewise
     right: Piecewise
     friction: Piecewise
+    users: int = ALL_USERS
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from dse.errors import Location, Problem, Problems, fail
 from dse.formats import XmlElement, shortened
+from dse.world.in_the_way import users_of
 from dse.world.opendrive.structure import Cubic, Lane, Limit, Section
 from dse.world.opendrive.values import cubic, in_order, number, text, whole
 
@@ -114,6 +115,7 @@ def _lane(element: XmlElement, s: float) -> Lane:
         _linked(element, "successor"),
         limits,
         tuple(_friction(child, s) for child in element.all("material")),
+        users_of(text(element, "type"), _rules(element)),
         tuple(refused),
         element.where,
     )
@@ -126,6 +128,13 @@ def _linked(lane: XmlElement, which: str) -> tuple[int, ...]:
 def _friction(element: XmlElement, s: float) -> tuple[float, float]:
     # Programs differ in what 1 is; ours take it for dry asphalt, so that the tyre's own friction is scaled by it.
     return s + number(element, "sOffset", least=0.0), number(element, "friction", least=0.0, default=1.0)
+
+
+def _rules(lane: XmlElement) -> Iterator[tuple[str, str]]:
+    """What <access> allows or denies; until 1.6 all are denied. A rule of a part of the lane counts for all of it."""
+    for element in lane.all("access"):
+        words = [element.get("restriction"), *(each.get("type") for each in element.all("restriction"))]
+        yield from ((element.get("rule", "deny").strip(), word.strip()) for word in words if word)
 
 
 def _refused(lane: XmlElement) -> Iterator[Problem]:

@@ -94,7 +94,7 @@ class Lane:
     """A lane in a section; ids > 0 lie left of the centre lane, in order.
 
     *widths* go before *borders*, which are the t of its outer border. *frictions* are (s, value). *reversed_* lanes are
-    driven against what their side of the road says.
+    driven against what their side of the road says. *users* are the classes that may drive along it (`in_the_way`).
     """
 
     id: int
@@ -106,6 +106,7 @@ class Lane:
     successors: tuple[int, ...]
     limits: tuple[Limit, ...]
     frictions: tuple[tuple[float, float], ...]
+    users: frozenset[str]
     refused: tuple[Problem, ...]
     where: Location
 
