@@ -192,7 +192,7 @@ class Road:
     """A road: its reference line, heights, lanes and what stands on it.
 
     *junction* is "" for a road that is not in one. What cannot be followed along it is in *refused*: it is told when a
-    path uses the road.
+    path uses the road. *ignored* is what may matter and has no effect.
     """
 
     id: str
@@ -211,6 +211,7 @@ class Road:
     signs: tuple[Sign, ...]
     orders: tuple[TrafficOrder, ...]
     refused: tuple[Problem, ...]
+    ignored: tuple[Problem, ...]
     where: Location
 
 
