@@ -21,7 +21,7 @@ _SAMPLES = 33
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Band:
-    """Borders and friction of a lane over the length of a section, in a direction of travel, and the bits of its users."""
+    """Borders and friction of a lane over a section, in a direction of travel, and the bits of its users."""
 
     left: Piecewise
     right: Piecewise

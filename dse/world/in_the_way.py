@@ -12,7 +12,7 @@ CLASSES = ("none", "car", "truck", "motorcycle", "bicycle", "pedestrian", "obsta
 """The enumeration ``actor_class`` of the interfaces, in its order."""
 
 HEIGHTS = (0.0, 1.5, 3.5, 1.5, 1.75, 1.75, 0.0)
-"""m by class, where a road user has no height of its own. They are those that the traffic of the shipped components has.
+"""m by class, where a road user has no height of its own: as the traffic of the shipped components has them.
 
 A car: Euro NCAP Global Vehicle Target, 1.43 m, and the mean of new cars in the EU, about 1.55 m. A truck: at most 4.0 m
 (Directive 96/53/EC, annex I, 1.3); 3.5 m is that of a box body without a high roof. With a rider or on foot: about

@@ -240,7 +240,7 @@ class _Search:
         self._farthest = 0
 
     def from_(self, start: LanePlace) -> tuple[LanePlace, ...]:
-        """The lanes from *start* to the end of the last road, back to *start* if they can; none if there is no such way."""
+        """The lanes from *start* to the end of the last road, back to *start* if they can; none if there is no way."""
         roads = self._route.roads
         open_way: tuple[LanePlace, ...] = ()
         stack: list[tuple[tuple[LanePlace, ...], int]] = [((start,), 0)]
@@ -265,7 +265,7 @@ class _Search:
         return open_way
 
     def way(self, starts: list[LanePlace]) -> Way | None:
-        """The way from the first of *starts* that closes, else that leads to the end; lanes that end are the last choice."""
+        """The way from the first of *starts* that closes, else leads to the end; lanes that end are the last choice."""
         graph = self._graph
         found = [places for start in starts if (places := self.from_(start))]
         if not found:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.errors import Problem
 from dse.world.in_the_way import ALL_USERS
 
 
@@ -107,7 +108,8 @@ class RoadPath:
     side, and the borders of the lanes with it, so that the lanes go on without a jump. *height* in m, *bank* in rad
     (> 0: left side higher) belong to the reference line; a point at t to its left is t tan(bank) above it, and t is
     measured in the plane. *speed_limit* in m/s, 0 where there is none, is constant in pieces. *lanes* has the path's
-    own lane first; from *leftmost* to *rightmost* they are driven in its direction where it begins.
+    own lane first; from *leftmost* to *rightmost* they are driven in its direction where it begins. *smoothed* is what
+    a tolerance let pass, or smoothed.
     """
 
     name: str
@@ -125,6 +127,7 @@ class RoadPath:
     legs: tuple[Leg, ...] = ()
     leftmost: int = 0
     rightmost: int = 0
+    smoothed: tuple[Problem, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

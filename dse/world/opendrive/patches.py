@@ -48,7 +48,9 @@ def _unrepeatable(element: XmlElement, repeat: XmlElement) -> Problem | None:
         return Problem(what, repeat.where)
     step, length = number(repeat, "distance", least=0.0), number(repeat, "length", least=0.0)
     if not step and (_ends(element, repeat, "t", "width")):
-        what = "a continuous <repeat> of an <object> with friction must keep its t and its width: it is no rectangle else"
+        what = (
+            "a continuous <repeat> of an <object> with friction must keep its t and its width: it is no rectangle else"
+        )
         return Problem(what, repeat.where)
     if step and length / step > _MOST_COPIES:
         return Problem(f"a <repeat> makes more than {_MOST_COPIES} copies of an <object> with friction", repeat.where)

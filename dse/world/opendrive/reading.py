@@ -9,7 +9,7 @@ from pathlib import Path
 
 from dse.errors import Problem, Problems, closest, fail, raise_if_any
 from dse.formats import XmlElement, read_xml_file, real_of, shortened
-from dse.world.opendrive.checks import network_problems, road_problems
+from dse.world.opendrive.checks import network_problems, road_faults, road_problems
 from dse.world.opendrive.driving import DRIVEN
 from dse.world.opendrive.lanes import read_limit, read_offsets, read_sections
 from dse.world.opendrive.patches import read_slicks
@@ -19,6 +19,7 @@ from dse.world.opendrive.structure import (
     Connection,
     Cubic,
     End,
+    Fault,
     Geometry,
     Junction,
     Limit,
@@ -130,12 +131,16 @@ def _road(element: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[
         signs,
         orders,
         (),
+        (),
         tuple(ignored),
         element.where,
     )
     with refused:
         refused += road_problems(road)
-    return replace(road, refused=tuple(refused))
+    faults: list[Fault] = []
+    with refused:
+        faults += road_faults(road)
+    return replace(road, refused=tuple(refused), faults=tuple(faults))
 
 
 def _profile(road: XmlElement, profile: str, tag: str) -> tuple[Cubic, ...]:

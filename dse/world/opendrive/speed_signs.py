@@ -49,14 +49,28 @@ CATALOGUES = {
 }
 """By ISO 3166-1 alpha-2. They end a limit, or the limit of a zone, or all of them."""
 
-_CODES = {
-    "": "de",
-    "opendrive": "de",  # its examples have German numbers
-    "uk": "gb",
-    **{"deu": "de", "ger": "de", "aut": "at", "che": "ch", "usa": "us", "can": "ca", "gbr": "gb", "irl": "ie", "swe": "se"},
-    **{"nor": "no", "dnk": "dk", "fin": "fi", "nld": "nl", "bel": "be", "fra": "fr", "esp": "es", "pol": "pl", "cze": "cz"},
-    "aus": "au",
+_LONG = {
+    "de": "deu ger",
+    "at": "aut",
+    "ch": "che",
+    "us": "usa",
+    "ca": "can",
+    "gb": "gbr uk",
+    "ie": "irl",
+    "se": "swe",
+    "no": "nor",
+    "dk": "dnk",
+    "fi": "fin",
+    "nl": "nld",
+    "be": "bel",
+    "fr": "fra",
+    "es": "esp",
+    "pl": "pol",
+    "cz": "cze",
+    "au": "aus",
 }
+# The examples of OpenDRIVE have German numbers.
+_CODES = {"": "de", "opendrive": "de"} | {long: code for code, longs in _LONG.items() for long in longs.split()}
 
 
 def is_german(signal: XmlElement) -> bool:
@@ -125,7 +139,9 @@ def _tell_unknown(signal: XmlElement, country: str, kind: str, ignored: list[Pro
         what = f"the sign {_named(signal)} has the unit of a speed, and is no known speed sign: it is ignored"
         ignored.append(Problem(what, signal.where, hint))
     elif country not in CATALOGUES and any(kind in each.begins for each in CATALOGUES.values()):
-        what = f"the sign {_named(signal)} may limit the speed, but the signs of its country are not known: it is ignored"
+        what = (
+            f"the sign {_named(signal)} may limit the speed, but the signs of its country are not known: it is ignored"
+        )
         ignored.append(Problem(what, signal.where, f"countries with speed signs: {', '.join(CATALOGUES)}"))
 
 
