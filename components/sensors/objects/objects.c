@@ -1,5 +1,6 @@
 #include "objects.h"
 
+#include "../../road_users/in_the_way.h"
 #include "../sensing/sensing.h"
 #include "view.h"
 
@@ -343,7 +344,7 @@ static objects_sample measured(objects *self) {
         double turned = actor->heading - direction(self);
         view_box box = {c * dx + s * dy - ahead, c * dy - s * dx - left, cos(turned), sin(turned),
                         0.5 * actor->length, 0.5 * actor->width};
-        if (actor->class == 0) box.length = -1;
+        if (actor->class == 0 || is_on_another_level(actor->above)) box.length = -1;
         boxes[i] = box;
     }
     look(self, boxes, parts);

@@ -20,7 +20,7 @@
  * dark; s is the contrast of the object's class to what is behind it, 0: 1; the veil is that of the sun (sensing.h). The
  * smaller of the object's height and visible width must be at least *least_pixels* in the image of *focal_length*.
  *
- * Height. An object reaches from its clearance to its height above the road. What is entirely above the sensor, or not
+ * Height. A road user on another level (in_the_way.h) is hidden. An object reaches from its clearance to its height above the road. What is entirely above the sensor, or not
  * higher than 0.1 m, hides nothing and is seen through others. A radar's lobe is Gaussian with *elevation_beam* between
  * its half-power directions, level, so that a bridge fades as the car approaches. A sensor that measures height, with
  * *elevation_noise*, does not report what is above least_clearance or below least_height.
@@ -77,7 +77,7 @@ typedef struct {
     double speed, lateral_speed, acceleration;
     int32_t path, lane;
     double station, offset;
-    double ahead, aside, approach;
+    double ahead, aside, approach, above;
 } objects_actor;
 
 typedef struct {
