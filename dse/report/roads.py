@@ -35,7 +35,7 @@ _PROFILE = 2001
 
 def road_picture(network: Network, title: str) -> RoadPicture:
     """What is drawn of *network*. Raises DseError if no path leads through it."""
-    lines = [_Line(road) for road in network.roads.values()]
+    lines = [RoadLine(road) for road in network.roads.values()]
     strips = tuple(strip for line in lines for strip in line.strips())
     areas = tuple(area for line in lines for area in line.areas())
     lights = [light.place[:2] for line in lines for light in line.lights()]
@@ -44,7 +44,7 @@ def road_picture(network: Network, title: str) -> RoadPicture:
 
 def standing_lights(network: Network) -> tuple[StandingLight, ...]:
     """The traffic lights of *network*; one that several roads name is there once for each."""
-    return tuple(light for road in network.roads.values() for light in _Line(road).lights())
+    return tuple(light for road in network.roads.values() for light in RoadLine(road).lights())
 
 
 def with_driven(picture: RoadPicture, network: Network, label: str, x: Floats, y: Floats) -> RoadPicture:
@@ -73,7 +73,7 @@ def _feet(path: RoadPath, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     return station, left
 
 
-class _Line:
+class RoadLine:
     """A road whose reference line is sampled where it turns and where its lanes change."""
 
     def __init__(self, road: Road) -> None:
@@ -86,15 +86,15 @@ class _Line:
         """All lanes, section by section, in the direction in which they are driven."""
         for section in self._road.sections:
             borders = borders_of(self._road, section)
-            stations = self._between(section.s, section.end)
+            stations = self.between(section.s, section.end)
             for id_, lane in section.lanes.items():
                 ts = [value(border, stations - section.s) for border in borders[id_]]
-                right, left = (np.column_stack([self._xy(stations, t), self._z(stations, t)]) for t in ts)
+                right, left = (self.along(stations, t) for t in ts)
                 if not runs_along(self._road, lane):
                     right, left = left[::-1], right[::-1]
                 if lane.type != "none":
                     sides = left[:, :2], right[:, :2], left[:, 2], right[:, 2]
-                    yield Strip(*sides, lane.type in DRIVEN, bool(self._road.junction))
+                    yield Strip(*sides, lane.type in DRIVEN, bool(self._road.junction), lane.type)
 
     def areas(self) -> Iterator[Area]:
         """What is not as dry asphalt: lanes, and patches upon them."""
@@ -104,11 +104,11 @@ class _Line:
                 ends = [*(s for s, _ in lane.frictions[1:]), section.end]
                 for (start, friction), end in zip(lane.frictions, ends, strict=False):
                     if friction != 1.0 and start < end:
-                        stations = self._between(start, end)
+                        stations = self.between(start, end)
                         right, left = (value(border, stations - section.s) for border in borders[id_])
                         yield self._area(stations, right, left, friction)
         for slick in self._road.slicks:
-            stations = self._between(slick.start, min(slick.end, self._road.length))
+            stations = self.between(slick.start, min(slick.end, self._road.length))
             ones = np.ones_like(stations)
             yield self._area(stations, slick.right * ones, slick.left * ones, slick.friction)
 
@@ -125,12 +125,12 @@ class _Line:
             driven = [t for id_, pair in sides.items() if self._obeys(signal, section.lanes[id_], id_) for t in pair]
             right, left = min(driven or every), max(driven or every)
             beside = max(every) + 1.0 if is_back else min(every) - 1.0
-            along = self._curve_at(float(at[0]))
+            along = self.heading_at(float(at[0]))
             yield StandingLight(
                 signal.id,
-                self._point(at, beside),
+                self.point(at, beside),
                 along + np.pi if is_back else along,
-                np.stack([self._point(at, t) for t in ((right, left) if is_back else (left, right))]),
+                np.stack([self.point(at, t) for t in ((right, left) if is_back else (left, right))]),
             )
 
     def _obeys(self, signal: Signal, lane: Lane, id_: int) -> bool:
@@ -139,14 +139,14 @@ class _Line:
         is_faced = signal.orientation == "none" or runs_along(self._road, lane) == (signal.orientation == "+")
         return lane.type in DRIVEN and is_meant and is_faced
 
-    def _curve_at(self, station: float) -> float:
+    def heading_at(self, station: float) -> float:
         """The heading of the reference line."""
         piece = min(max(int(np.searchsorted(self._starts, station, side="right")) - 1, 0), len(self._starts) - 1)
         curve = self._curves[piece]
         along = np.array([min(station - curve.geometry.s, curve.geometry.length)])
         return float(curve.at(along).heading[0])
 
-    def _point(self, at: Floats, t: float) -> Floats:
+    def point(self, at: Floats, t: float) -> Floats:
         """(3) *t* to the left of the line at the one station *at*."""
         left = np.array([t])
         return np.append(self._xy(at, left)[0], self._z(at, left))
@@ -154,10 +154,14 @@ class _Line:
     def _area(self, stations: Floats, right: Floats, left: Floats, friction: float) -> Area:
         return Area(np.concatenate([self._xy(stations, right), self._xy(stations, left)[::-1]]), friction)
 
-    def _between(self, start: float, end: float) -> Floats:
+    def between(self, start: float, end: float) -> Floats:
         """Stations from *start* to *end*, between which straight lines are drawn."""
         inner = self._bends[(self._bends > start) & (self._bends < end)]
         return np.unique(np.concatenate([np.linspace(start, end, 17), inner]))
+
+    def along(self, stations: Floats, t: Floats) -> Floats:
+        """Points (n, 3) at *stations*, *t* to the left of the line."""
+        return np.column_stack([self._xy(stations, t), self._z(stations, t)])
 
     def _z(self, stations: Floats, t: Floats) -> Floats:
         """Heights at *stations*, *t* to the left of the line."""

@@ -24,6 +24,7 @@ from .opendrive.curves import Curve as Curve, curve_of as curve_of
 from .opendrive.driving import DRIVEN as DRIVEN, runs_along as runs_along
 from .opendrive.reading import network_in as network_in, read_network as read_network
 from .opendrive.roadside import COLOURS as COLOURS, PHASES as PHASES, SHIFT as SHIFT
+from .opendrive.scenery import PlacedObject as PlacedObject, PlacedSign as PlacedSign, RoadMark as RoadMark
 from .opendrive.structure import Lane as Lane, Network as Network, Road as Road, Signal as Signal
 from .openscenario.code import (
     SCENARIO as SCENARIO,

@@ -209,6 +209,7 @@ def scene_of_signals(
         told.weather(columns),
         tuple(told.instruments(columns)),
         told.lights(columns, ids),
+        told.driver(columns),
     )
 
 

@@ -16,7 +16,7 @@ class Strip:
     """A lane in the plane: *left* and *right* border (n, 2) in m, in the direction in which it is driven.
 
     *left_height*, *right_height* (n) are those of the borders. *is_driven*: vehicles use it; *is_inside*: it is in a
-    junction.
+    junction. *kind* is the lane's type in OpenDRIVE.
     """
 
     left: Floats
@@ -25,6 +25,40 @@ class Strip:
     right_height: Floats
     is_driven: bool
     is_inside: bool
+    kind: str = "driving"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Marking:
+    """A marking along *line* (n, 3) in m; *kind* and *colour* are OpenDRIVE's words, *width* is in m."""
+
+    line: Floats
+    kind: str
+    width: float
+    colour: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StandingSign:
+    """A traffic sign at *place* (3), whose face is for those who drive towards *heading*; *text* is on it.
+
+    *kind* is "limit", or the code of the German catalogue.
+    """
+
+    place: Floats
+    heading: float
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StandingObject:
+    """An object at *place* (3), turned to *heading*; *kind* is OpenDRIVE's word, *size* its length, width, height."""
+
+    place: Floats
+    heading: float
+    kind: str
+    size: tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

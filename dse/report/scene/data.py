@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from dse.report.content.data import Floats
-from dse.report.drawing.road_picture import Area, StandingLight, Strip
+from dse.report.drawing.road_picture import Area, Marking, StandingLight, StandingObject, StandingSign, Strip
 
 CLASSES = ("none", "car", "truck", "motorcycle", "bicycle", "pedestrian", "obstacle")
 """The items of `actor_class`, in their order."""
@@ -17,23 +17,31 @@ COLOURS = ("none", "off", "red", "red_yellow", "yellow", "green")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ground:
-    """What is driven on: lanes, slippery areas, and traffic lights."""
+    """What is driven on: lanes, slippery areas, traffic lights, and what is beside.
+
+    *kind* is "motorway", "town" or "rural"; without *markings* a page draws those that such a road has.
+    """
 
     strips: tuple[Strip, ...]
     areas: tuple[Area, ...]
     lights: tuple[StandingLight, ...] = ()
+    markings: tuple[Marking, ...] = ()
+    signs: tuple[StandingSign, ...] = ()
+    objects: tuple[StandingObject, ...] = ()
+    kind: str = "rural"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Host:
     """The car itself: *columns* over time by their names (x, y, z in m of its centre of gravity on the road; heading,
-    roll, pitch, steering in rad; speed in m/s), and its size in m;
-    *front* is from its centre of gravity to its bumper."""
+    roll, pitch, steering in rad; speed in m/s; brake, drive in N m at the wheels; spin of the wheels in rad/s), and its
+    size in m; *front* is from its centre of gravity to its bumper, *wheel* the radius of its wheels."""
 
     columns: Mapping[str, Floats]
     length: float
     width: float
     front: float
+    wheel: float = 0.31
     height: float = 1.5
 
 
@@ -68,8 +76,10 @@ class Scene:
     """A run to look at: all columns have a value for each *time* in s, which are equally far apart.
 
     *others* are columns id, class, length, width, height, x, y, z, heading, speed of one place each; class 0: nobody is
-    there. *lights* are places in `COLOURS` over time, by ids of the ground's lights; of others nobody told what they
-    show. *weather* are fog (1/m), rain, snow (m/s) and darkness (0 ... 1).
+    there. *driver* is what driver displays show, as far as the run has it: limit (m/s), offset, width of the own lane,
+    gap, detected of the vehicle ahead. *lights* are places in `COLOURS` over time, by ids of the ground's lights; of
+    others nobody told what they show. *weather* are fog (1/m), rain, snow (m/s) and darkness (0 ... 1); and, where the
+    run has them, water (m on the road), azimuth and elevation of the sun (rad).
     """
 
     title: str
@@ -82,5 +92,6 @@ class Scene:
     weather: Mapping[str, Floats]
     instruments: tuple[Instrument, ...]
     lights: Mapping[str, Floats] = field(default_factory=dict)
+    driver: Mapping[str, Floats] = field(default_factory=dict)
     mark: str = ""
     """What it was made from, as a digest; "" if nobody asks later."""

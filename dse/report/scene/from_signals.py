@@ -29,7 +29,10 @@ _RETURN_OF_TRACE = (
     "azimuth_deviation",
     "rate_deviation",
 )
-_LENGTH, _WIDTH, _HEIGHT, _FRONT = 4.5, 1.8, 1.5, 2.3
+_FURTHER = {"water": "surface.water_film", "azimuth": "sun.azimuth", "elevation": "sun.elevation"}
+_LANE = {"limit": "speed_limit", "offset": "offset", "width": "width"}
+_WHEELS = {"brake": "brake.torque", "drive": "powertrain.wheels"}
+_LENGTH, _WIDTH, _HEIGHT, _FRONT, _RADIUS = 4.5, 1.8, 1.5, 2.3, 0.31
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,9 @@ class SceneSignals:
             motion = {"x": columns[f"{part}.position"], "y": zero, "heading": zero, "speed": columns[f"{part}.speed"]}
         further = {name: columns.get(f"{part}.{name}", zero) for name in ("roll", "pitch")}
         steering = next((columns[name] for name in columns if name.endswith(".steering")), zero)
+        further |= {name: np.sum([columns[end] for end in ends], axis=0) for name, ends in self._wheels.items()}
+        if f"{part}.wheel_speed.front" in columns:
+            further["spin"] = columns[f"{part}.wheel_speed.front"]
         ground = [columns[f"{place}.height"] for place in self._places(f"{self._road}.ground", "height")]
         length = self._setting("host_length", _LENGTH)
         return Host(
@@ -77,8 +83,13 @@ class SceneSignals:
             length,
             self._setting("host_width", _WIDTH),
             self._setting("host_front", min(_FRONT, length)),
+            self._setting("wheel_radius", _RADIUS),
             self._setting("host_height", _HEIGHT),
         )
+
+    def driver(self, columns: Mapping[str, Floats]) -> dict[str, Floats]:
+        """What driver displays show, as far as there are signals for it."""
+        return {name: columns[signal] for name, signal in self._displayed.items() if signal in columns}
 
     def others(self, columns: Mapping[str, Floats]) -> Iterator[dict[str, Floats]]:
         """Each place of a road user that anybody is in."""
@@ -116,7 +127,9 @@ class SceneSignals:
         """What is to be seen of it: 0 everywhere where no part tells."""
         zero = np.zeros_like(next(iter(columns.values())))
         stem = self._ending("visibility.fog_extinction")
-        return {name: columns.get(f"{stem}.visibility.{port}", zero) for name, port in _WEATHER.items()}
+        known = {name: columns.get(f"{stem}.visibility.{port}", zero) for name, port in _WEATHER.items()}
+        further = {name: columns.get(f"{stem}.{port}") for name, port in _FURTHER.items()}
+        return known | {name: values for name, values in further.items() if values is not None}
 
     def instruments(self, columns: Mapping[str, Floats]) -> Iterator[Instrument]:
         """The bench's figures, then what is one of several items, as a mode."""
@@ -143,6 +156,27 @@ class SceneSignals:
         yield from (name for name in self.signals if name.endswith((".target.gap", ".target.detected")))
         weather = self._ending("visibility.fog_extinction")
         yield from (f"{weather}.visibility.{port}" for port in _WEATHER.values())
+        yield from (f"{weather}.{port}" for port in _FURTHER.values())
+        yield from self._displayed.values()
+        yield from (end for ends in self._wheels.values() for end in ends)
+        yield f"{part}.wheel_speed.front"
+
+    @property
+    def _displayed(self) -> dict[str, str]:
+        """Signals of driver displays: the own lane, and the vehicle ahead that the car has detected."""
+        lane, target = self._ending("lane.on_road"), self._ending("target.detected")
+        found = {name: f"{lane}.lane.{port}" for name, port in _LANE.items()} if lane else {}
+        return found | ({name: f"{target}.target.{name}" for name in ("gap", "detected")} if target else {})
+
+    @property
+    def _wheels(self) -> dict[str, tuple[str, ...]]:
+        """Signals of the torques at both axles, if there are such."""
+        found = {}
+        for name, stem in _WHEELS.items():
+            ends = (f"{stem}.front", f"{stem}.rear")
+            if all(end in self.signals for end in ends):
+                found[name] = ends
+        return found
 
     @property
     def _car(self) -> str | None:

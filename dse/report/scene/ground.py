@@ -7,6 +7,7 @@ import numpy as np
 from dse.report.content.data import Floats
 from dse.report.drawing.road_picture import Strip
 from dse.report.roads import road_picture, standing_lights
+from dse.report.roadside import kind_of, markings_of, standing_objects, standing_signs
 from dse.report.scene.data import Ground
 from dse.world import Network
 
@@ -19,7 +20,10 @@ def ground_of(network: Network, way: Floats, reach: float) -> Ground:
     strips = tuple(strip for strip in picture.strips if _is_near(strip.left, way, reach))
     areas = tuple(area for area in picture.areas if _is_near(area.outline, way, reach))
     lights = tuple(light for light in standing_lights(network) if _is_near(light.place[None, :2], way, reach))
-    return Ground(strips, areas, lights)
+    marks = tuple(mark for mark in markings_of(network) if _is_near(mark.line[:, :2], way, reach))
+    signs = tuple(sign for sign in standing_signs(network) if _is_near(sign.place[None, :2], way, reach))
+    objects = tuple(each for each in standing_objects(network) if _is_near(each.place[None, :2], way, reach))
+    return Ground(strips, areas, lights, marks, signs, objects, kind_of(network))
 
 
 def straight_ground(way: Floats, reach: float) -> Ground:

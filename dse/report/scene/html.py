@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from dse.report.content.data import Floats
-from dse.report.drawing.road_picture import StandingLight, Strip
+from dse.report.drawing.road_picture import Marking, StandingLight, StandingObject, StandingSign, Strip
 from dse.report.page.encoding import Block
 from dse.report.page.html import HEAD, ICON, bundle, hash_of
 from dse.report.page.payload import script_json
@@ -113,6 +113,7 @@ def _document(scene: Scene, columns: Columns) -> dict[str, object]:
             columns.add(f"{stem}.{name}", "f4", values)
 
     add("host", dict(scene.host.columns))
+    add("driver", dict(scene.driver))
     add("weather", dict(scene.weather))
     for number, colour in enumerate(scene.lights.values()):
         columns.add(f"light.{number}", "f4", colour)
@@ -136,7 +137,16 @@ def _document(scene: Scene, columns: Columns) -> dict[str, object]:
         "areas": [[np.round(area.outline, 2).reshape(-1).tolist(), area.friction] for area in scene.ground.areas],
         "colours": COLOURS,
         "lights": [_light(light, scene) for light in scene.ground.lights],
-        "host": {"length": scene.host.length, "width": scene.host.width, "front": scene.host.front},
+        "kind": scene.ground.kind,
+        "markings": [_marking(mark) for mark in scene.ground.markings],
+        "signs": [_sign(sign) for sign in scene.ground.signs],
+        "objects": [_object(each) for each in scene.ground.objects],
+        "host": {
+            "length": scene.host.length,
+            "width": scene.host.width,
+            "front": scene.host.front,
+            "wheel": scene.host.wheel,
+        },
         "others": len(scene.others),
         "sensors": [
             {
@@ -169,7 +179,22 @@ def _light(light: StandingLight, scene: Scene) -> dict[str, object]:
 def _strip(strip: Strip) -> dict[str, object]:
     sides = ((strip.left, strip.left_height), (strip.right, strip.right_height))
     left, right = (np.round(np.column_stack(side), 2).reshape(-1).tolist() for side in sides)
-    return {"left": left, "right": right, "isDriven": strip.is_driven, "isInside": strip.is_inside}
+    return {"left": left, "right": right, "isDriven": strip.is_driven, "isInside": strip.is_inside, "kind": strip.kind}
+
+
+def _marking(mark: Marking) -> dict[str, object]:
+    line = np.round(mark.line, 2).reshape(-1).tolist()
+    return {"line": line, "kind": mark.kind, "width": round(mark.width, 3), "colour": mark.colour}
+
+
+def _sign(sign: StandingSign) -> dict[str, object]:
+    place = np.round(sign.place, 2).tolist()
+    return {"place": place, "heading": round(sign.heading, 4), "kind": sign.kind, "text": sign.text}
+
+
+def _object(each: StandingObject) -> dict[str, object]:
+    place, size = np.round(each.place, 2).tolist(), [round(side, 2) for side in each.size]
+    return {"place": place, "heading": round(each.heading, 4), "kind": each.kind, "size": size}
 
 
 def scene_document(scene: Scene, columns: Columns) -> dict[str, object]:

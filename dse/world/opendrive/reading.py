@@ -14,6 +14,7 @@ from dse.world.opendrive.driving import DRIVEN
 from dse.world.opendrive.lanes import read_limit, read_offsets, read_sections
 from dse.world.opendrive.patches import read_slicks
 from dse.world.opendrive.roadside import Cycle, read_cycle, read_orders, read_signals, read_signs
+from dse.world.opendrive.scenery_reader import read_scenery
 from dse.world.opendrive.structure import (
     Arc,
     Connection,
@@ -134,6 +135,7 @@ def _road(element: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[
         (),
         tuple(ignored),
         element.where,
+        read_scenery(element, named),
     )
     with refused:
         refused += road_problems(road)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeAlias
 
 from dse.errors import Location, Problem
+from dse.world.opendrive.scenery import Scenery
 
 
 class End(Enum):
@@ -224,6 +225,7 @@ class Road:
     faults: tuple[Fault, ...]
     ignored: tuple[Problem, ...]
     where: Location
+    scenery: Scenery = field(default_factory=Scenery)
 
 
 @dataclass(frozen=True, slots=True)

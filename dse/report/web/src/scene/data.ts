@@ -6,7 +6,35 @@ export interface Strip {
   right: number[];
   isDriven: boolean;
   isInside: boolean;
+  /** The lane's type in OpenDRIVE. */
+  kind: string;
 }
+
+/** A marking along `line` (x, y, z of each point); kind and colour are OpenDRIVE's words. */
+export interface Marking {
+  line: number[];
+  kind: string;
+  width: number;
+  colour: string;
+}
+
+/** A sign for those who drive towards `heading`: "limit" with its number as `text`, or a German code. */
+export interface Sign {
+  place: [number, number, number];
+  heading: number;
+  kind: string;
+  text: string;
+}
+
+/** An object of the road's file: length, width and height in m, 0 where it does not tell. */
+export interface StandingObject {
+  place: [number, number, number];
+  heading: number;
+  kind: string;
+  size: [number, number, number];
+}
+
+export type RoadKind = "motorway" | "town" | "rural";
 
 /** A traffic light beside the lanes of those who drive towards `heading`; `told` is its column, -1 for none. */
 export interface Light {
@@ -27,7 +55,11 @@ export interface Document {
   areas: [number[], number][];
   colours: string[];
   lights: Light[];
-  host: { length: number; width: number; front: number };
+  kind: RoadKind;
+  markings: Marking[];
+  signs: Sign[];
+  objects: StandingObject[];
+  host: { length: number; width: number; front: number; wheel: number };
   others: number;
   sensors: { name: string; title: string; mount: number; reach: number; angle: number; returns: number }[];
   instruments: { title: string; unit: string; items: string[]; hasTarget: boolean }[];
@@ -54,6 +86,8 @@ export interface Source {
   angle(name: string, time: number): number;
   /** The last frame's value: for numbers that stand for something. */
   held(name: string, time: number): number;
+  /** Whether there is such a column. */
+  has(name: string): boolean;
   /** The way the host's wheels have rolled, in m. */
   rolled(time: number): number;
   /** Every frame of a column there is. */
@@ -113,6 +147,7 @@ function recordingOf(read: Document, first: ReadonlyMap<string, ArrayLike<number
       roll();
     },
     span: () => [0, last * step],
+    has: (name) => columns.has(name),
     at: (name, time) => at(name, time, false),
     angle: (name, time) => at(name, time, true),
     held: (name, time) => columns.get(name)?.[Math.min(Math.max(Math.floor(time / step + 1e-6), 0), last)] ?? 0,

@@ -1,12 +1,20 @@
 // The scene at a moment, seen by one of the cameras.
-import { LinearSRGBColorSpace, Matrix4, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { Group, LinearSRGBColorSpace, Matrix4, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { buildGrain, setGrains } from "./asphalt";
+import { chooseBody } from "./bodies/choose";
 import type { Source } from "./data";
+import { buildLand } from "./land";
 import { HEADLAMPS, isDrawnByProgram } from "./light";
 import { buildLights } from "./lights";
+import { buildPlanting } from "./planting";
 import { buildRoad } from "./road";
+import { RoadMap } from "./roadmap";
+import { buildRoadside } from "./roadside";
 import { buildSensing, type Sensing } from "./sensors";
-import { buildSurroundings } from "./surroundings";
-import { buildHost, buildOther, Fleet, type Vehicle } from "./vehicles";
+import { buildSigns } from "./signs";
+import { buildSky } from "./sky";
+import { slows, Traffic } from "./traffic";
+import { Fleet, HOST_COLOUR, vehicleOf } from "./vehicles";
 
 export type View = "chase" | "driver" | "top" | "side";
 
@@ -17,9 +25,9 @@ export const VIEWS: [View, string][] = [
   ["side", "Side"],
 ];
 
-const WHEEL = 0.31;
-const BRAKES = -0.8; // m/s2 at which brake lights are lit
+const PRESSED = 20; // N m of the brakes
 const DUSK = 0.15; // the darkness at which lamps are lit
+const HOST_HEIGHT = 1.5;
 const LAMPS = 0.65; // m over the ground
 
 export interface Stage {
@@ -33,22 +41,34 @@ export interface Stage {
 
 export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
   const isSlow = isDrawnByProgram();
-  const renderer = new WebGLRenderer({ canvas, antialias: !isSlow, powerPreference: "high-performance" });
+  const renderer = new WebGLRenderer({
+    canvas,
+    antialias: !isSlow,
+    stencil: true,
+    powerPreference: "high-performance",
+  });
   renderer.outputColorSpace = LinearSRGBColorSpace; // as light.ts says
   const scene = new Scene();
   scene.up.set(0, 0, 1);
-  const camera = new PerspectiveCamera(50, 16 / 9, 0.3, 3000);
+  const camera = new PerspectiveCamera(50, 16 / 9, 0.3, 3500);
   camera.up.set(0, 0, 1);
-  const { length, width, front } = source.document.host;
+  const { length, width, front, wheel } = source.document.host;
   const lights = buildLights(source);
-  scene.add(buildRoad(source.document), lights.group);
-  const surroundings = buildSurroundings(scene, source);
-  const host = buildHost(length, width, front - length / 2);
+  buildGrain();
+  setGrains(true);
+  const roads = new RoadMap(source.document.strips);
+  const land = buildLand(roads, source.document.kind);
+  const planting = buildPlanting(source.document, roads, land);
+  scene.add(land.group, planting.group, buildRoad(source.document), buildRoadside(source.document, roads));
+  scene.add(buildSigns(source.document.signs), lights.group);
+  const sky = buildSky(scene, source);
+  const host = vehicleOf(chooseBody("car", 0, length, width, HOST_HEIGHT, wheel), HOST_COLOUR);
   const sensing = buildSensing(source, !isSlow);
-  scene.add(host.body, sensing.group);
+  const frame = new Group(); // that of the car's centre of gravity
+  scene.add(frame, sensing.group);
   const fleet = new Fleet(scene, source.document.others + 1);
   const lamps = new Matrix4().makeTranslation(-front, 0, -LAMPS);
-  const others = Array.from({ length: source.document.others }, (_, number) => new Place(number, source, scene));
+  const traffic = new Traffic(source);
   return {
     sensing,
     close: () => {
@@ -65,79 +85,36 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
       const at = (name: string): number => source.at(`host.${name}`, time);
       const heading = source.angle("host.heading", time);
       const isInside = view === "driver";
-      host.body.position.set(at("x"), at("y"), at("z"));
-      host.body.rotation.set(at("roll"), -at("pitch"), heading, "ZYX");
-      host.body.visible = !isInside;
-      sensing.group.position.copy(host.body.position);
-      sensing.group.rotation.copy(host.body.rotation);
-      host.spun = source.rolled(time) / WHEEL;
-      host.steered = at("steering");
-      host.brakes = slows(source, "host", time);
+      frame.position.set(at("x"), at("y"), at("z"));
+      frame.rotation.set(at("roll"), -at("pitch"), heading, "ZYX");
+      frame.updateMatrixWorld();
+      sensing.group.position.copy(frame.position);
+      sensing.group.rotation.copy(frame.rotation);
+      look(camera, view, frame.position, heading);
+      camera.updateMatrixWorld();
       const dark = source.at("weather.darkness", time);
-      fleet.clear(dark > DUSK);
-      if (!isInside) fleet.add(host);
-      for (const other of others) other.show(time, fleet);
+      fleet.clear(dark > DUSK, time, camera.position);
+      if (!isInside) {
+        // Bodies are built around their middles, the car is told where its centre of gravity is.
+        host.position.set(front - length / 2, 0, 0).applyMatrix4(frame.matrixWorld);
+        host.rotation.copy(frame.rotation);
+        host.spun = source.rolled(time) / wheel;
+        host.steered = at("steering");
+        host.brakes = source.has("host.brake") ? at("brake") > PRESSED : slows(source, "host", time);
+        fleet.add(host);
+      }
+      traffic.show(time, fleet);
       fleet.finish();
       lights.show(time);
       sensing.show(time);
-      look(camera, view, host.body.position, heading);
-      surroundings.show(time, camera.position, view === "top");
+      land.show(camera.position.x, camera.position.y, camera.position.z, view === "top");
+      planting.show(camera.position.x, camera.position.y, 600);
+      sky.show(time, camera.position, view === "top");
       HEADLAMPS.lit.value = Math.min(Math.max((dark - DUSK) / 0.5, 0), 1);
-      host.body.updateMatrixWorld();
-      camera.updateMatrixWorld();
-      HEADLAMPS.from.value.copy(host.body.matrixWorld).invert().multiply(camera.matrixWorld).premultiply(lamps);
+      HEADLAMPS.from.value.copy(frame.matrixWorld).invert().multiply(camera.matrixWorld).premultiply(lamps);
       renderer.render(scene, camera);
     },
   };
-}
-
-/** A place of a road user, in whom another one may be later. */
-class Place {
-  private vehicle: Vehicle | null = null;
-  private who = "";
-  private way = 0;
-  private last = 0;
-
-  constructor(
-    private readonly number: number,
-    private readonly source: Source,
-    private readonly scene: Scene,
-  ) {}
-
-  show(time: number, fleet: Fleet): void {
-    const stem = `other.${this.number}`;
-    const held = (name: string): number => this.source.held(`${stem}.${name}`, time);
-    const kind = this.source.document.classes[held("class")] ?? "none";
-    const who = `${kind} ${held("id")}`;
-    if (who !== this.who) this.replace(kind, held);
-    this.who = who;
-    if (!this.vehicle) return;
-    // Who comes into the place at the next frame is not drawn on the way there.
-    const isLast = this.source.held(`${stem}.id`, time + this.source.document.step) !== held("id");
-    const at = (name: string): number => (isLast ? held(name) : this.source.at(`${stem}.${name}`, time));
-    this.vehicle.body.position.set(at("x"), at("y"), at("z"));
-    this.vehicle.body.rotation.z = isLast ? held("heading") : this.source.angle(`${stem}.heading`, time);
-    this.way += at("speed") * (time - this.last);
-    this.last = time;
-    this.vehicle.spun = this.way / WHEEL;
-    this.vehicle.brakes = slows(this.source, stem, time);
-    fleet.add(this.vehicle);
-  }
-
-  private replace(kind: string, held: (name: string) => number): void {
-    if (this.vehicle) {
-      this.scene.remove(this.vehicle.body);
-      this.vehicle.body.geometry.dispose();
-    }
-    this.vehicle = kind === "none" ? null : buildOther(kind, held("id"), held("length"), held("width"), held("height"));
-    if (this.vehicle) this.scene.add(this.vehicle.body);
-  }
-}
-
-function slows(source: Source, stem: string, time: number): boolean {
-  const past = 4 * (source.document.step || 1);
-  const change = source.at(`${stem}.speed`, time) - source.at(`${stem}.speed`, time - past);
-  return time - past >= source.span()[0] && change / past < BRAKES;
 }
 
 const looked = new Vector3();

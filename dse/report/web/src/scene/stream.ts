@@ -63,6 +63,7 @@ export function openStream(document: Document, columns: string[], rate: number):
     },
     newest: (name) => frames.at(-1)?.[places.get(name) ?? -1] ?? NaN,
     span: () => [Math.max(times[0] ?? 0, (times.at(-1) ?? 0) - KEPT), times.at(-1) ?? 0],
+    has: (name) => places.has(name),
     at: (name, time) => at(name, time, false),
     angle: (name, time) => at(name, time, true),
     held: (name, time) => frames[frameOf(time)]?.[places.get(name) ?? -1] ?? 0,

@@ -1,5 +1,4 @@
-// Road users: simple bodies of their own length, width and height, so that what a sensor meets is what is seen.
-// A body is one mesh; the wheels, lamps and shades of all of them are drawn at once.
+// Road users as they are drawn: equal bodies at once, nearer ones finer; wheels, lamps, limbs and shadows of all at once.
 import {
   BoxGeometry,
   type BufferGeometry,
@@ -9,185 +8,254 @@ import {
   Euler,
   InstancedMesh,
   Matrix4,
-  Mesh,
   MeshBasicMaterial,
   Quaternion,
   type Scene,
   Vector3,
 } from "three";
-import { box, joined, LIT, painted } from "./light";
+import type { Body, Lamp } from "./bodies/body";
+import { type Choice, chooseBody } from "./bodies/choose";
+import { BODY, box, joined, LIT, painted } from "./light";
+import { Glow, Shadows } from "./shadows";
 
-const GLASS = 0x2a323c;
-const TYRE = 0x1c1e22;
-const COLOURS = [0xd25040, 0xe6e6e0, 0x8e99a4, 0x56906c, 0xdcb44c, 0x6779cc, 0x9b648c, 0x4a5058];
-const LIT_LAMP = new Color(0xff2a1c);
-const DARK_LAMP = new Color(0x7a1a16);
-const TAIL_LAMP = new Color(0xc01c14);
-const HEAD_LAMP = new Color(0xfff6dc);
+const COLOURS = [0xb6362c, 0xe9e9e4, 0x878f97, 0x2f5f46, 0xcaa548, 0x3f4f9c, 0x6e4a68, 0x33373d, 0xc6cacf, 0x274a6d];
+export const HOST_COLOUR = 0x2c66d8;
+const LIT_BRAKE = new Color(0xff2418);
+const TAIL = new Color(0xb01a12);
+const HEAD = new Color(0xfff6dc);
+const AMBER = new Color(0xffa318);
+const NEAR = [32, 95]; // m up to which a body is drawn finely, and with wheels that turn
+const MOST_SHAPES = 96;
 
-interface Wheel {
-  x: number;
-  y: number;
-  radius: number;
-  width: number;
-  isSteered: boolean;
-}
-
+/** One road user at a moment; the fleet draws what it is told by `add`. */
 export interface Vehicle {
-  /** In the axes of the road user, around its middle. */
-  body: Mesh;
-  wheels: Wheel[];
-  /** At the back, and in front. */
-  lamps: Vector3[];
-  heads: Vector3[];
-  shade: [number, number];
+  choice: Choice;
+  colour: Color;
+  position: Vector3;
+  /** Roll, pitch (nose down) and heading in rad. */
+  rotation: Euler;
   /** Wheels turned about their axles (rad), and the front ones to the left. */
   spun: number;
   steered: number;
   brakes: boolean;
+  /** 1 to the left, -1 to the right, 0 for none. */
+  indicates: number;
+  /** Turns of arms and legs. */
+  stride: number;
+  /** Less than 1 for a walker who stands. */
+  swing: number;
 }
 
-export function buildHost(length: number, width: number, forward: number): Vehicle {
-  const host = car(0x3a72e8, length, width, 1.5);
-  // Bodies are built around their middles, the car is told where its centre of gravity is.
-  host.body.geometry.translate(forward, 0, 0);
-  for (const part of [...host.wheels, ...host.lamps, ...host.heads]) part.x += forward;
-  return host;
+export function vehicleOf(choice: Choice, colour: number): Vehicle {
+  const rotation = new Euler(0, 0, 0, "ZYX");
+  const still = { spun: 0, steered: 0, brakes: false, indicates: 0, stride: 0, swing: 1 };
+  return { choice, colour: new Color(colour), position: new Vector3(), rotation, ...still };
 }
 
 export function buildOther(kind: string, id: number, length: number, width: number, height: number): Vehicle {
-  const colour = COLOURS[Math.abs(id) % COLOURS.length]!;
-  if (kind === "truck") return truck(colour, length, width, height);
-  if (kind === "pedestrian") return vehicle(person(colour, height, 0), [], [], [0.6, 0.6]);
-  if (kind === "bicycle" || kind === "motorcycle") return rider(colour, length, height);
-  if (kind === "obstacle")
-    return vehicle([box([length, width, height], 0xe08c3c, [0, 0, height / 2])], [], [], [length, width]);
-  return car(colour, length, width, height);
+  return vehicleOf(chooseBody(kind, id, length, width, height), COLOURS[Math.abs(Math.round(id)) % COLOURS.length]!);
 }
 
-function vehicle(parts: BufferGeometry[], wheels: Wheel[], lamps: Vector3[], shade: [number, number]): Vehicle {
-  const heads = lamps.map(({ x, y, z }) => new Vector3(-x, y, z));
-  return { body: new Mesh(joined(parts), LIT), wheels, lamps, heads, shade, spun: 0, steered: 0, brakes: false };
+interface Shape {
+  body: Body;
+  levels: (InstancedMesh | null)[];
+  used: number;
 }
 
-function car(colour: number, length: number, width: number, height: number): Vehicle {
-  const radius = Math.min(0.33, height / 4);
-  const parts = [
-    box([length, width, height * 0.4], colour, [0, 0, radius + height * 0.18], 0.06 * length * 0.4),
-    box([length * 0.6, width * 0.88, height * 0.34], GLASS, [-length * 0.05, 0, height - height * 0.19], length * 0.1),
-    box([length * 0.4, width * 0.86, 0.05], colour, [-length * 0.05, 0, height - 0.02]),
-    box([0.05, width * 0.7, 0.13], 0xf4f1dc, [length / 2 - 0.02, 0, height * 0.42]),
-    box([0.04, 0.5, 0.12], 0xe8e8e8, [-length / 2, 0, height * 0.33]),
-  ];
-  return vehicle(parts, fourWheels(length * 0.3, width, radius, 0.24), lampsAt(length, width, height * 0.46), [
-    length,
-    width,
-  ]);
+/** What is drawn finely, and what may be left out where pictures take long. */
+export interface Detail {
+  shadows: boolean;
+  /** Multiplies the distances up to which bodies are fine. */
+  reach: number;
 }
 
-function truck(colour: number, length: number, width: number, height: number): Vehicle {
-  const cab = Math.min(2.4, length * 0.3);
-  const parts = [
-    box([length - cab - 0.3, width, height * 0.78], 0xe4e4e0, [-(cab + 0.3) / 2, 0, height * 0.61]),
-    box([cab, width, height * 0.7], colour, [(length - cab) / 2, 0, height * 0.5]),
-    box([0.05, width * 0.9, height * 0.24], GLASS, [length / 2, 0, height * 0.64]),
-    box([length * 0.94, width * 0.5, 0.3], 0x3a3d42, [0, 0, 0.75]),
-  ];
-  return vehicle(parts, fourWheels(length * 0.36, width, 0.5, 0.3), lampsAt(length, width, height * 0.3), [
-    length,
-    width,
-  ]);
-}
-
-function rider(colour: number, length: number, height: number): Vehicle {
-  const parts = [box([length * 0.6, 0.1, 0.12], colour, [0, 0, 0.6]), ...person(colour, height * 0.8, height * 0.2)];
-  const wheels = [1, -1].map((end) => ({
-    x: end * length * 0.33,
-    y: 0,
-    radius: 0.32,
-    width: 0.08,
-    isSteered: end > 0,
-  }));
-  return vehicle(parts, wheels, [], [length, 0.5]);
-}
-
-function person(colour: number, height: number, above: number): BufferGeometry[] {
-  const body = new CapsuleGeometry(0.2, height * 0.55, 4, 8).rotateX(Math.PI / 2);
-  const head = new CapsuleGeometry(0.12, 0.04, 4, 8).rotateX(Math.PI / 2);
-  return [painted(body, colour, 0, 0, above + height * 0.42), painted(head, 0xd9a98a, 0, 0, above + height - 0.14)];
-}
-
-function fourWheels(axle: number, width: number, radius: number, broad: number): Wheel[] {
-  return [1, -1].flatMap((end) =>
-    [1, -1].map((side) => ({ x: end * axle, y: side * (width / 2 - 0.13), radius, width: broad, isSteered: end > 0 })),
-  );
-}
-
-function lampsAt(length: number, width: number, height: number): Vector3[] {
-  return [1, -1].map((side) => new Vector3(-length / 2 - 0.01, side * (width / 2 - 0.25), height));
-}
-
-/** What all road users have alike, as one mesh each: filled anew for every picture. */
 export class Fleet {
+  private readonly shapes = new Map<string, Shape>();
   private readonly wheels: InstancedMesh;
   private readonly lamps: InstancedMesh;
-  private readonly shades: InstancedMesh;
+  private readonly limbs: InstancedMesh;
+  readonly shadows: Shadows;
+  private readonly glow: Glow;
   private isDark = false;
+  private time = 0;
+  private pictures = 0;
+  private readonly eye = new Vector3();
+  detail: Detail = { shadows: true, reach: 1 };
 
-  constructor(scene: Scene, most: number) {
-    const tyre = painted(new CylinderGeometry(1, 1, 1, 14), TYRE);
-    const spoke = painted(new BoxGeometry(1.3, 1.06, 0.3), 0xb0b6bd);
-    const across = painted(new BoxGeometry(0.3, 1.06, 1.3), 0xb0b6bd);
-    this.wheels = new InstancedMesh(joined([tyre, spoke, across]), LIT, 4 * most);
-    this.lamps = new InstancedMesh(new BoxGeometry(0.06, 0.34, 0.15), new MeshBasicMaterial(), 4 * most);
-    // A dark patch below costs nothing; shadows that are computed halve the frames without a graphics card.
-    const dark = new MeshBasicMaterial({ color: 0x000000, transparent: true, opacity: 0.35, depthWrite: false });
-    this.shades = new InstancedMesh(new BoxGeometry(1, 1, 0.01), dark, most);
-    for (const mesh of [this.wheels, this.lamps, this.shades]) {
+  constructor(
+    private readonly scene: Scene,
+    private readonly most: number,
+  ) {
+    this.wheels = new InstancedMesh(wheel(), LIT, 10 * most);
+    this.lamps = new InstancedMesh(new BoxGeometry(0.03, 1, 1), new MeshBasicMaterial(), 8 * most);
+    this.limbs = new InstancedMesh(
+      painted(
+        new CapsuleGeometry(0.5, 1, 2, 6)
+          .rotateX(Math.PI / 2)
+          .scale(1, 1, 0.5)
+          .translate(0, 0, -0.5),
+        0xffffff,
+        0,
+        0,
+        0,
+        [1, 0],
+      ),
+      BODY,
+      4 * most,
+    );
+    for (const mesh of [this.wheels, this.lamps, this.limbs]) {
       mesh.frustumCulled = false;
+      mesh.setColorAt(0, HEAD);
       scene.add(mesh);
     }
-    this.lamps.setColorAt(0, DARK_LAMP);
-    this.clear(false);
+    this.shadows = new Shadows(scene, most);
+    this.glow = new Glow(scene, 4 * most);
+    this.clear(false, 0, this.eye);
   }
 
-  /** Whether it *isDark* decides on the lamps of those who come. */
-  clear(isDark: boolean): void {
+  /** Whether it *isDark* decides on the lamps of those that come; *eye* on how finely they are drawn. */
+  clear(isDark: boolean, time: number, eye: Vector3): void {
     this.isDark = isDark;
-    for (const mesh of [this.wheels, this.lamps, this.shades]) mesh.count = 0;
+    this.time = time;
+    this.eye.copy(eye);
+    this.pictures++;
+    for (const mesh of [this.wheels, this.lamps, this.limbs]) mesh.count = 0;
+    for (const { levels } of this.shapes.values()) for (const mesh of levels) if (mesh) mesh.count = 0;
+    this.shadows.clear();
+    this.glow.clear();
   }
 
-  add({ body, wheels, lamps, heads, shade, spun, steered, brakes }: Vehicle): void {
-    body.updateMatrix();
-    for (const { x, y, radius, width, isSteered } of wheels) {
-      turn.setFromEuler(angles.set(0, spun, isSteered ? steered : 0, "ZYX"));
-      this.put(this.wheels, body, place.set(x, y, radius), size.set(radius, width, radius));
-    }
-    turn.identity();
-    this.light(body, lamps, brakes ? LIT_LAMP : this.isDark ? TAIL_LAMP : DARK_LAMP);
-    if (this.isDark) this.light(body, heads, HEAD_LAMP);
-    this.put(this.shades, body, place.set(0, 0, 0.07), size.set(1.04 * shade[0], 1.1 * shade[1], 1));
+  add(vehicle: Vehicle): void {
+    const shape = this.shapeOf(vehicle.choice);
+    const { body } = shape;
+    turned.setFromEuler(vehicle.rotation);
+    whole.compose(vehicle.position, turned, unit);
+    const far = vehicle.position.distanceTo(this.eye) / this.detail.reach;
+    const level = far < NEAR[0]! ? 0 : far < NEAR[1]! ? 1 : 2;
+    const mesh = this.meshOf(shape, level);
+    mesh.setColorAt(mesh.count, vehicle.colour);
+    mesh.setMatrixAt(mesh.count++, whole);
+    if (this.detail.shadows && far < 160) this.shadows.cast(vehicle, mesh.geometry, body.shade, level);
+    else this.shadows.patch(whole, body.shade);
+    if (level < 2 || body.wheels.length < 3) this.turnWheels(vehicle, body);
+    this.swing(vehicle, body);
+    this.light(vehicle, body, far);
   }
 
   finish(): void {
-    for (const mesh of [this.wheels, this.lamps, this.shades]) mesh.instanceMatrix.needsUpdate = true;
-    this.lamps.instanceColor!.needsUpdate = true;
+    const meshes = [this.wheels, this.lamps, this.limbs];
+    for (const { levels } of this.shapes.values()) for (const mesh of levels) if (mesh) meshes.push(mesh);
+    for (const mesh of meshes) {
+      mesh.visible = mesh.count > 0;
+      mesh.instanceMatrix.needsUpdate = true;
+      if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
+    }
+    this.shadows.finish();
+    this.glow.finish();
+    if (this.shapes.size > MOST_SHAPES) this.forget();
   }
 
-  private light(body: Mesh, lamps: Vector3[], colour: Color): void {
-    for (const lamp of lamps) {
-      this.lamps.setColorAt(this.lamps.count, colour);
-      this.put(this.lamps, body, lamp, size.set(1, 1, 1));
+  private turnWheels(vehicle: Vehicle, { wheels }: Body): void {
+    for (const { x, y, radius, width, isSteered } of wheels) {
+      turn.setFromEuler(angles.set(0, vehicle.spun * (0.31 / radius), isSteered ? vehicle.steered : 0, "ZYX"));
+      this.put(this.wheels, place.set(x, y, radius), size.set(radius, width, radius), HEAD);
     }
   }
 
-  private put(mesh: InstancedMesh, body: Mesh, at: Vector3, scale: Vector3): void {
-    mesh.setMatrixAt(mesh.count++, matrix.compose(at, turn, scale).premultiply(body.matrix));
+  private swing(vehicle: Vehicle, { limbs }: Body): void {
+    for (const limb of limbs) {
+      const held = limb.swing < 0;
+      const angle = held
+        ? limb.swing
+        : limb.swing * vehicle.swing * Math.sin(2 * Math.PI * (vehicle.stride + limb.phase));
+      turn.setFromEuler(angles.set(0, angle, 0, "ZYX"));
+      if (limb.colour) tint.set(limb.colour);
+      else tint.copy(vehicle.colour);
+      this.put(this.limbs, place.set(...limb.place), size.set(limb.thick, limb.thick, limb.length), tint);
+    }
+  }
+
+  private light(vehicle: Vehicle, { lamps }: Body, far: number): void {
+    turn.identity();
+    const isOn = this.time % 0.75 < 0.4;
+    for (const lamp of lamps) {
+      const colour = this.colourOf(vehicle, lamp, isOn);
+      if (!colour) continue;
+      this.put(this.lamps, place.set(...lamp.place), size.set(1, ...lamp.size), colour);
+      if (this.isDark && far > 4)
+        this.glow.add(place.set(...lamp.place).applyMatrix4(whole), colour, lamp.kind === "head" ? 1 : 0.6);
+    }
+  }
+
+  private colourOf({ brakes, indicates }: Vehicle, { kind }: Lamp, isOn: boolean): Color | null {
+    if (kind === "brake") return brakes ? LIT_BRAKE : this.isDark ? TAIL : null;
+    if (kind === "head") return this.isDark ? HEAD : null;
+    return isOn && indicates === (kind === "left" ? 1 : -1) ? AMBER : null;
+  }
+
+  private put(mesh: InstancedMesh, at: Vector3, scale: Vector3, colour: Color): void {
+    if (mesh.count >= mesh.instanceMatrix.count) return;
+    mesh.setColorAt(mesh.count, colour);
+    mesh.setMatrixAt(mesh.count++, matrix.compose(at, turn, scale).premultiply(whole));
+  }
+
+  private shapeOf({ name, build }: Choice): Shape {
+    const known = this.shapes.get(name) ?? { body: build(), levels: [null, null, null], used: 0 };
+    known.used = this.pictures;
+    this.shapes.set(name, known);
+    return known;
+  }
+
+  private meshOf(shape: Shape, level: number): InstancedMesh {
+    const known = shape.levels[level];
+    if (known) return known;
+    const mesh = new InstancedMesh(shape.body.levels[level]!(), BODY, this.most);
+    mesh.frustumCulled = false;
+    mesh.setColorAt(0, HEAD);
+    mesh.count = 0;
+    shape.levels[level] = mesh;
+    this.scene.add(mesh);
+    return mesh;
+  }
+
+  /** Gives back shapes that are not in the picture. */
+  private forget(): void {
+    for (const [name, { levels, used }] of this.shapes) {
+      if (used === this.pictures) continue;
+      for (const mesh of levels) {
+        if (!mesh) continue;
+        this.scene.remove(mesh);
+        mesh.geometry.dispose();
+        mesh.dispose();
+      }
+      this.shapes.delete(name);
+    }
   }
 }
 
+/** A tyre with a rim of five spokes, of radius and width 1. */
+function wheel(): BufferGeometry {
+  const tyre = painted(new CylinderGeometry(1, 1, 1, 20, 1), 0x191a1c);
+  const rim = painted(new CylinderGeometry(0.66, 0.66, 1.03, 20, 1), 0x50565c);
+  const spokes = [0, 1, 2, 3, 4].map((i) =>
+    painted(
+      new BoxGeometry(0.6, 1.07, 0.15).translate(0.33, 0, 0).rotateY((2 * Math.PI * i) / 5),
+      0xc3c9ce,
+      0,
+      0,
+      0,
+      [0, 0.3],
+    ),
+  );
+  return joined([tyre, rim, ...spokes, box([0.22, 1.09, 0.22], 0x70767c, [0, 0, 0])]);
+}
+
 const angles = new Euler();
+const turned = new Quaternion();
 const turn = new Quaternion();
 const place = new Vector3();
 const size = new Vector3();
+const unit = new Vector3(1, 1, 1);
 const matrix = new Matrix4();
+const whole = new Matrix4();
+const tint = new Color();

@@ -1,0 +1,124 @@
+// What stands in the land: shapes of trees, bushes, houses and lamps, each in one mesh that is drawn many times.
+import { type BufferGeometry, ConeGeometry, CylinderGeometry, IcosahedronGeometry } from "three";
+import { Faces } from "./bodies/loft";
+import { box, joined, painted, type Surface } from "./light";
+import { hash } from "./random";
+
+const TINTED: Surface = [1, 0];
+const BARK = 0x5b4936;
+
+/** Crumples a ball, so that no two sides of a crown are the same. */
+function crown(radius: number, flat: number, seed: number, detail = 1): BufferGeometry {
+  const ball = new IcosahedronGeometry(radius, detail);
+  const points = ball.getAttribute("position");
+  for (let i = 0; i < points.count; i++) {
+    const [x, y, z] = [points.getX(i), points.getY(i), points.getZ(i)];
+    const key = (value: number): number => Math.round(value * 50);
+    const k = 0.82 + 0.36 * hash(key(x) + 7 * key(z), key(y), seed);
+    points.setXYZ(i, x * k, y * k, z * k * flat);
+  }
+  ball.computeVertexNormals();
+  return ball;
+}
+
+/** Trees of height 1, leafy ones wide, others slim. */
+export function treeShapes(): BufferGeometry[] {
+  const trunk = (thick: number, high: number): BufferGeometry =>
+    painted(new CylinderGeometry(0.6 * thick, thick, high, 5, 1, true).rotateX(Math.PI / 2), BARK, 0, 0, high / 2);
+  const leafy = (seed: number): BufferGeometry =>
+    joined([
+      trunk(0.03, 0.42),
+      painted(crown(0.27, 0.95, seed), 0xffffff, 0, 0, 0.66, TINTED),
+      painted(crown(0.19, 0.9, seed + 1, 0), 0xe4ead6, 0.15, 0.06, 0.52, TINTED),
+      painted(crown(0.18, 0.9, seed + 2, 0), 0xd8e0c8, -0.12, -0.11, 0.55, TINTED),
+    ]);
+  const fir = joined([
+    trunk(0.025, 0.2),
+    ...[0, 1, 2].map((i) =>
+      painted(
+        new ConeGeometry(0.2 - 0.045 * i, 0.42, 8, 1, true).rotateX(Math.PI / 2),
+        0xb8c8b0,
+        0,
+        0,
+        0.32 + 0.24 * i,
+        TINTED,
+      ),
+    ),
+  ]);
+  return [leafy(1), leafy(5), fir];
+}
+
+/** A piece of hedge or a bush, 1 m high and 2 m long. */
+export function bushShape(): BufferGeometry {
+  return joined([painted(crown(0.75, 0.62, 3, 1).scale(1.5, 0.7, 1), 0xffffff, 0, 0, 0.4, TINTED)]);
+}
+
+/** A house 1 wide, 1 deep and 1 high to its eaves, with a façade to the front (-x): *floors* and *columns* of windows. */
+export function houseShape(floors: number, columns: number, isFlat: boolean, seed: number): BufferGeometry {
+  const wall = box([1, 1, 1], 0xffffff, [0, 0, 0.5], 0, TINTED);
+  const parts = [wall, box([1.02, 1.005, 0.06], 0x8d8881, [0, 0, 0.03])];
+  const [high, wide] = [1 / floors, 1 / columns];
+  for (let floor = 0; floor < floors; floor++) {
+    const isShop = floor === 0 && seed % 2 === 0 && isFlat;
+    for (let column = 0; column < columns; column++) {
+      const isDoor = floor === 0 && column === seed % columns;
+      const y = -0.5 + (column + 0.5) * wide;
+      const z = (floor + (isDoor ? 0.4 : 0.54)) * high;
+      const size: [number, number, number] = [
+        0.012,
+        wide * (isShop ? 0.8 : isDoor ? 0.36 : 0.42),
+        high * (isDoor ? 0.8 : isShop ? 0.66 : 0.52),
+      ];
+      const glass = isDoor ? 0x5a4030 : hash(column, floor, seed) > 0.85 ? 0x8a8678 : 0x2c3844;
+      parts.push(box([0.008, size[1] * 1.25, size[2] * 1.16], 0xefece4, [-0.502, y, z]));
+      parts.push(box(size, glass, [-0.505, y, z], 0, [0, isDoor ? 0 : 0.55]));
+      if (floor === 0 || isFlat) continue;
+      parts.push(box([0.05, wide * 0.6, 0.03 * high], 0xcac5ba, [-0.515, y, floor * high + 0.24 * high]));
+    }
+    for (const side of [1, -1])
+      if (floor)
+        parts.push(box([0.3, 0.012, high * 0.42], 0x36424c, [0.05, side * 0.503, (floor + 0.54) * high], 0, [0, 0.4]));
+  }
+  if (isFlat) parts.push(box([1.05, 1.02, 0.035], 0x8b877f, [0, 0, 1.015]));
+  else parts.push(roof());
+  return joined(parts);
+}
+
+function roof(): BufferGeometry {
+  const faces = new Faces();
+  const [tiles, gable, none] = [0x8a4636, 0xffffff, [0, 0] as Surface];
+  const [a, b, c, d] = [
+    [-0.56, -0.52, 0.98],
+    [0.56, -0.52, 0.98],
+    [0.56, 0.52, 0.98],
+    [-0.56, 0.52, 0.98],
+  ] as [number, number, number][];
+  const [e, f] = [
+    [0, -0.52, 1.36],
+    [0, 0.52, 1.36],
+  ] as [number, number, number][];
+  faces.quad(a!, e!, f!, d!, tiles, none);
+  faces.quad(b!, c!, f!, e!, tiles, none);
+  faces.triangle(a!, b!, e!, gable, TINTED);
+  faces.triangle(c!, d!, f!, gable, TINTED);
+  faces.quad(a!, d!, c!, b!, 0x6a655c, none);
+  return faces.geometry(0.2);
+}
+
+/** A street lamp of 1 m height whose arm points along -x. */
+export function lampShape(): BufferGeometry {
+  return joined([
+    painted(new CylinderGeometry(0.007, 0.012, 1, 6, 1, true).rotateX(Math.PI / 2), 0x777d82, 0, 0, 0.5),
+    box([0.24, 0.012, 0.012], 0x777d82, [-0.12, 0, 0.995]),
+    box([0.11, 0.035, 0.016], 0xd9dde0, [-0.24, 0, 0.99]),
+  ]);
+}
+
+/** A post at the edge of a country road, with its black band and reflector. */
+export function postShape(): BufferGeometry {
+  return joined([
+    box([0.09, 0.11, 0.95], 0xf0f0ec, [0, 0, 0.475]),
+    box([0.092, 0.112, 0.2], 0x17191c, [0, 0, 0.78]),
+    box([0.096, 0.04, 0.13], 0xf6d9a0, [0, 0, 0.78]),
+  ]);
+}

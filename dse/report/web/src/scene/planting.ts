@@ -1,0 +1,223 @@
+// Where what stands beside a road is put: by the kind of road, from its own course, so that it is the same each time.
+import { type BufferGeometry, Color, Group, InstancedMesh, Matrix4, Quaternion, Vector3 } from "three";
+import type { Document, StandingObject } from "./data";
+import { bushShape, houseShape, lampShape, postShape, treeShapes } from "./growth";
+import type { Land } from "./land";
+import { BODY, box, LIT } from "./light";
+import { hash, noise, sequence } from "./random";
+import { every } from "./ribbons";
+import { outerBorders } from "./road";
+import type { RoadMap } from "./roadmap";
+
+const CELL = 160; // m: what is drawn, or left out, together
+const LEAVES = [0x6f8f45, 0x5d8540, 0x7f9a4a, 0x55773a, 0x8a9c50];
+const NEEDLES = [0x4f7048, 0x48684a, 0x587a50];
+const WALLS = [0xe8dcc4, 0xd9c2a0, 0xcfd3d2, 0xe6d3b8, 0xb9a58c, 0xdfe3df, 0xc98f73, 0xe9e2d2, 0xa9b4b0];
+const MOST = 9000;
+
+type Kind = "leafy" | "broad" | "fir" | "bush" | "house" | "block" | "office" | "lamp" | "post" | "box";
+
+interface Planted {
+  kind: Kind;
+  x: number;
+  y: number;
+  z: number;
+  turn: number;
+  size: [number, number, number];
+  colour: number;
+}
+
+export interface Planting {
+  group: Group;
+  /** Draws what is within *reach* m. */
+  show(x: number, y: number, reach: number): void;
+}
+
+export function buildPlanting(document: Document, roads: RoadMap, land: Land): Planting {
+  const planted = plant(document, roads, land);
+  const [leafy, broad, fir] = treeShapes();
+  const shapes: Record<Kind, BufferGeometry> = {
+    leafy: leafy!,
+    broad: broad!,
+    fir: fir!,
+    bush: bushShape(),
+    house: houseShape(2, 3, false, 1),
+    block: houseShape(4, 4, false, 3),
+    office: houseShape(5, 6, true, 2),
+    lamp: lampShape(),
+    post: postShape(),
+    box: box([1, 1, 1], 0xffffff, [0, 0, 0.5], 0, [1, 0]),
+  };
+  const cells = new Map<string, Planted[]>();
+  for (const each of planted) {
+    const name = `${each.kind} ${Math.floor(each.x / CELL)} ${Math.floor(each.y / CELL)}`;
+    const cell = cells.get(name);
+    if (cell) cell.push(each);
+    else cells.set(name, [each]);
+  }
+  const group = new Group();
+  const meshes: { mesh: InstancedMesh; x: number; y: number; tall: boolean }[] = [];
+  for (const cell of cells.values()) {
+    const { kind } = cell[0]!;
+    const mesh = new InstancedMesh(shapes[kind], kind === "post" || kind === "lamp" ? LIT : BODY, cell.length);
+    let [x, y] = [0, 0];
+    cell.forEach((each, i) => {
+      matrix.compose(place.set(each.x, each.y, each.z), turned.setFromAxisAngle(up, each.turn), size.set(...each.size));
+      mesh.setMatrixAt(i, matrix);
+      mesh.setColorAt(i, tint.set(each.colour));
+      x += each.x / cell.length;
+      y += each.y / cell.length;
+    });
+    mesh.computeBoundingSphere();
+    meshes.push({ mesh, x, y, tall: kind === "house" || kind === "block" || kind === "office" });
+    group.add(mesh);
+  }
+  return {
+    group,
+    show: (x, y, reach) => {
+      for (const { mesh, x: mx, y: my, tall } of meshes)
+        mesh.visible = Math.hypot(mx - x, my - y) < (tall ? 1.3 : 1) * reach + CELL / 2;
+    },
+  };
+}
+
+/** Everything that is planted; from the objects of the road's file where it has such. */
+export function plant(document: Document, roads: RoadMap, land: Pick<Land, "height">): Planted[] {
+  const { kind, objects } = document;
+  const found: Planted[] = objects.flatMap(fromObject);
+  const has = (...kinds: Kind[]): boolean => found.some((each) => kinds.includes(each.kind));
+  const [hasTrees, hasHouses, hasLamps] = [has("leafy", "fir", "broad"), has("house", "block", "office"), has("lamp")];
+  const put = (
+    what: Kind,
+    x: number,
+    y: number,
+    turn: number,
+    size: [number, number, number],
+    colour: number,
+    free: number,
+  ): void => {
+    if (found.length >= MOST) return;
+    if (roads.nearest(x, y).gap < free) return;
+    const z = land.height(x, y);
+    if (Number.isFinite(z)) found.push({ kind: what, x, y, z: z - 0.05, turn, size, colour });
+  };
+  const tree = (x: number, y: number, random: number, free: number, tall = 1): void => {
+    const isFir = kind !== "town" && noise(x / 90 + 40, y / 90) > 0.55;
+    const colours = isFir ? NEEDLES : LEAVES;
+    const high = tall * (isFir ? 9 + 7 * random : 6.5 + 6 * random);
+    put(
+      isFir ? "fir" : random > 0.5 ? "leafy" : "broad",
+      x,
+      y,
+      6.28 * random,
+      [high, high, high],
+      colours[Math.floor(random * colours.length)]!,
+      free,
+    );
+  };
+  outerBorders(document.strips).forEach(({ line, side, strip }) => {
+    if (strip.kind === "curb") return;
+    const random = sequence(Math.abs(Math.round(line[0]! * 7 + line[1]! * 13)) + (side > 0 ? 1 : 2));
+    const at = (
+      step: number,
+      aside: number,
+      use: (x: number, y: number, turn: number, r: number, z: number) => void,
+    ): void =>
+      every(line, step, step * (0.2 + 0.6 * random()), (x, y, z, [nx, ny]) => {
+        const turn = Math.atan2(side * ny, side * nx);
+        use(x + side * aside * nx, y + side * aside * ny, turn, random(), z);
+      });
+    if (kind === "town") {
+      if (!hasHouses) houses(at, put);
+      if (!hasTrees) at(19, 1.7, (x, y, _, r) => r > 0.25 && tree(x, y, r * 0.5, 0.6, 0.8));
+      if (!hasLamps) at(34, 0.6, (x, y, turn) => put("lamp", x, y, turn, [7, 7, 7], 0xffffff, 0.2));
+      return;
+    }
+    if (kind === "rural")
+      at(50, 0.9, (x, y, turn, __, z) => {
+        if (roads.nearest(x, y).gap > 0.4)
+          found.push({ kind: "post", x, y, z: z - 0.05, turn, size: [1, 1, 1], colour: 0xffffff });
+      });
+    if (hasTrees) return;
+    if (kind === "rural") at(17, 5.5, (x, y, _, r) => noise(x / 140, y / 140 + 3) > 0.5 && tree(x, y, r, 3.5));
+    at(2.6, kind === "motorway" ? 9 : 7.5, (x, y, turn, r) => {
+      if (noise(x / 75 + 11, y / 75) > 0.56)
+        put("bush", x, y, turn + Math.PI / 2, [1 + r, 1 + r, 1.3 + 1.2 * r], LEAVES[Math.floor(r * 5)]!, 5);
+    });
+    for (const aside of [20, 34, 52, 75, 105, 140]) {
+      at(9 + aside / 9, aside, (x, y, _, r) => {
+        if (noise(x / 120 + 5, y / 120 + 9) > 0.58) tree(x + 6 * (r - 0.5), y + 6 * (hash(x, y) - 0.5), r, 12, 1.15);
+      });
+    }
+    if (kind === "rural")
+      at(
+        260,
+        60,
+        (x, y, turn, r) => r > 0.45 && put("house", x, y, turn, [9, 11, 5.2], WALLS[Math.floor(r * WALLS.length)]!, 25),
+      );
+  });
+  return found;
+}
+
+type At = (
+  step: number,
+  aside: number,
+  use: (x: number, y: number, turn: number, r: number, z: number) => void,
+) => void;
+type Put = (
+  what: Kind,
+  x: number,
+  y: number,
+  turn: number,
+  size: [number, number, number],
+  colour: number,
+  free: number,
+) => void;
+
+/** Rows of façades along the street, and taller houses behind. */
+function houses(at: At, put: Put): void {
+  at(15.5, 10.5, (x, y, turn, r) => {
+    if (r < 0.08) return;
+    const kind: Kind = r > 0.72 ? "office" : r > 0.38 ? "block" : "house";
+    const high = kind === "house" ? 6 : kind === "block" ? 12.5 : 16 + 4 * r;
+    put(kind, x, y, turn, [10, kind === "house" ? 11.5 : 15.2, high], WALLS[Math.floor(r * 997) % WALLS.length]!, 4.2);
+  });
+  at(21, 30, (x, y, turn, r) =>
+    put(
+      r > 0.5 ? "office" : "block",
+      x,
+      y,
+      turn,
+      [13, 18, 15 + 12 * r],
+      WALLS[Math.floor(r * 613) % WALLS.length]!,
+      18,
+    ),
+  );
+}
+
+const USED: Record<string, Kind> = {
+  tree: "leafy",
+  vegetation: "bush",
+  building: "block",
+  streetLamp: "lamp",
+  pole: "lamp",
+};
+const NOT_DRAWN = new Set(["none", "crosswalk", "patch", "parkingSpace", "roadMark", "soundBarrier"]);
+
+function fromObject({ kind, place: [x, y, z], heading, size: [length, width, height] }: StandingObject): Planted[] {
+  if (NOT_DRAWN.has(kind)) return [];
+  const used = USED[kind];
+  const high = height || (used === "lamp" ? 6 : used === "block" ? 9 : used === "bush" ? 1.5 : used ? 8 : 1);
+  const thick: [number, number, number] =
+    used === "block" || !used ? [length || 0.4, width || 0.4, high] : [high, high, high];
+  const colour =
+    used === "leafy" || used === "bush" ? LEAVES[0]! : used === "block" ? WALLS[0]! : used ? 0xffffff : 0xa9acad;
+  return [{ kind: used ?? "box", x, y, z, turn: heading, size: thick, colour }];
+}
+
+const matrix = new Matrix4();
+const place = new Vector3();
+const size = new Vector3();
+const turned = new Quaternion();
+const up = new Vector3(0, 0, 1);
+const tint = new Color();
