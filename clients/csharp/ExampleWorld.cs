@@ -1,5 +1,5 @@
 // A point mass on a road, 20 m behind a wall it drives towards: asked for a force, it tells place, speed and gap.
-// Mono: mcs -out:ExampleWorld.exe DseUdp.cs ExampleWorld.cs && mono ExampleWorld.exe 5005
+// Mono: mcs -out:ExampleWorld.exe ../unity/Runtime/DseUdp.cs ExampleWorld.cs && mono ExampleWorld.exe 5005
 // dse udp check 127.0.0.1:5005 --out 1 --back 3 --step 0.01
 
 using System;

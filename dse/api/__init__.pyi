@@ -42,7 +42,12 @@ from .probe import (
     probe_fmu as probe_fmu,
     probe_numerics as probe_numerics,
 )
-from .roads import is_road as is_road, opendrive_text as opendrive_text, picture_of as picture_of
+from .roads import (
+    is_road as is_road,
+    opendrive_text as opendrive_text,
+    picture_of as picture_of,
+    write_road_mesh as write_road_mesh,
+)
 from .scenarios import (
     PlayedScenario as PlayedScenario,
     element_times as element_times,

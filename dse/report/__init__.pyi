@@ -22,6 +22,7 @@ from .content.data import (
 from .content.reading import content_of_run as content_of_run, read_content as read_content
 from .content.scenes import with_replays as with_replays
 from .drawing.chart import draw_chart as draw_chart
+from .drawing.road_mesh import write_mesh as write_mesh
 from .drawing.road_picture import RoadPicture as RoadPicture
 from .drawing.road_plot import draw_road as draw_road
 from .drawing.scenario_plot import draw_scenario as draw_scenario

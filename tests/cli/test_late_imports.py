@@ -169,6 +169,7 @@ def test_every_command_is_in_the_table():
         "import uvl",
         "import scenario",
         "import ssp",
+        "export mesh",
         "export opendrive",
         "export openscenario",
         "export ssp",

@@ -22,7 +22,7 @@ import pytest
 from answerers import packed, unpacked
 from background import LIMIT, in_background
 from command_line import run_dse
-from live_worlds import ANSWER, END, START, World, right_bytes, served
+from live_worlds import ANSWER, END, START, World, free_port, right_bytes, running, served
 
 from dse.errors import DseError
 from dse.live import Datagram, check_client, listen_at, read_recording, tap, write_datagram, write_head
@@ -35,12 +35,6 @@ CLIENTS = Path(__file__).parents[2] / "clients"
 @pytest.fixture
 def dse(tmp_path):
     return lambda *words: run_dse(tmp_path, *words, cache=tmp_path / "cache")
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
-        line.bind(("127.0.0.1", 0))
-        return line.getsockname()[1]
 
 
 # ---- check ----
@@ -278,16 +272,6 @@ def test_a_component_is_asked_with_values_that_its_ports_can_have(tmp_path, dse)
 # ---- clients/ ----
 
 
-@contextlib.contextmanager
-def running(command: list[str]):
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as world:
-        assert "a world at" in world.stdout.readline()
-        try:
-            yield
-        finally:
-            world.kill()
-
-
 @pytest.fixture(scope="module")
 def c_world(tmp_path_factory):
     compiler = shutil.which("cc")
@@ -305,7 +289,7 @@ def csharp_world(tmp_path_factory):
     if not (compiler and runtime):
         pytest.skip("no C# compiler: mcs and mono of the packages mono-mcs and mono-runtime")
     made = tmp_path_factory.mktemp("csharp") / "ExampleWorld.exe"
-    sources = [str(CLIENTS / "csharp" / name) for name in ("DseUdp.cs", "ExampleWorld.cs")]
+    sources = [str(CLIENTS / name) for name in ("unity/Runtime/DseUdp.cs", "csharp/ExampleWorld.cs")]
     subprocess.run([compiler, "-langversion:7", "-warnaserror", f"-out:{made}", *sources], check=True)
     return [runtime, str(made)]
 

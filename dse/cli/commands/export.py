@@ -114,6 +114,21 @@ def export_opendrive(road: RoadName, target: Target) -> None:
     print_line(f"{target}: {name}")
 
 
+@export_app.command("mesh")
+def export_mesh(road: RoadName, target: Target) -> None:
+    """Write the surface of a road as a mesh, for engines such as Unity, Unreal and Godot: glTF (.glb) or Wavefront
+    (.obj).
+
+    ROAD may also be an OpenDRIVE file. In the mesh y is up: a place (x, y, z) of dse is (x, z, -y).
+    """
+    from dse.api import write_road_mesh
+
+    if target.suffix.lower() not in (".glb", ".obj"):
+        raise typer.BadParameter(f"'{target.name}' must end in .glb or .obj", param_hint="--output")
+    name, triangles = write_road_mesh(road, target)
+    print_line(f"{target}: {name}, {triangles:,} triangles")
+
+
 @export_app.command("openscenario")
 def export_openscenario(
     bench: Bench, target: Target, configuration: Configuration = None, settings: Settings = []
