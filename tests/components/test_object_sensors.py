@@ -779,7 +779,15 @@ def test_range_and_azimuth_are_those_in_the_axes_of_the_mounted_sensor(
         (found,) = seen(part)
         assert (found["range"], found["azimuth"]) == pytest.approx((30 - 1e-3, azimuth), abs=1e-4)
         assert [part[f"scan.{name}"] for name in ("mount", "mount_left", "mount_turn")] == list(pose)
-    place(part, 1, sx + 30 * math.cos(0.7 + turn + 1.06), sy + 30 * math.sin(0.7 + turn + 1.06), 0.7, length=2e-3, width=2e-3)
+    place(
+        part,
+        1,
+        sx + 30 * math.cos(0.7 + turn + 1.06),
+        sy + 30 * math.sin(0.7 + turn + 1.06),
+        0.7,
+        length=2e-3,
+        width=2e-3,
+    )
     assert seen(part) == []  # beyond 60 deg
 
 

@@ -39,7 +39,9 @@ def test_the_rear_left_sensor_sees_a_car_that_overtakes_where_it_is_and_before_t
     def then(name: str) -> Any:  # at the time of the scan
         return np.interp(time - age, time, np.asarray(waves[name]))[valid]
 
-    away = then("chassis.motion.heading") + np.deg2rad(150) + np.asarray(waves["corner.n1.scan.returns[1].azimuth"])[valid]
+    away = (
+        then("chassis.motion.heading") + np.deg2rad(150) + np.asarray(waves["corner.n1.scan.returns[1].azimuth"])[valid]
+    )
     c, s = np.cos(then("chassis.motion.heading")), np.sin(then("chassis.motion.heading"))
     r = np.asarray(waves["corner.n1.scan.returns[1].range"])[valid]
     x = then("chassis.motion.x") - 2.2 * c - 0.8 * s + r * np.cos(away) - then("road.actors[1].x")

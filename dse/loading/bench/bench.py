@@ -15,7 +15,15 @@ from dse.domain.labels import array_of, element_names, is_part, shapes, spelled,
 from dse.domain.method import BONDS
 from dse.errors import DseError, Location, Problem, Problems, closest, fail, raise_if_any
 from dse.formats import Entry
-from dse.loading.bench.candidates import Candidates, bench_candidates, observable, outputs, settable, split_name, types_of
+from dse.loading.bench.candidates import (
+    Candidates,
+    bench_candidates,
+    observable,
+    outputs,
+    settable,
+    split_name,
+    types_of,
+)
 from dse.loading.bench.inputs import INPUTS, InputSection, read_inputs
 from dse.loading.bench.measures import MetricSection, RequirementSection, read_metrics, read_requirements
 from dse.loading.bench.method import SimulationSection, read_positive, read_simulation
