@@ -194,8 +194,14 @@ class FakeDrives:
             "others": self.others,
             "sensors": [
                 {
-                    **{"name": "radar", "title": "Long-range radar", "mount": 2.3, "left": 0.0, "turn": 0.0},
-                    **{"reach": 150.0, "angle": 0.4, "returns": 1},
+                    "name": "radar",
+                    "title": "Long-range radar",
+                    "mount": 2.3,
+                    "left": 0.0,
+                    "turn": 0.0,
+                    "reach": 150.0,
+                    "angle": 0.4,
+                    "returns": 1,
                 }
             ],
             "instruments": [
