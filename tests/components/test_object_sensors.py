@@ -796,7 +796,7 @@ def test_range_and_azimuth_are_those_in_the_axes_of_the_mounted_sensor(
 def test_a_mounted_sensor_sees_what_a_car_at_its_place_would_see_ahead(
     new_part: NewPart, name: str, pose: tuple[float, float, float]
 ) -> None:
-    """Boxes that hide each other, Doppler of a car that yaws, the guard rail and the sun, by the motion of the mount."""
+    """Boxes that hide each other, Doppler of a car that yaws, the guard rail and the sun."""
     ahead, left, turn = pose
     ghosts = {"rail": 5.0, "ghost_share": 1.0, "own_reflection": 0.0} if name == "object_corner_radar" else {}
     mounted = clean(new_part, name, mount=ahead, mount_left=left, mount_turn=turn, range_cell=0.0, **ghosts)

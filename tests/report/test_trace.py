@@ -51,8 +51,8 @@ def trace(**changed: Any) -> Trace:
     camera = {**radar, "rate_deviation": ZERO, "class": 5 * ONE, "width": 0.5 * ONE}
     scan = {"number": np.arange(STEPS) + 1.0, "age": 0.05 * ONE}
     sensors = (
-        Sensor("radar", "A radar", 2.3, 150.0, 0.5, (radar,), scan),
-        Sensor("camera", "A camera", 1.0, 80.0, 0.5, (camera,), scan),
+        Sensor("radar", "A radar", 2.3, 150.0, 0.5, (radar,), scan=scan),
+        Sensor("camera", "A camera", 1.0, 80.0, 0.5, (camera,), 0.6, 1.2, scan),
     )
     signals = {
         "speed_control.torque": np.where(np.arange(STEPS) == 2, np.inf, 5.0),
@@ -111,6 +111,7 @@ def test_returns_and_tracks_are_sensor_data(tmp_path: Path) -> None:
     assert np.hypot(person.base.position.x, person.base.position.y) == pytest.approx(40.0)
     assert person.candidate[0].type == person.candidate[0].DESCRIPTOR.fields_by_name["type"].enum_type.values[3].number
     assert not camera.feature_data.radar_sensor
+    assert (camera.mounting_position.position.y, camera.mounting_position.orientation.yaw) == (0.6, 1.2)
     (car,) = tracker.moving_object
     assert (car.header.tracking_id.value, car.base.position.x) == (3, pytest.approx(42.4))
     assert car.base.velocity.x == pytest.approx(-2.0)  # relative to the host

@@ -26,8 +26,8 @@ def test_the_rear_left_sensor_sees_a_car_that_overtakes_where_it_is_and_before_t
         "corner.n1 is object_corner_radar and corner.n2 is absent and sensor is object_radar_long",
         {f"corner.n1.{name}": 0.0 for name in EXACT},
     )
-    # A whole car is just detected at 90 m: its front, 2.25 m before its middle, on the next lane. Period and latency are
-    # 60 ms each, in which it gains 0.6 m.
+    # A whole car is just detected at 90 m: its front, 2.25 m before its middle, on the next lane. Period and
+    # latency are 60 ms each, in which it gains 0.6 m.
     first = -2.2 - np.sqrt(90**2 - 3.75**2) - 2.25
     assert first < found.metrics["seen_behind_at"] < first + 0.7
     assert found.metrics["seen_ahead_at"] > 5

@@ -218,11 +218,12 @@ class SceneSignals:
         returns: Sequence[Mapping[str, Floats]],
         scan: Mapping[str, Floats] | None = None,
     ) -> Sensor:
-        own = {name: self.settings.get(f"{part}.{name}", 0.0) for name in ("mount", "max_range", "field_of_view")}
-        mount = own["mount"] or self._setting("host_front", _FRONT)
-        return Sensor(
-            part, titles.get(part, part), mount, own["max_range"], own["field_of_view"], tuple(returns), scan or {}
-        )
+        names = ("mount", "max_range", "field_of_view", "mount_left", "mount_turn")
+        mount, reach, angle, left, turn = (self.settings.get(f"{part}.{name}", 0.0) for name in names)
+        mount = mount or self._setting("host_front", _FRONT)
+        title = titles.get(part, part)
+        label = f"{title} ({part})" if [*titles.values()].count(title) > 1 else title
+        return Sensor(part, label, mount, reach, angle, tuple(returns), left, turn, scan or {})
 
     def _lead(self, columns: Mapping[str, Floats]) -> dict[str, Floats]:
         """The vehicle in front of a car that drives straight on."""

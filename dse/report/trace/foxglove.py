@@ -30,7 +30,7 @@ _COLOURS: dict[str, tuple[float, float, float, float]] = {
     "obstacle": (0.75, 0.20, 0.20, 1.0),
     "return": (0.95, 0.80, 0.10, 0.9),
 }
-_RETURN_SIZE = 0.6  # m
+_RETURN_SIZE, _MOUNTED = 0.6, 0.5  # m; the height of mountings is assumed
 
 
 def transforms(trace: Trace) -> Iterator[Any]:
@@ -45,8 +45,8 @@ def transforms(trace: Trace) -> Iterator[Any]:
         _put_rotation(item.rotation, *(float(host[name][at]) for name in ("roll", "pitch", "heading")))
         for sensor in trace.scene.sensors:
             item = _transform(message, float(moment), HOST, sensor.name)
-            put_vector(item.translation, sensor.mount, 0.0, 0.5)
-            item.rotation.w = 1.0
+            put_vector(item.translation, sensor.mount, sensor.left, _MOUNTED)
+            _put_rotation(item.rotation, 0.0, 0.0, sensor.turn)
         yield message
 
 

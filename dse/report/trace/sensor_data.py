@@ -44,7 +44,7 @@ def _views(trace: Trace, sensor: Sensor, identifier: int) -> Iterator[Any]:
         message = SensorView()
         head(message, float(moment))
         message.sensor_id.value = identifier
-        put_vector(message.mounting_position.position, sensor.mount + trace.rear_axle, 0.0, 0.0)
+        _put_mounting(message.mounting_position, trace, sensor)
         message.global_ground_truth.CopyFrom(truth)
         message.host_vehicle_id.value = HOST
         yield message
@@ -57,7 +57,7 @@ def _of_sensor(trace: Trace, sensor: Sensor, identifier: int) -> Iterator[Any]:
         message = SensorData()
         head(message, float(moment))
         message.sensor_id.value = identifier
-        put_vector(message.mounting_position.position, sensor.mount + trace.rear_axle, 0.0, 0.0)
+        _put_mounting(message.mounting_position, trace, sensor)
         scan = {name: float(values[at]) for name, values in sensor.scan.items()}
         measured = float(moment) - scan.get("age", 0.0)
         put_time(message.last_measurement_time, max(measured, 0.0))
@@ -69,6 +69,11 @@ def _of_sensor(trace: Trace, sensor: Sensor, identifier: int) -> Iterator[Any]:
             for row in rows:
                 _put_return(message.moving_object.add(), row, identifier)
         yield message
+
+
+def _put_mounting(mounting: Any, trace: Trace, sensor: Sensor) -> None:
+    put_vector(mounting.position, sensor.mount + trace.rear_axle, sensor.left, 0.0)
+    mounting.orientation.yaw = sensor.turn
 
 
 def _measures_rates(sensor: Sensor) -> bool:
