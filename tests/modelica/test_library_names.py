@@ -19,7 +19,12 @@ def test_bases_in_a_class_and_functions_of_one_name_are_told_apart(made: MakeMod
     rows = run_cs(model, ["s", "is_behind", "straight", "curved"], 10, 0.07, {}, {}, 1e-9)
     for k, row in enumerate(rows):
         t = k * 0.07
-        expected = {"s": 2 * t, "is_behind": float(2 * t > 0.5), "straight": 1 + 2 * t, "curved": -1 - 2 * t - 3 * t * t}
+        expected = {
+            "s": 2 * t,
+            "is_behind": float(2 * t > 0.5),
+            "straight": 1 + 2 * t,
+            "curved": -1 - 2 * t - 3 * t * t,
+        }
         assert row == pytest.approx(expected, abs=1e-9), t
 
 
