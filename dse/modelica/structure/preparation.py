@@ -1,8 +1,4 @@
-"""Rates that are to be states though no equation has their derivative (``v_rel = der(s_rel)`` with stateSelect.prefer).
-
-Which variables are states matters to the results where a `reinit` sets a state anew: all other states keep their
-values. So only models that have a `reinit` are changed.
-"""
+"""A flat model made ready to be sorted: parameters that are 0 for good, and rates that are to be states."""
 
 from __future__ import annotations
 
@@ -11,10 +7,30 @@ from dataclasses import replace
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.traversal import symbols
 from dse.modelica.flat_model import Equation, FlatModel, Role, ScalarType, Variable
+from dse.modelica.structure.aliases.elimination import rewriter
+
+
+def without_zeros(flat: FlatModel) -> FlatModel:
+    """*flat* with 0 for the parameters that are 0 for good, so that what they multiply is in no equation.
+
+    An ideal component often is a general one of which a parameter is 0: ``i = C*der(v)`` of an absent capacitance.
+    """
+    zeros = {
+        name: flat.graph.constant(0.0)
+        for name, one in flat.variables.items()
+        if one.role is Role.PARAMETER and (one.is_final or one.is_structural)
+        if one.binding is not None and one.binding.is_number(0)
+    }
+    return flat.mapped(rewriter(flat.graph, zeros)) if zeros else flat
 
 
 def with_preferred_rates(flat: FlatModel) -> FlatModel:
-    """*flat* with an unknown for the derivative of each rate that a preferred state has and that is preferred too."""
+    """*flat* with an unknown for the derivative of each rate that a preferred state has and that is preferred too.
+
+    The rate is to be a state though no equation has its derivative (``v_rel = der(s_rel)`` with stateSelect.prefer).
+    Which variables are states matters to the results where a `reinit` sets a state anew: all other states keep their
+    values. So only models that have a `reinit` are changed.
+    """
     if not flat.reinitializations:
         return flat
     differentiated = {symbol.name for one in flat.equations for symbol in symbols(one.residual) if symbol.order}
