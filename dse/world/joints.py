@@ -35,6 +35,7 @@ _LEAST, _MOST = 5.0, 50.0  # m of a window
 _SHARE = 0.49  # of the way to the next joint
 _ROUNDS, _DONE = 4, 1e-9
 _SMALL = 0.02  # m, rad: what is not smoothed
+_ROUNDING = 1e-9
 _SAME = 1e-6  # m: a station so near to the start of a piece is that start
 
 
@@ -47,7 +48,7 @@ class Tolerance:
 
     def covers(self, step: float, kink: float) -> bool:
         """Whether something that is so far off is let pass."""
-        return step <= self.step and kink <= self.kink
+        return step <= self.step + _ROUNDING and kink <= self.kink + _ROUNDING
 
 
 STRICT = Tolerance()
