@@ -52,6 +52,7 @@ class Tolerance:
 
 
 STRICT = Tolerance()
+_HINT = "steps and kinks of real maps are smoothed up to the 'tolerance' of the road's source"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +92,11 @@ class _Gap:
         return None
 
 
+def with_hint(problem: Problem) -> Problem:
+    """*problem*, and what would let it pass."""
+    return problem if problem.hint else replace(problem, hint=_HINT)
+
+
 def joined_up(path: RoadPath, joints: Sequence[Joint], tolerance: Tolerance) -> RoadPath:
     """*path*, smoothed at *joints*, the last of which is its end; what was smoothed is in its ``smoothed``.
 
@@ -100,7 +106,7 @@ def joined_up(path: RoadPath, joints: Sequence[Joint], tolerance: Tolerance) -> 
     least = (STEP, BEND) if tolerance == STRICT else (_SMALL, _SMALL)
     found = [(gap, problem) for gap in _gaps(path, inner) if (problem := gap.problem(*least))]
     raise_if_any(
-        problem
+        with_hint(problem)
         for gap, problem in found
         if not tolerance.covers(gap.step, abs(gap.kink)) and gap.problem(STEP, BEND) is not None
     )
