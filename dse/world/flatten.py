@@ -13,7 +13,7 @@ import numpy as np
 from dse.errors import Problem, raise_if_any
 from dse.world.cross_section import Band, bands_of, overlaps
 from dse.world.in_the_way import ALL_USERS
-from dse.world.joints import STRICT, Joint, Tolerance, joined_up
+from dse.world.joints import STRICT, Joint, Tolerance, joined_up, with_hint
 from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph
 from dse.world.opendrive.curves import Reals, curve_of
 from dse.world.opendrive.driving import DRIVEN, runs_along
@@ -89,7 +89,8 @@ def path_along(
     passages = [_passage(graph, places) for places in way.passages]
     faults = [fault for passage in passages for fault in _faults(graph, passage)]
     refused = [problem for passage in passages for problem in _refused(graph, passage)]
-    raise_if_any([*refused, *(fault.problem for fault in faults if not tolerance.covers(fault.step, fault.kink))])
+    larger = [with_hint(fault.problem) for fault in faults if not tolerance.covers(fault.step, fault.kink)]
+    raise_if_any([*refused, *larger])
     lengths = [passage.length for passage in passages]
     begins = [float(begin) for begin in np.cumsum([0.0, *lengths])]
     lines = [_line(passage) for passage in passages]

@@ -35,6 +35,7 @@ _LEAST, _MOST = 5.0, 50.0  # m of a window
 _SHARE = 0.49  # of the way to the next joint
 _ROUNDS, _DONE = 4, 1e-9
 _SMALL = 0.02  # m, rad: what is not smoothed
+_ROUNDING = 1e-9
 _SAME = 1e-6  # m: a station so near to the start of a piece is that start
 
 
@@ -47,10 +48,11 @@ class Tolerance:
 
     def covers(self, step: float, kink: float) -> bool:
         """Whether something that is so far off is let pass."""
-        return step <= self.step and kink <= self.kink
+        return step <= self.step + _ROUNDING and kink <= self.kink + _ROUNDING
 
 
 STRICT = Tolerance()
+_HINT = "steps and kinks of real maps are smoothed up to the 'tolerance' of the road's source"
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +92,11 @@ class _Gap:
         return None
 
 
+def with_hint(problem: Problem) -> Problem:
+    """*problem*, and what would let it pass."""
+    return problem if problem.hint else replace(problem, hint=_HINT)
+
+
 def joined_up(path: RoadPath, joints: Sequence[Joint], tolerance: Tolerance) -> RoadPath:
     """*path*, smoothed at *joints*, the last of which is its end; what was smoothed is in its ``smoothed``.
 
@@ -99,7 +106,7 @@ def joined_up(path: RoadPath, joints: Sequence[Joint], tolerance: Tolerance) -> 
     least = (STEP, BEND) if tolerance == STRICT else (_SMALL, _SMALL)
     found = [(gap, problem) for gap in _gaps(path, inner) if (problem := gap.problem(*least))]
     raise_if_any(
-        problem
+        with_hint(problem)
         for gap, problem in found
         if not tolerance.covers(gap.step, abs(gap.kink)) and gap.problem(STEP, BEND) is not None
     )

@@ -232,24 +232,24 @@ class Onward:
 
 
 class _Search:
-    """Looks for the lanes along a route; what led nowhere is not tried again, and the farthest is remembered."""
+    """Looks for the lanes along a route, and remembers the farthest road that it came to."""
 
     def __init__(self, graph: LaneGraph, route: Route) -> None:
         self._graph, self._route = graph, route
-        self._tried: set[tuple[LanePlace, int]] = set()
         self._farthest = 0
 
     def from_(self, start: LanePlace) -> tuple[LanePlace, ...]:
         """The lanes from *start* to the end of the last road, back to *start* if they can; none if there is no way."""
         roads = self._route.roads
         open_way: tuple[LanePlace, ...] = ()
+        tried: set[tuple[LanePlace, int]] = set()
         stack: list[tuple[tuple[LanePlace, ...], int]] = [((start,), 0)]
         while stack:
             places, step = stack.pop()
             self._farthest = max(self._farthest, step)
-            if (places[-1], step) in self._tried:
+            if (places[-1], step) in tried:
                 continue
-            self._tried.add((places[-1], step))
+            tried.add((places[-1], step))
             following = next_places(self._graph, places[-1])
             inside = [n for n in following if not self._leaves(places[-1], n)]
             if step == len(roads) - 1 and not inside:
