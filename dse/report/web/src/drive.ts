@@ -2,7 +2,8 @@
 import { el } from "./dom";
 import { showDrive } from "./drive/cockpit";
 import { type Bench, type Order, showDealership } from "./drive/dealership";
-import { ask, connect, type Ended, readChoices } from "./drive/messages";
+import { showLoading } from "./drive/loading";
+import { ask, connect, type Drive, type Ended, readChoices } from "./drive/messages";
 import { buildBoards, showEnding } from "./drive/result";
 import { startTheme } from "./theme";
 
@@ -39,12 +40,13 @@ function choose(): void {
 }
 
 async function drive(): Promise<void> {
-  const { drive: token } = await ask<{ drive: string }>("/drive/start", order);
   let stop = (): void => undefined;
-  const driven = await connect(token, (ended) => {
+  const over = (ended: Ended): void => {
     stop();
     finished(ended);
-  });
+  };
+  const driven = await loaded(over);
+  if (!driven) return;
   show("drive");
   try {
     stop = showDrive(page, driven);
@@ -57,6 +59,22 @@ async function drive(): Promise<void> {
       drive: null,
       verdicts: [],
     });
+  }
+}
+
+/** A drive that can be shown; null if nobody wanted to wait for it. */
+async function loaded(over: (ended: Ended) => void): Promise<Drive | null> {
+  const loading = showLoading(page);
+  try {
+    const { drive: token } = await ask<{ drive: string }>("/drive/start", order, loading.signal);
+    loading.step(1);
+    return await connect(token, over, loading.signal);
+  } catch (error) {
+    if (!loading.signal.aborted) throw error;
+    choose();
+    return null;
+  } finally {
+    loading.close();
   }
 }
 

@@ -3,6 +3,7 @@ import { el } from "./dom";
 import { type Recording, readRecording } from "./scene/data";
 import { buildInstruments } from "./scene/instruments";
 import { createDriving } from "./scene/live";
+import { FINEST } from "./scene/quality";
 import { Resolution } from "./scene/resolution";
 import { sensorColour } from "./scene/sensors";
 import { buildStage, VIEWS, type View } from "./scene/stage";
@@ -140,11 +141,11 @@ function play(page: HTMLElement, recording: Recording): void {
     jump(to);
   });
   // Without a graphics card a moving picture is drawn coarser, until it moves; one that stands is drawn finely.
-  const resolution = new Resolution();
-  let drawn = 0;
+  const resolution = new Resolution(FINEST);
+  let [drawn, detail] = [0, FINEST];
   const resize = (): void => {
-    drawn = isPlaying ? resolution.value : 1;
-    stage.resize(canvas.clientWidth, canvas.clientHeight, drawn);
+    [drawn, detail] = isPlaying ? [resolution.value, resolution.detail] : [1, FINEST];
+    stage.resize(canvas.clientWidth, canvas.clientHeight, drawn, detail);
     shown = -1;
   };
   new ResizeObserver(resize).observe(canvas);
@@ -157,7 +158,7 @@ function play(page: HTMLElement, recording: Recording): void {
     }
     if (isPlaying) resolution.tell(now, now - last);
     last = now;
-    if (drawn !== (isPlaying ? resolution.value : 1)) resize();
+    if (drawn !== (isPlaying ? resolution.value : 1) || detail !== (isPlaying ? resolution.detail : FINEST)) resize();
     if (time !== shown) {
       stage.show(time, view);
       instruments.show(time);

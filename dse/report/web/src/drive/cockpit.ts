@@ -1,13 +1,17 @@
 // The drive itself: the scene over the whole width, what a driver looks at, and who drives.
 import { el } from "../dom";
 import { buildInstruments } from "../scene/instruments";
+import { FINEST } from "../scene/quality";
 import { Resolution } from "../scene/resolution";
 import { sensorColour } from "../scene/sensors";
 import { buildStage, type View } from "../scene/stage";
+import { buildAssistance } from "./assistance";
 import { Controls, GAPS, KEYS, press } from "./controls";
 import { buildGauges } from "./gauges";
 import type { Drive, Tunable } from "./messages";
+import { buildSounding } from "./sounding";
 import { buildTouch } from "./touch";
+import { buildCalibration } from "./wheel";
 
 const EVERY = 1000 / 30; // ms between two messages
 const FEW = 8; // sliders that are shown at once
@@ -25,6 +29,9 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
   const canvas = el("canvas", { class: "stage", role: "img", "aria-label": `${title}, in three dimensions` });
   const stage = buildStage(canvas, stream);
   const gauges = buildGauges(drive);
+  const assistance = buildAssistance(stream);
+  gauges.element.append(assistance.element);
+  const sounding = buildSounding(stream);
   const signals = buildInstruments(stream);
   let view: View = "chase";
   const cameras = CAMERAS.map(([name, text]) =>
@@ -50,6 +57,7 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
     "div",
     { class: "tools" },
     el("div", { class: "cameras", role: "group", "aria-label": "Camera" }, ...cameras),
+    sounding.button,
     el("button", { type: "button", "aria-label": "Keys", click: () => help.showModal() }, "?"),
     finish,
   );
@@ -123,8 +131,8 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
     spoken = now;
   }, EVERY);
 
-  const resolution = new Resolution();
-  const resize = (): void => stage.resize(canvas.clientWidth, canvas.clientHeight, resolution.value);
+  const resolution = new Resolution(FINEST);
+  const resize = (): void => stage.resize(canvas.clientWidth, canvas.clientHeight, resolution.value, resolution.detail);
   const watching = new ResizeObserver(resize);
   watching.observe(canvas);
   let last = performance.now();
@@ -139,6 +147,8 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
       if (!pictures) page.querySelector(".waiting")?.classList.remove("waiting");
       stage.show(time, view);
       gauges.show(time, controls);
+      assistance.show(time);
+      sounding.hear(time);
       if (shown.open) signals.show(time);
       document.documentElement.dataset.frames = String(++pictures);
     }
@@ -151,6 +161,7 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
     watching.disconnect();
     wires.abort();
     help.close();
+    sounding.close();
     stage.close();
   };
 }
@@ -218,6 +229,7 @@ function buildHelp(): HTMLDialogElement {
       { class: "muted" },
       `Gamepad: triggers for the pedals, left stick to steer, A cruise control, B gap (${GAPS.join(", ")}), bumpers for the set speed. With hands off the wheel, lane keeping steers, if the car has it.`,
     ),
+    buildCalibration(() => undefined),
     el("button", { type: "button", click: () => dialog.close() }, "Resume"),
   );
   return dialog;

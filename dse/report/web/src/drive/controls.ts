@@ -1,4 +1,5 @@
-// Who drives: keys, a gamepad or fingers, as what the ports of the interface `driver` take.
+// Who drives: keys, a gamepad, a steering wheel or fingers, as what the ports of the interface `driver` take.
+import { wheelNow } from "./wheel";
 
 export const FULL = 0.5; // rad at the wheels
 const PRESS = 1.8; // 1/s
@@ -32,6 +33,8 @@ export const KEYS: [string, string][] = [
   ["+ \u2212", "set speed, in steps of 5 km/h"],
   ["G", "gap to the vehicle ahead"],
   ["1 2 3", "camera: chase, driver, top"],
+  ["B", "horn"],
+  ["M", "sound on, off"],
   ["H", "this help"],
   ["End", "finish the drive"],
 ];
@@ -164,7 +167,7 @@ export class Controls {
   /** The first gamepad of the standard kind: triggers, left stick; A switches, B asks for another gap, the bumpers for another speed. */
   private pad(): { accelerate: number; brake: number; steer: number | null } {
     const pad = navigator.getGamepads?.().find((each) => each?.mapping === "standard");
-    if (!pad) return { accelerate: 0, brake: 0, steer: null };
+    if (!pad) return wheelNow() ?? { accelerate: 0, brake: 0, steer: null };
     const tapped = (button: number): boolean => Boolean(pad.buttons[button]?.pressed) && !this.buttons[button];
     if (tapped(0)) this.cruise = !this.cruise;
     if (tapped(1)) this.gap = (this.gap + 1) % GAPS.length;

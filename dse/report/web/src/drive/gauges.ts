@@ -3,6 +3,7 @@ import { el } from "../dom";
 import type { Controls } from "./controls";
 import { GAPS } from "./controls";
 import type { Drive } from "./messages";
+import { meaningOf } from "./words";
 
 const TOP = 180; // km/h
 const FAR = 120; // m
@@ -44,9 +45,11 @@ export function buildGauges(drive: Drive): Gauges {
     chosen,
   );
 
-  const modes = instruments.flatMap(({ title, items }, number) =>
-    items.length ? [{ title: words(title), items, number, value: el("b", {}) }] : [],
-  );
+  // What says nothing to a driver is among the signals.
+  const modes = instruments.flatMap(({ items }, number) => {
+    const meaning = items.length ? meaningOf(items) : null;
+    return meaning ? [{ ...meaning, number, value: el("b", {}) }] : [];
+  });
   const list = el(
     "dl",
     { class: "modes", "aria-label": "Modes" },
@@ -90,10 +93,10 @@ export function buildGauges(drive: Drive): Gauges {
       bar.classList.toggle("close", metre < 0.5 * stream.at("host.speed", time));
       chosen.textContent = `set: ${GAPS[controls.gap]}`;
       cruise.textContent = controls.cruise ? "on" : "off";
-      for (const { value, items, number } of modes) {
-        const item = words(items[Math.round(stream.newest(`instrument.${number}`))] ?? "");
-        value.textContent = item;
-        value.classList.toggle("alarm", /override|emergency|full|partial|warning|alarm/.test(item));
+      for (const { value, say, number } of modes) {
+        const { text, level } = say(stream.newest(`instrument.${number}`));
+        value.textContent = text;
+        value.className = level;
       }
       const { accelerator, brake, steering } = controls.last;
       pedals[0]!.style.height = `${100 * accelerator!}%`;
@@ -120,8 +123,4 @@ function svg(tag: string, attributes: Record<string, string>): SVGElement {
   const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
   for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
   return node;
-}
-
-function words(name: string): string {
-  return name.replaceAll("_", " ");
 }

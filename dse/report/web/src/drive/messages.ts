@@ -62,12 +62,13 @@ const AHEAD = 4; // numbers of a frame before its columns
 const KEPT = 500;
 
 /** What the server answers; an Error in its words if it refuses. */
-export async function ask<T>(path: string, body?: object): Promise<T> {
+export async function ask<T>(path: string, body?: object, signal?: AbortSignal): Promise<T> {
   const asked = body && { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) };
   let answer: Response;
   try {
-    answer = await fetch(path, asked);
+    answer = await fetch(path, { ...asked, signal: signal ?? null });
   } catch {
+    signal?.throwIfAborted();
     throw new Error("the server cannot be reached");
   }
   const text = await answer.text();
@@ -100,7 +101,7 @@ export function readChoices(text: string): Record<string, string> {
 }
 
 /** Resolves when there is something to see; `over` is called once, whatever ends the drive. */
-export function connect(token: string, over: (ended: Ended) => void): Promise<Drive> {
+export function connect(token: string, over: (ended: Ended) => void, signal?: AbortSignal): Promise<Drive> {
   return new Promise((resolve, reject) => {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     const socket = new WebSocket(`${scheme}://${location.host}/drive/live?${new URLSearchParams({ drive: token })}`);
@@ -114,6 +115,9 @@ export function connect(token: string, over: (ended: Ended) => void): Promise<Dr
       else reject(new Error(ended.text));
       socket.close();
     };
+    signal?.addEventListener("abort", () => {
+      if (!drive) end({ why: "lost", text: "The drive was cancelled", drive: null, verdicts: [] });
+    });
     socket.onclose = () =>
       end({ why: "lost", text: "The connection to the drive was lost", drive: null, verdicts: [] });
     socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => {

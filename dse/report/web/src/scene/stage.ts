@@ -2,11 +2,13 @@
 import { Group, LinearSRGBColorSpace, Matrix4, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import { buildGrain, setGrains } from "./asphalt";
 import { chooseBody } from "./bodies/choose";
+import { buildCabin, EYE } from "./cabin";
 import type { Source } from "./data";
 import { buildLand } from "./land";
 import { HEADLAMPS, isDrawnByProgram } from "./light";
 import { buildLights } from "./lights";
 import { buildPlanting } from "./planting";
+import { FINEST, QUALITIES } from "./quality";
 import { buildRoad } from "./road";
 import { RoadMap } from "./roadmap";
 import { buildRoadside } from "./roadside";
@@ -32,8 +34,8 @@ const LAMPS = 0.65; // m over the ground
 
 export interface Stage {
   show(time: number, view: View): void;
-  /** In CSS pixels; `resolution` 1 draws each of the screen's. */
-  resize(width: number, height: number, resolution: number): void;
+  /** In CSS pixels; `resolution` 1 draws each of the screen's; `detail` is one of `QUALITIES`, the finest at first. */
+  resize(width: number, height: number, resolution: number, detail?: number): void;
   sensing: Sensing;
   /** Gives back what the browser has only few of. */
   close(): void;
@@ -55,7 +57,6 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
   const { length, width, front, wheel } = source.document.host;
   const lights = buildLights(source);
   buildGrain();
-  setGrains(true);
   const roads = new RoadMap(source.document.strips);
   const land = buildLand(roads, source.document.kind);
   const planting = buildPlanting(source.document, roads, land);
@@ -65,17 +66,25 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
   const host = vehicleOf(chooseBody("car", 0, length, width, HOST_HEIGHT, wheel), HOST_COLOUR);
   const sensing = buildSensing(source, !isSlow);
   const frame = new Group(); // that of the car's centre of gravity
+  const cabin = buildCabin(source.document.host, HOST_HEIGHT, HOST_COLOUR);
+  frame.add(cabin.group);
   scene.add(frame, sensing.group);
+  let quality = QUALITIES[FINEST]!;
+  let pictures = 0;
   const fleet = new Fleet(scene, source.document.others + 1);
   const lamps = new Matrix4().makeTranslation(-front, 0, -LAMPS);
   const traffic = new Traffic(source);
   return {
     sensing,
     close: () => {
+      cabin.close();
       renderer.dispose();
       renderer.forceContextLoss();
     },
-    resize: (width, height, resolution) => {
+    resize: (width, height, resolution, detail = FINEST) => {
+      quality = QUALITIES[detail]!;
+      setGrains(quality.grains);
+      fleet.detail = { shadows: quality.shadows, reach: quality.bodies };
       renderer.setPixelRatio(Math.min(devicePixelRatio, 2) * resolution);
       renderer.setSize(width, height, false);
       camera.aspect = width / height;
@@ -94,24 +103,28 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
       camera.updateMatrixWorld();
       const dark = source.at("weather.darkness", time);
       fleet.clear(dark > DUSK, time, camera.position);
-      if (!isInside) {
-        // Bodies are built around their middles, the car is told where its centre of gravity is.
-        host.position.set(front - length / 2, 0, 0).applyMatrix4(frame.matrixWorld);
-        host.rotation.copy(frame.rotation);
-        host.spun = source.rolled(time) / wheel;
-        host.steered = at("steering");
-        host.brakes = source.has("host.brake") ? at("brake") > PRESSED : slows(source, "host", time);
-        fleet.add(host);
-      }
+      cabin.group.visible = isInside;
+      // Bodies are built around their middles, the car is told where its centre of gravity is.
+      host.position.set(front - length / 2, 0, 0).applyMatrix4(frame.matrixWorld);
+      host.rotation.copy(frame.rotation);
+      host.spun = source.rolled(time) / wheel;
+      host.steered = at("steering");
+      host.brakes = source.has("host.brake") ? at("brake") > PRESSED : slows(source, "host", time);
+      cabin.show(at("steering"));
+      if (!isInside) fleet.add(host);
       traffic.show(time, fleet);
       fleet.finish();
       lights.show(time);
       sensing.show(time);
       land.show(camera.position.x, camera.position.y, camera.position.z, view === "top");
-      planting.show(camera.position.x, camera.position.y, 600);
+      planting.show(camera.position.x, camera.position.y, view === "top" ? 1000 : quality.planting);
       sky.show(time, camera.position, view === "top");
       HEADLAMPS.lit.value = Math.min(Math.max((dark - DUSK) / 0.5, 0), 1);
       HEADLAMPS.from.value.copy(frame.matrixWorld).invert().multiply(camera.matrixWorld).premultiply(lamps);
+      if (isInside) {
+        const isDue = quality.mirrors > 0 && pictures++ % quality.mirrors === 0;
+        if (isDue || !quality.mirrors) cabin.mirror(renderer, scene, frame, isDue);
+      }
       renderer.render(scene, camera);
     },
   };
@@ -129,7 +142,7 @@ function look(camera: PerspectiveCamera, view: View, place: Vector3, heading: nu
   camera.up.set(view === "top" ? c : 0, view === "top" ? s : 0, view === "top" ? 0 : 1);
   const [from, to] = {
     chase: [seen(-11, 0, 4.2), seen(18, 0, 0.6)],
-    driver: [seen(0.3, 0.35, 1.25), seen(40, 0, 0.8)],
+    driver: [seen(...EYE), seen(40, 0.36, 0.35)],
     top: [seen(28, 0, 95), seen(28.01, 0, 0)],
     side: [seen(5, -17, 4), seen(8, 0, 0.8)],
   }[view] as [[number, number, number], [number, number, number]];

@@ -90,6 +90,12 @@ export function carKind(id: number, length: number, height: number): CarKind {
   return (["saloon", "estate", "saloon", "hatchback"] as const)[Math.abs(id) % 4]!;
 }
 
+/** What a driver sees of the own car: the bonnet, in the axes of its body. */
+export function buildBonnet(length: number, width: number, height: number, radius: number): BufferGeometry {
+  const car = new Car(PROFILES.saloon, "saloon", length, width, height, radius);
+  return car.bonnet();
+}
+
 export function buildCar(kind: CarKind, length: number, width: number, height: number, radius: number): Body {
   const car = new Car(PROFILES[kind], kind, length, width, height, radius);
   const rear = kind === "van" ? 0.42 : 0.56;
@@ -132,12 +138,16 @@ class Car {
     return joined([this.lower(0), this.house(false), ...this.lenses()]);
   }
 
+  bonnet(): BufferGeometry {
+    return this.lower(6, this.at(this.profile.cowl));
+  }
+
   private at(share: number): number {
     return (share - 0.5) * this.length;
   }
 
   /** Everything below the windows; *arc* stations over half a wheel arch, none without arches. */
-  private lower(arc: number): BufferGeometry {
+  private lower(arc: number, from = -Infinity): BufferGeometry {
     const half = this.length / 2;
     const reach = this.radius + 0.07;
     const xs = [-half, -half + 0.05, -half + 0.22, half - 0.3, half - 0.08, half, this.at(this.profile.cowl), 0];
@@ -145,7 +155,9 @@ class Car {
     for (const axle of arc ? this.axles : []) {
       for (let i = 0; i <= 2 * arc; i++) xs.push(axle - reach * Math.cos((i * Math.PI) / (2 * arc)));
     }
-    const sorted = [...new Set(xs.map((x) => Math.round(x * 1e4) / 1e4))].sort((a, b) => a - b);
+    const sorted = [...new Set(xs.map((x) => Math.round(x * 1e4) / 1e4))]
+      .sort((a, b) => a - b)
+      .filter((x) => x >= from - 1e-3);
     const stations = sorted.map((x): Station => ({ x, half: this.ring(x, arc ? reach : 0) }));
     const inside = (at: number): boolean => {
       const x = (stations[at]!.x + stations[at + 1]!.x) / 2;
@@ -261,14 +273,20 @@ class Car {
     return parts;
   }
 
+  mirrors(): BufferGeometry[] {
+    const x = this.at(this.profile.cowl) + 0.06;
+    return [1, -1].map((side) =>
+      box([0.14, 0.2, 0.13], WHITE, [x, side * (this.sides + 0.06), this.belt + 0.08], 0.02, PAINT),
+    );
+  }
+
   private details(): BufferGeometry[] {
     const half = this.length / 2;
     const front = this.height * (this.kind === "van" ? 0.31 : 0.44);
-    const mirror = this.at(this.profile.cowl) - 0.12;
     return [
       ...this.lenses(),
+      ...this.mirrors(),
       ...[1, -1].flatMap((side) => [
-        box([0.16, 0.2, 0.13], WHITE, [mirror, side * (this.sides + 0.05), this.belt + 0.08], 0.02, PAINT),
         box([0.2, 0.025, 0.03], CHROME, [-0.02 * this.length, side * this.sides * 0.985, this.belt - 0.11], 0, LENS),
         box([0.2, 0.025, 0.03], CHROME, [-0.2 * this.length, side * this.sides * 0.98, this.belt - 0.11], 0, LENS),
       ]),

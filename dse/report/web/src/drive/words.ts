@@ -1,0 +1,64 @@
+// What signals of a car mean to who drives it, in words of a dashboard.
+
+type Level = "calm" | "active" | "alarm";
+
+export interface Phrase {
+  text: string;
+  level: Level;
+}
+
+const calm = (text: string): Phrase => ({ text, level: "calm" });
+const active = (text: string): Phrase => ({ text, level: "active" });
+const alarm = (text: string): Phrase => ({ text, level: "alarm" });
+
+/** By the items that a signal has: what it says to a driver, and what each item does. */
+const MEANINGS: { items: string[]; title: string; phrases: Record<string, Phrase> }[] = [
+  {
+    items: ["manual", "standby", "cruise", "override", "emergency"],
+    title: "Cruise control",
+    phrases: {
+      manual: calm("off"),
+      standby: calm("ready \u2013 press C"),
+      cruise: active("keeps speed and gap"),
+      override: calm("you accelerate"),
+      emergency: alarm("EMERGENCY BRAKE"),
+    },
+  },
+  {
+    items: ["driver", "lane_keeping"],
+    title: "Steering",
+    phrases: { driver: calm("you steer"), lane_keeping: active("keeps the lane") },
+  },
+  {
+    items: ["none", "warning", "partial", "full"],
+    title: "Collision warning",
+    phrases: {
+      none: calm("clear"),
+      warning: alarm("BRAKE NOW"),
+      partial: alarm("BRAKING FOR YOU"),
+      full: alarm("FULL BRAKING"),
+    },
+  },
+  {
+    items: ["wish", "limit", "curve", "light"],
+    title: "Speed set by",
+    phrases: {
+      wish: calm("your set speed"),
+      limit: active("the speed limit"),
+      curve: active("the bend ahead"),
+      light: active("the traffic light"),
+    },
+  },
+  {
+    items: ["speed", "distance"],
+    title: "Following",
+    phrases: { speed: calm("free road"), distance: active("vehicle ahead") },
+  },
+];
+
+/** What a signal with *items* is called on a dashboard, and what it says; null if it says nothing to a driver. */
+export function meaningOf(items: string[]): { title: string; say(item: number): Phrase } | null {
+  const known = MEANINGS.find((each) => each.items.join() === items.join());
+  if (!known) return null;
+  return { title: known.title, say: (item) => known.phrases[items[Math.round(item)] ?? ""] ?? calm("\u2013") };
+}
