@@ -4,10 +4,14 @@ import { showDrive } from "./drive/cockpit";
 import { type Bench, type Order, showDealership } from "./drive/dealership";
 import { ask, connect, type Ended, readChoices } from "./drive/messages";
 import { buildBoards, showEnding } from "./drive/result";
+import { buildRoster, buildSeats } from "./drive/world";
 import { startTheme } from "./theme";
 
 const page = document.getElementById("drive")!;
-const { benches } = JSON.parse(document.getElementById("document")!.textContent!) as { benches: Bench[] };
+const { benches, shared } = JSON.parse(document.getElementById("document")!.textContent!) as {
+  benches: Bench[];
+  shared?: boolean;
+};
 
 startTheme();
 const order = ordered();
@@ -35,19 +39,28 @@ function ordered(): Order {
 
 function choose(): void {
   show("dealership");
-  showDealership(page, benches, order, drive, buildBoards());
+  const beside = shared ? el("div", { class: "beside" }, buildSeats(watch), buildBoards()) : buildBoards();
+  showDealership(page, benches, order, drive, beside);
 }
 
 async function drive(): Promise<void> {
-  const { drive: token } = await ask<{ drive: string }>("/drive/start", order);
+  await join(await ask<{ drive: string }>("/drive/start", order), finished);
+}
+
+function watch(seat: number): Promise<void> {
+  return join({ watch: String(seat) }, choose);
+}
+
+async function join(asked: { drive: string } | { watch: string }, over: (ended: Ended) => void): Promise<void> {
   let stop = (): void => undefined;
-  const driven = await connect(token, (ended) => {
+  const driven = await connect(asked, (ended) => {
     stop();
-    finished(ended);
+    over(ended);
   });
   show("drive");
   try {
     stop = showDrive(page, driven);
+    if (driven.seat !== undefined) page.querySelector(".panels")?.prepend(buildRoster(driven));
   } catch (error) {
     driven.leave();
     const canWebGl = Boolean(document.createElement("canvas").getContext("webgl2"));
