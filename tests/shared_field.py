@@ -33,9 +33,9 @@ types:
     speed: m/s
 interfaces:
   driver:
-    outputs: {accelerator: "1", cruise: bool}
+    outputs: {accelerator: "1", brake: "1", cruise: bool}
   car:
-    inputs: {accelerator: "1", cruise: bool, start: {x: m}}
+    inputs: {accelerator: "1", brake: "1", cruise: bool, start: {x: m}}
     outputs: {motion: {x: m, y: m, heading: rad, speed: m/s, acceleration: m/s2}}
   road:
     inputs: {motion: {x: m, y: m, heading: rad, speed: m/s, acceleration: m/s2}, movers: "mover[2]"}
@@ -80,17 +80,18 @@ _SEE = """
 """
 _FILES = {
     "components/interfaces.yaml": _INTERFACES,
-    **_part("idle", "driver", "struct { double accelerator; bool cruise; } out;", ""),
+    **_part("idle", "driver", "struct { double accelerator, brake; bool cruise; } out;", ""),
     **_part(
         "dot",
         "car",
-        f"struct {{ double accelerator; bool cruise; struct {{ double x; }} start; }} in; struct {{ {_MOTION} }} out;"
+        f"struct {{ double accelerator, brake; bool cruise; struct {{ double x; }} start; }} in;"
+        f"struct {{ {_MOTION} }} out;"
         "struct { double hangs; } par; double time;",
         """
         s->time += h;
         if (s->time > s->par.hangs) sleep(3600);
-        s->out.motion.acceleration = 5 * s->in.accelerator;
-        s->out.motion.speed = fmax(s->out.motion.speed + 5 * s->in.accelerator * h, 0);
+        s->out.motion.acceleration = 5 * s->in.accelerator - 8 * s->in.brake;
+        s->out.motion.speed = fmax(s->out.motion.speed + s->out.motion.acceleration * h, 0);
         s->out.motion.x += s->out.motion.speed * h;
         """,
         "s->out.motion.x = s->in.start.x; s->out.motion.speed = 10;",
@@ -110,6 +111,7 @@ _FILES = {
     ),
     "designs/cars.yaml": "design: cars\nroot:\n  compound:\n    car: {alternatives: [dot]}\n",
 }
+RECORDED = "car.motion.x, road.gap, 'road.actors[1].speed'"
 _BENCH = """\
 testbench: field
 title: Cars on a line
@@ -117,11 +119,12 @@ design: cars
 test_components: {driver: {component: idle}, road: {component: way}, traffic: {component: flow}}
 connections:
   - driver.accelerator -> car.accelerator
+  - driver.brake -> car.brake
   - driver.cruise -> car.cruise
   - road.start -> car.start
   - car.motion -> road.motion
   - traffic.movers -> road.movers
-simulation: {stop: STOP, step: 10 ms, algorithm: gauss_seidel, record: [car.motion.x, road.gap], record_every: 10 ms}
+simulation: {stop: STOP, step: 10 ms, algorithm: gauss_seidel, record: [RECORDED], record_every: 10 ms}
 metrics:
   least_gap: {expression: minimum(road.gap), unit: m}
 requirements:
@@ -133,4 +136,6 @@ figures:
 
 def shared_workspace(root: Path, stop: str = "20 s") -> Path:
     """The folder *root* as that workspace, whose bench ``field`` lasts *stop*."""
-    return written(root, {**_FILES, "testbenches/field.yaml": _BENCH.replace("STOP", stop)})
+    return written(
+        root, {**_FILES, "testbenches/field.yaml": _BENCH.replace("STOP", stop).replace("RECORDED", RECORDED)}
+    )

@@ -21,11 +21,18 @@ class SharedDrives:
     """One world on *bench* with *most* seats. *simulated* of them drive as the bench's own driver does, one more for
     each of *scripts*; they begin with the first person, and again until the last one has left.
 
-    Raises DseError if the bench cannot be shared. All may be called from any thread.
+    A car that is late is waited for *grace* s. Raises DseError if the bench cannot be shared. All may be called from any thread.
     """
 
     def __init__(
-        self, bench: TestBench, most: int, *, configuration: str = "", simulated: int = 0, scripts: Sequence[Path] = ()
+        self,
+        bench: TestBench,
+        most: int,
+        *,
+        configuration: str = "",
+        simulated: int = 0,
+        scripts: Sequence[Path] = (),
+        grace: float = 0.05,
     ) -> None:
         from dse.live import Script, SharedWorld
 
@@ -41,7 +48,7 @@ class SharedDrives:
         self._begun, self._closed = threading.Event(), threading.Event()
         self.problem = ""
         """Why a simulated driver does not drive."""
-        self.world = SharedWorld(bench.simulation.step, most=most)
+        self.world = SharedWorld(bench.simulation.step, most=most, grace=grace)
         self._thread = threading.Thread(target=self._simulate, daemon=True)
         self._thread.start()
 

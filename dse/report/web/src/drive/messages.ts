@@ -53,8 +53,8 @@ export interface Drive {
   /** What the controls are at first. */
   first: Record<string, number>;
   /** Its number in a shared world, and who drives if this page only watches. */
-  seat?: number;
-  watched?: string;
+  seat?: number | undefined;
+  watched?: string | undefined;
   /** What to do with news of that world. */
   news: (world: World) => void;
   /** What the last frame told besides its columns. */
