@@ -6,9 +6,10 @@ from .contents import (
     listing as listing,
     study_folders as study_folders,
 )
-from .drives.folder import CheckedDrive as CheckedDrive, Drives as Drives
+from .drives.folder import CheckedDrive as CheckedDrive, Drives as Drives, study_name as study_name
 from .drives.live import MOST_DRIVER as MOST_DRIVER, LiveDrive as LiveDrive, open_drive as open_drive
 from .drives.score_board import SCORING as SCORING, Board as Board, Score as Score, board_of as board_of
+from .drives.shared import SharedDrive as SharedDrive, open_shared_drive as open_shared_drive
 from .lookup import (
     condition_of as condition_of,
     new_folder as new_folder,

@@ -133,6 +133,7 @@ def _header(component: Component, source: UdpSource) -> str:
 #define DSE_UDP_IS_FREE {int(source.mode is LinkMode.FREE)}
 #define DSE_UDP_TIMEOUT {source.timeout!r}
 #define DSE_UDP_WAIT {source.wait!r}
+{"" if source.host else "#define DSE_UDP_FIRST_RESEND DSE_UDP_WAIT"}
 {"" if source.layout is None else f"#define DSE_UDP_LAYOUT {source.layout}.0"}
 {_answers(source)}
 #define dse_component_take {_STRUCT}_take

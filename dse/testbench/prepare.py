@@ -105,7 +105,8 @@ def check_bench(bench: TestBench, configuration: Configuration) -> CheckedBench:
     method = method_of(wired, problems)
     simulation = replace(bench.simulation, method=method)
     energies = {f"{BONDS}.{bond.name}": Type(Kind.REAL, parse_unit("J")) for bond in method.bonds}
-    signals = frozenset((*wired.signals, *energies))
+    names = dict.fromkeys((*wired.signals, *energies))
+    signals = frozenset(names)
     problems += [*_record_problems(wired, signals), *sampling_problems(simulation, wired.parts)]
     try:
         program = compile_metrics(bench.metrics, bench.requirements, wired.types | energies, signals)
@@ -114,8 +115,7 @@ def check_bench(bench: TestBench, configuration: Configuration) -> CheckedBench:
     derived = _derived(wired, problems)
     raise_if_any(problems)
     shown = [name for figure in bench.figures for name in (figure.current, figure.target) if name]
-    ordered = dict.fromkeys((*wired.signals, *energies))
-    recorded = (label for name in simulation.record for label in _labels(name, ordered))
+    recorded = (label for name in simulation.record for label in _labels(name, names))
     kept = tuple(dict.fromkeys((*recorded, *(name for name in shown if name in signals))))
     return CheckedBench(wired, simulation, program, kept, derived)
 
