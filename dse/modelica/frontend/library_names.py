@@ -79,7 +79,12 @@ def _functions(found: Classes) -> Iterator[tuple[int, list[tuple[int, int, str]]
     used = _used_elsewhere(found)
     for short, numbers in named.items():
         owners = {found.classes[number].around for number in numbers}
-        if len(numbers) == 1 or len(owners) < len(numbers):
+        texts = [found.texts[found.classes[number].source].text for number in numbers]
+        heads = [
+            text[found.classes[one].start : found.classes[one].body] for text, one in zip(texts, numbers, strict=True)
+        ]
+        is_redeclared = any(re.search(r"\b(?:redeclare|replaceable|extends)\b", head) for head in heads)
+        if len(numbers) == 1 or len(owners) < len(numbers) or is_redeclared:
             continue
         for around in owners:
             outer = found.classes[around]
