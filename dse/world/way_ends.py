@@ -7,7 +7,7 @@ from dse.formats import shortened
 from dse.world.lane_graph import LaneGraph, lane_at, next_places
 from dse.world.opendrive.driving import lanes_at, runs_along
 from dse.world.opendrive.structure import End
-from dse.world.routes import Way
+from dse.world.ways import Way
 
 
 def way_end(graph: LaneGraph, way: Way) -> Problem | None:
