@@ -59,6 +59,6 @@ from .tables import (
     RoadPath as RoadPath,
     RoadTables as RoadTables,
 )
-from .way_ends import way_end as way_end
+from .way_ends import route_notes as route_notes, way_end as way_end
 from .ways import Way as Way, way_length as way_length
 from .writing.opendrive import opendrive_of as opendrive_of
