@@ -193,7 +193,16 @@ class FakeDrives:
             "host": {"length": 4.5, "width": 1.8, "front": 2.3},
             "others": self.others,
             "sensors": [
-                {"name": "radar", "title": "Long-range radar", "mount": 2.3, "reach": 150.0, "angle": 0.4, "returns": 1}
+                {
+                    "name": "radar",
+                    "title": "Long-range radar",
+                    "mount": 2.3,
+                    "left": 0.0,
+                    "turn": 0.0,
+                    "reach": 150.0,
+                    "angle": 0.4,
+                    "returns": 1,
+                }
             ],
             "instruments": [
                 {**instrument, "title": "Speed", "unit": "km/h", "hasTarget": True},

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import socket
 import struct
+import subprocess
 import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
@@ -149,3 +150,21 @@ def served(world: World) -> Iterator[int]:
         finally:
             line.sendto(b"stop", ("127.0.0.1", port))
             thread.join()
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+        line.bind(("127.0.0.1", 0))
+        return int(line.getsockname()[1])
+
+
+@contextmanager
+def running(command: list[str]) -> Iterator[None]:
+    """A program that prints its address first and runs until the end of the block."""
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as world:
+        assert world.stdout
+        assert "a world at" in world.stdout.readline()
+        try:
+            yield
+        finally:
+            world.kill()

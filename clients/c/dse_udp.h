@@ -12,6 +12,7 @@
  *     }
  *
  * Lockstep: each STARTED and each STEP wants one answer. Free: wait with 0 s until NOTHING, step by the clock, tell.
+ * A clock: double next = dse_udp_now(); … dse_udp_sleep_until(next = dse_udp_deadline(next, step, dse_udp_now()));
  * Doubles must be IEEE 754 and little-endian, as on x86 and ARM. A world is one thread's. */
 #ifndef DSE_UDP_WORLD_H
 #define DSE_UDP_WORLD_H
@@ -32,6 +33,7 @@ typedef int dse_udp_length;
 #include <sys/select.h>
 #include <sys/socket.h>
 #include <sys/time.h>
+#include <time.h>
 #include <unistd.h>
 typedef int dse_udp_socket;
 typedef socklen_t dse_udp_length;
@@ -198,6 +200,40 @@ static dse_udp_event dse_udp_on_packet(dse_udp_world *world, const int32_t head[
     }
     world->ignored++;
     return DSE_UDP_NOTHING;
+}
+
+/* Seconds of a clock that never jumps. */
+static double dse_udp_now(void) {
+#ifdef _WIN32
+    LARGE_INTEGER ticks, rate;
+    QueryPerformanceCounter(&ticks);
+    QueryPerformanceFrequency(&rate);
+    return (double)ticks.QuadPart / (double)rate.QuadPart;
+#else
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+#endif
+}
+
+/* The deadline after *last*: delays do not add up, but a delay of more than 0.1 s is not caught up (docs/udp.md). */
+static double dse_udp_deadline(double last, double step, double now) {
+    const double next = last + step;
+    return now - next > 0.1 ? now : next;
+}
+
+/* Wait for *deadline*, a time of dse_udp_now. What is late is not waited for. */
+static void dse_udp_sleep_until(double deadline) {
+    for (double rest = deadline - dse_udp_now(); rest > 0.0; rest = deadline - dse_udp_now()) {
+#ifdef _WIN32
+        Sleep((DWORD)(1e3 * rest));
+#else
+        struct timespec nap;
+        nap.tv_sec = (time_t)rest;
+        nap.tv_nsec = (long)(1e9 * (rest - (double)nap.tv_sec));
+        nanosleep(&nap, NULL);
+#endif
+    }
 }
 
 /* The next thing that happens within *seconds* (less than 0: for ever); its n_asked values are put into *asked*. */

@@ -24,10 +24,9 @@ static void answer(dse_udp_world *world, double time) {
 
 /* By a clock of its own: the newest force counts, nobody waits for anybody. */
 static void run_free(dse_udp_world *world) {
-    double force = 0.0, time = 0.0;
+    double force = 0.0, time = 0.0, deadline = dse_udp_now();
     world->is_free = true;
     for (;;) {
-        struct timeval nap = {0, (long)(1e6 * STEP)};
         dse_udp_event event;
         while ((event = dse_udp_wait(world, &force, 0.0)) != DSE_UDP_NOTHING) {
             if (event == DSE_UDP_STARTED) {
@@ -36,7 +35,8 @@ static void run_free(dse_udp_world *world) {
                 answer(world, time);
             }
         }
-        select(0, NULL, NULL, NULL, &nap);
+        deadline = dse_udp_deadline(deadline, STEP, dse_udp_now());
+        dse_udp_sleep_until(deadline);
         if (world->session) {
             advance(force);
             time += STEP;

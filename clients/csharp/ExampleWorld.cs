@@ -1,5 +1,5 @@
 // A point mass on a road, 20 m behind a wall it drives towards: asked for a force, it tells place, speed and gap.
-// Mono: mcs -out:ExampleWorld.exe DseUdp.cs ExampleWorld.cs && mono ExampleWorld.exe 5005
+// Mono: mcs -out:ExampleWorld.exe ../unity/Runtime/DseUdp.cs ExampleWorld.cs && mono ExampleWorld.exe 5005
 // dse udp check 127.0.0.1:5005 --out 1 --back 3 --step 0.01
 
 using System;
@@ -51,9 +51,15 @@ static class ExampleWorld
     // By its own clock, as Unity's FixedUpdate: the newest force counts, nobody waits for anybody.
     static void Free(World world)
     {
-        double time = 0.0;
-        for (;; Thread.Sleep((int)(1000 * Step)))
+        double time = 0.0, deadline = 0.0;
+        var clock = System.Diagnostics.Stopwatch.StartNew();
+        for (;;)
         {
+            // Deadlines are absolute, so that delays do not add up; more than 0.1 s is not caught up.
+            deadline += Step;
+            double rest = deadline - clock.Elapsed.TotalSeconds;
+            if (rest < -0.1) deadline -= rest;
+            if (rest > 0.0) Thread.Sleep((int)(1000 * rest));
             Request request;
             while (world.TryTake(out request))
             {

@@ -24,7 +24,15 @@ FOLDERS = ("docs", "components", "clients", "examples", "benchmarks", "changes",
 SECTIONS = {
     "Tutorials": ["docs/tour", "docs/tutorial", "docs/notebooks/*", "gallery"],
     "How-to guides": [
-        *("docs/bring-your-fmu", "docs/ssp", "docs/modelica", "docs/simulink", "docs/python", "docs/questions"),
+        *(
+            "docs/bring-your-fmu",
+            "docs/ssp",
+            "docs/modelica",
+            "docs/simulink",
+            "docs/python",
+            "docs/traces",
+            "docs/questions",
+        ),
         *(
             "docs/boundary",
             "docs/world",

@@ -122,7 +122,7 @@ def paired_draws(table: RunTable, one: NDArray[np.intp], other: NDArray[np.intp]
                 case,
                 case_label(definition, case),
                 *counted[:4],
-                *_mean(margins[first] - margins[second], random),
+                *_mean(_differences(margins[first], margins[second]), random),
                 *counted[4:],
             )
 
@@ -165,10 +165,16 @@ def _counts(
     return both, b, c, n - both - b - c, difference, *ends
 
 
+def _differences(first: Floats, second: Floats) -> Floats:
+    """*first* less *second*; 0 where they are equal, also where both are infinite."""
+    return np.subtract(first, second, out=np.zeros_like(first), where=first != second)
+
+
 def _mean(differences: Floats, random: bool) -> tuple[float, float]:
     """The mean with its standard error."""
     n = len(differences)
-    error = 0.0 if not random else float(differences.std(ddof=1) / math.sqrt(n)) if n > 1 else math.nan
+    with np.errstate(invalid="ignore"):  # of infinite ones there is no deviation
+        error = 0.0 if not random else float(differences.std(ddof=1) / math.sqrt(n)) if n > 1 else math.nan
     return float(differences.mean()), error
 
 

@@ -6,9 +6,10 @@ from .contents import (
     listing as listing,
     study_folders as study_folders,
 )
-from .drives.folder import CheckedDrive as CheckedDrive, Drives as Drives
+from .drives.folder import CheckedDrive as CheckedDrive, Drives as Drives, study_name as study_name
 from .drives.live import MOST_DRIVER as MOST_DRIVER, LiveDrive as LiveDrive, open_drive as open_drive
 from .drives.score_board import SCORING as SCORING, Board as Board, Score as Score, board_of as board_of
+from .drives.shared import SharedDrive as SharedDrive, open_shared_drive as open_shared_drive
 from .lookup import (
     condition_of as condition_of,
     new_folder as new_folder,
@@ -42,7 +43,12 @@ from .probe import (
     probe_fmu as probe_fmu,
     probe_numerics as probe_numerics,
 )
-from .roads import is_road as is_road, opendrive_text as opendrive_text, picture_of as picture_of
+from .roads import (
+    is_road as is_road,
+    opendrive_text as opendrive_text,
+    picture_of as picture_of,
+    write_road_mesh as write_road_mesh,
+)
 from .scenarios import (
     PlayedScenario as PlayedScenario,
     element_times as element_times,

@@ -38,6 +38,17 @@ def opendrive_text(name: str) -> tuple[str, str]:
     return road.name, opendrive_of(road)
 
 
+def write_road_mesh(name: str, target: Path) -> tuple[str, int]:
+    """Write the surface of a road as ``.glb`` or ``.obj``; returns its name, and the number of triangles.
+
+    *name* is that of a road of the workspace, or an OpenDRIVE file. Raises DseError.
+    """
+    from dse.report import write_mesh
+
+    picture = picture_of(Path(name))
+    return picture.title, write_mesh(picture.strips, picture.title, target)
+
+
 def picture_of(name: Path, driven: Iterable[tuple[Path, int]] = ()) -> RoadPicture:
     """What a picture of a road shows, with paths that were driven: of runs of study folders, or of files that
     'dse simulate -o' wrote. Raises DseError."""

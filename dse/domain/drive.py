@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from dse.domain.component import Value
 from dse.domain.run import Run
 
+OTHER = "other1."
+"""What the inputs of a shared drive begin with that are the first of the other cars."""
 TUNE = "tune"
 """The group of a driver in the loop's outputs that go to parameters: ``tune.<part>.<parameter>``."""
 
@@ -46,6 +48,11 @@ class Drive:
     settings: Mapping[str, Value] = field(default_factory=dict)
     bits: Mapping[str, str] = field(default_factory=dict)
     """What came of it as it was driven, as `bits_of` tells; nothing where nobody noted it."""
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether it was driven among others, whose cars are inputs: ``other1.speed``."""
+        return any(name.startswith(OTHER) for name in self.inputs)
 
 
 def bits_of(run: Run) -> dict[str, str]:

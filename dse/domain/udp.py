@@ -33,7 +33,8 @@ class LinkMode(StrEnum):
 class UdpSource(Source):
     """Somebody at *host* and *port*; a server listens there. A step waits *timeout* s, a start *wait* s.
 
-    With a *layout* the last value of what is heard must be this number.
+    With a *layout* the last value of what is heard must be this number. A server with *answers*, a host and a
+    port, sends there instead of to the sender of a request.
     """
 
     kind = "udp"
@@ -46,6 +47,7 @@ class UdpSource(Source):
     timeout: float = 5.0
     wait: float = 5.0
     layout: int | None = None
+    answers: tuple[str, int] | None = None
     where: Location | None = None
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from dse.domain.component import Component, ModelicaCompiler, ModelicaSource, Solver
-from dse.errors import Location, closest, fail
+from dse.errors import Location, Problem, closest, fail
 from dse.formats import shown
 from dse.loading import ComponentKind, Plain, SourcePlace, SourceSection, is_file
 
@@ -64,12 +64,11 @@ class ModelicaKind(ComponentKind[ModelicaSection, ModelicaSource]):
 
         return build_modelica(component, source, version, cache)
 
-    def check(self, component: Component, source: ModelicaSource) -> tuple[()]:
-        """Raise DseError with all that is wrong with the model; needs no C compiler."""
+    def check(self, component: Component, source: ModelicaSource) -> tuple[Problem, ...]:
+        """Who translates the model, if not dse. Raises DseError with all that is wrong; needs no C compiler."""
         from dse.modelica import check_modelica
 
-        check_modelica(component, source)
-        return ()
+        return check_modelica(component, source)
 
     def diagram(self, component: Component, source: ModelicaSource) -> Diagram:
         """The model's parts and connections."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,13 +11,14 @@ from dse.domain.component import Component, Source
 from dse.errors import Location, Problem, closest, fail, raise_if_any
 from dse.kinds._generated import build_generated
 from dse.kinds.scenario import Values, written_values
-from dse.loading import ComponentKind, Section, SourcePlace, SourceSection, Workspace
+from dse.loading import ComponentKind, Plain, Section, SourcePlace, SourceSection, Workspace
 
 if TYPE_CHECKING:
     from dse.world import Network, RoadTables, Scenario
 
 _INTERFACE = "road"
 _MOST = {"paths": 8, "traffic lights": 16, "conflicts, each counted on both of its paths": 16}
+_MOST_STEP, _MOST_KINK = 2.0, 1.0  # m, rad
 _PARAMETERS = ("start_station", "start_lane", "start_offset", "preview_spacing")
 
 
@@ -27,11 +29,19 @@ class WaySection(Section):
     lane: int = 0
 
 
+class ToleranceSection(Section):
+    """The largest step and kink of a road that is smoothed; what is larger is refused, as it is without this."""
+
+    step: Plain = 0
+    kink: Plain = 0
+
+
 class WaysSection(WaySection, SourceSection):
     """The keys of ``source`` that name ways through the roads of a file."""
 
     file: str
     paths: dict[str, WaySection] = {}
+    tolerance: ToleranceSection | None = None
 
 
 class RoadSection(WaysSection):
@@ -55,7 +65,8 @@ class WrittenWay:
 class RoadSource(Source):
     """*ways* through the roads of *file*, the host's first; *inside* is the workspace.
 
-    The road of a scenario depends on *values* of its parameters, and on its *host*.
+    The road of a scenario depends on *values* of its parameters, and on its *host*. *tolerated* are the largest step in
+    m and kink in rad that are smoothed.
     """
 
     kind = "road"
@@ -66,6 +77,7 @@ class RoadSource(Source):
     ways: tuple[WrittenWay, ...]
     values: tuple[tuple[str, str], ...] = ()
     host: str | None = None
+    tolerated: tuple[float, float] = (0.0, 0.0)
 
     @property
     def is_exact(self) -> bool:
@@ -87,7 +99,8 @@ class RoadKind(ComponentKind[RoadSection, RoadSource]):
             key = "values" if section.values else "host"
             raise fail(f"'{key}' is for a scenario (.xosc), and '{section.file}' is none", place.at(key))
         values = written_values(section.values)
-        return RoadSource(file, place.inside, written_ways(section, place), values, section.host)
+        ways = written_ways(section, place)
+        return RoadSource(file, place.inside, ways, values, section.host, tolerated_of(section, place))
 
     def build(self, component: Component, source: RoadSource, *, version: int, cache: Path | None) -> Path:
         """The FMU. Raises DseError with what is wrong with the roads and the ways through them."""
@@ -96,20 +109,24 @@ class RoadKind(ComponentKind[RoadSection, RoadSource]):
         files = road_files(_tables(component, source))
         return build_generated(component, files, STRUCT, version=version, cache=cache)
 
-    def check(self, component: Component, source: RoadSource) -> tuple[()]:
-        """Raise DseError with what is wrong with the roads and the ways through them."""
-        _tables(component, source)
-        return ()
+    def check(self, component: Component, source: RoadSource) -> tuple[Problem, ...]:
+        """What is ignored or smoothed along the ways, and where they end although their roads go on.
+
+        Raises DseError with what is wrong with the roads and the ways through them.
+        """
+        tables = _tables(component, source)
+        smoothed = [problem for path in tables.paths for problem in path.smoothed]
+        return tuple(dict.fromkeys([*smoothed, *_notes(source)]))
 
 
 def tables_along(source: RoadSource) -> RoadTables:
     """The paths along the ways of *source*. Raises DseError with what is wrong with them and the roads."""
-    from dse.world import Route, host_tables, road_tables
+    from dse.world import Route, Tolerance, host_tables, road_tables
 
     if source.file.suffix == ".xosc":
         return host_tables(_scenario(source), source.ways[0].where)
     routes = [Route(way.roads, way.lane, way.name, way.where) for way in source.ways]
-    return road_tables(roads_of(source), routes)
+    return road_tables(roads_of(source), routes, Tolerance(*source.tolerated))
 
 
 def written_ways(section: WaysSection, place: SourcePlace) -> tuple[WrittenWay, ...]:
@@ -130,6 +147,35 @@ def roads_of(source: RoadSource) -> Network:
     return open_roads(str(source.file), Workspace(source.inside))
 
 
+def tolerated_of(section: WaysSection, place: SourcePlace) -> tuple[float, float]:
+    """The step in m and the kink in rad of ``tolerance``."""
+    given = section.tolerance or ToleranceSection()
+    found = tuple(
+        place.number(raw, unit, "tolerance", key)
+        for key, raw, unit in (("step", given.step, "m"), ("kink", given.kink, "rad"))
+    )
+    for key, value, most in zip(("step", "kink"), found, (_MOST_STEP, _MOST_KINK), strict=True):
+        if not 0.0 <= value <= most:
+            raise fail(f"'{key}' of 'tolerance' is not between 0 and {most:g}", place.at("tolerance", key))
+    return found[0], found[1]
+
+
+def _notes(source: RoadSource) -> Iterator[Problem]:
+    """What the roads along the ways have that is ignored, and where the ways end in the middle of the network."""
+    from dse.world import Route, lane_graph, way_end, way_of
+
+    if source.file.suffix == ".xosc":
+        return
+    graph = lane_graph(roads_of(source))
+    for written in source.ways:
+        way = way_of(graph, Route(written.roads, written.lane, written.name, written.where))
+        for road in dict.fromkeys(way.roads):
+            yield from graph.network.roads[road].ignored
+        end = way_end(graph, way)
+        if end is not None:
+            yield end
+
+
 def _scenario(source: RoadSource) -> Scenario:
     from dse.world import read_scenario
 
@@ -138,7 +184,8 @@ def _scenario(source: RoadSource) -> Scenario:
 
 def _refuse_ways(section: RoadSection, place: SourcePlace) -> None:
     """The path of a scenario's host follows from where the scenario places it."""
-    key = "route" if section.route else "lane" if section.lane else "paths" if section.paths else ""
+    written = {"route": section.route, "lane": section.lane, "paths": section.paths, "tolerance": section.tolerance}
+    key = next((name for name, value in written.items() if value), "")
     if key:
         raise fail(f"'{key}' is not for a scenario: it places its host itself", place.at(key), "leave it out")
 

@@ -11,7 +11,7 @@ from dse.domain.component import Component
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.kinds._generated import build_generated
 from dse.kinds._partner import partner_files
-from dse.kinds.road import RoadSource, WaysSection, tables_along, written_ways
+from dse.kinds.road import RoadSource, WaysSection, tables_along, tolerated_of, written_ways
 from dse.loading import ComponentKind, Plain, SourcePlace, Workspace
 
 _INTERFACE = "traffic"
@@ -61,7 +61,9 @@ class SumoKind(ComponentKind[SumoSection, SumoSource]):
         if step < _FINEST or not is_multiple(step, _FINEST):
             raise fail(f"SUMO's step is a multiple of 1 ms, not {section.step}", place.at("step"), "step: 10 ms")
         ways = written_ways(section, place)
-        return SumoSource(file, place.inside, ways, demand=demand, step=step, where=place.at("file"))
+        tolerated = tolerated_of(section, place)
+        where = place.at("file")
+        return SumoSource(file, place.inside, ways, tolerated=tolerated, demand=demand, step=step, where=where)
 
     def build(self, component: Component, source: SumoSource, *, version: int, cache: Path | None) -> Path:
         """The FMU. Raises DseError: SUMO is not here, or cannot read the roads, or nothing leads along a way."""

@@ -133,7 +133,9 @@ def _header(component: Component, source: UdpSource) -> str:
 #define DSE_UDP_IS_FREE {int(source.mode is LinkMode.FREE)}
 #define DSE_UDP_TIMEOUT {source.timeout!r}
 #define DSE_UDP_WAIT {source.wait!r}
+{"" if source.host else "#define DSE_UDP_FIRST_RESEND DSE_UDP_WAIT"}
 {"" if source.layout is None else f"#define DSE_UDP_LAYOUT {source.layout}.0"}
+{_answers(source)}
 #define dse_component_take {_STRUCT}_take
 
 typedef struct {{
@@ -144,6 +146,13 @@ void {_STRUCT}_init({_STRUCT} *self);
 void {_STRUCT}_step({_STRUCT} *self, double h);
 void {_STRUCT}_take({_STRUCT} *self);
 """
+
+
+def _answers(source: UdpSource) -> str:
+    if source.answers is None:
+        return ""
+    host, port = source.answers
+    return f'#define DSE_UDP_ANSWERS_HOST "{host}"\n#define DSE_UDP_ANSWERS_PORT "{port}"'
 
 
 def _code(component: Component) -> str:

@@ -50,6 +50,14 @@ from .packet import (
 )
 from .packet_mistakes import explain as explain
 from .recorded_drive import bench_of_drive as bench_of_drive
+from .seat import MOTION as MOTION, Script as Script, SeatSession as SeatSession, Sights as Sights
 from .session import Ended as Ended, Patience as Patience, Seen as Seen, Session as Session, Why as Why
+from .shared_bench import (
+    START as START,
+    Sharing as Sharing,
+    sharing_of as sharing_of,
+    without_traffic as without_traffic,
+)
+from .shared_world import Car as Car, Place as Place, SharedWorld as SharedWorld
 from .world import News as News, What as What, require_free as require_free, serve_world as serve_world
 from .world_check import WorldTrial as WorldTrial, check_world as check_world

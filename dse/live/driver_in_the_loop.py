@@ -14,6 +14,7 @@ from dse.domain.system import Element
 from dse.domain.udp import INHERITED, LinkMode, LinkRole, UdpSource
 from dse.errors import Problem, fail, raise_if_any
 from dse.fmu import build_all, open_component
+from dse.live.shared_bench import Sharing, without_traffic
 from dse.system import along_the_flow
 from dse.testbench import PreparedBench, prepare_bench, wire_bench
 from dse.units import coherent, parse_unit
@@ -25,6 +26,7 @@ ECHO, OVERRUNS, LATENESS = "echo", "link.overruns", "link.lateness"
 _OWN = (ECHO, OVERRUNS, LATENESS)
 """What the driver in the loop shows to itself again, so that whoever talks with it knows what the run has used."""
 
+_ANSWERED_WITHIN = 5.0
 _MOST = 4000
 """Signals that a driver in the loop sees."""
 
@@ -40,11 +42,13 @@ class DriverInTheLoop:
     controls: tuple[Port, ...]
     tunables: Mapping[str, Parameter]
     seen: tuple[str, ...]
+    others: tuple[str, ...] = ()
+    """The outputs that are the cars of others, in a shared world: ``other1.speed``."""
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """The outputs of the driver in the loop that are a drive: controls, then ``tune.<part>.<parameter>``."""
-        return (*(port.name for port in self.controls), *(f"{TUNE}.{name}" for name in self.tunables))
+        """The outputs of the driver in the loop that are a drive: controls, ``tune.<part>.<parameter>``, others."""
+        return (*(port.name for port in self.controls), *(f"{TUNE}.{name}" for name in self.tunables), *self.others)
 
 
 def driver_of(bench: TestBench) -> TestComponent:
@@ -92,24 +96,36 @@ def _is_tunable(model: FmuModel, name: str) -> bool:
     return variable is not None and variable.variability == "tunable" and not variable.shape
 
 
-def with_driver(bench: TestBench, component: Component, tuned: Sequence[str]) -> TestBench:
-    """*bench* driven by *component*, whose outputs ``tune.<part>.<parameter>`` go to the parameters *tuned*."""
+def with_driver(
+    bench: TestBench, component: Component, tuned: Sequence[str], others: Mapping[str, str] | None = None
+) -> TestBench:
+    """*bench* driven by *component*, whose outputs ``tune.<part>.<parameter>`` go to the parameters *tuned*, and those
+    that are *others* to these inputs."""
     part = driver_of(bench)
     replaced = tuple(
         TestComponent(each.name, component, {}, each.where) if each is part else each for each in bench.test_components
     )
-    ways = tuple(Connection(f"{part.name}.{TUNE}.{name}", name, part.where) for name in tuned)
+    ends = {**{f"{TUNE}.{name}": name for name in tuned}, **(others or {})}
+    ways = tuple(Connection(f"{part.name}.{name}", end, part.where) for name, end in ends.items())
     return replace(bench, test_components=replaced, direct=(*bench.direct, *ways))
 
 
 def put_driver_in_the_loop(
-    bench: TestBench, configuration: Configuration, wanted: Sequence[str], *, version: int = 2
+    bench: TestBench,
+    configuration: Configuration,
+    wanted: Sequence[str],
+    *,
+    sharing: Sharing | None = None,
+    version: int = 2,
 ) -> DriverInTheLoop:
     """*bench* with a driver in the loop in the driver's place, which sees the signals *wanted*.
 
     It talks through the socket that its process is given, in real time and SI units, and all that it puts out is kept.
-    Raises DseError if the bench cannot be driven.
+    With *sharing* it puts out the cars of others as well, the bench has no traffic, and each step waits for an answer:
+    whoever answers keeps time. Raises DseError if the bench cannot be driven.
     """
+    if sharing:
+        bench = without_traffic(bench, sharing)
     raise_if_any(_refusals(bench))
     part, wired = driver_of(bench), wire_bench(bench, configuration)
     if len(wanted) > _MOST:
@@ -120,14 +136,16 @@ def put_driver_in_the_loop(
     ports = (port for port in part.component.interface.ports if port.causality is Causality.OUTPUT)
     controls = tuple(replace(port, type=_si(port.type)) for port in ports)
     tunables = tunables_of(bench, configuration, version=version)
-    given = {**{f"{TUNE}.{name}": each.type for name, each in tunables.items()}, **_own()}
+    others = sharing.types if sharing else {}
+    given = {**{f"{TUNE}.{name}": each.type for name, each in tunables.items()}, **others, **_own()}
     outputs = [*controls, *(Port(name, Causality.OUTPUT, _si(type_)) for name, type_ in given.items())]
     signals = wired.signals
     types = {**_own(), **{name: signals[name] for name in wanted}}
     inputs = [Port(f"sees.n{number}", Causality.INPUT, _si(type_)) for number, type_ in enumerate(types.values(), 1)]
-    line = UdpSource(0, INHERITED, LinkRole.CLIENT, LinkMode.FREE, where=part.where)
+    mode = LinkMode.LOCKSTEP if sharing else LinkMode.FREE
+    line = UdpSource(0, INHERITED, LinkRole.CLIENT, mode, _ANSWERED_WITHIN, where=part.where)
     component = Component("seat", Interface("seat", (*inputs, *outputs)), source=line, where=part.where)
-    driven = with_driver(bench, component, tuple(tunables))
+    driven = with_driver(bench, component, tuple(tunables), sharing.ends if sharing else None)
     sources = [f"{part.name}.{name}" for name in _own()] + [wired.faces.get(name, name) for name in wanted]
     views = (Connection(end, f"{part.name}.{port.name}") for end, port in zip(sources, inputs, strict=True))
     shown = tuple(f"{part.name}.{port.name}" for port in outputs)
@@ -135,7 +153,7 @@ def put_driver_in_the_loop(
         bench.simulation, record=(*bench.simulation.record, *shown), record_every=bench.simulation.step
     )
     seated = replace(driven, direct=(*driven.direct, *views), simulation=simulation)
-    return DriverInTheLoop(seated, configuration, part.name, controls, tunables, tuple(wanted))
+    return DriverInTheLoop(seated, configuration, part.name, controls, tunables, tuple(wanted), tuple(others))
 
 
 def prepare_driver(driver_in_loop: DriverInTheLoop, *, version: int = 2) -> PreparedBench:

@@ -19,6 +19,7 @@ from dse.domain.drive import TUNE, Drive
 from dse.domain.time_series import Interpolation, Missing, Outside, Series, TableFile, TimeSeriesSource
 from dse.errors import Location, Problem, fail, raise_if_any
 from dse.live.driver_in_the_loop import driver_of, tunables_of, with_driver
+from dse.live.shared_bench import Sharing, sharing_of, without_traffic
 from dse.units import coherent
 
 _NAME = "drive"
@@ -33,7 +34,9 @@ def bench_of_drive(drive: Drive, bench: TestBench, configuration: Configuration,
     else.
     """
     where = bench.where or Location(bench.name)
-    types = _types(drive, bench, configuration, where)
+    sharing = sharing_of(bench, configuration) if drive.is_shared else None
+    bench = without_traffic(bench, sharing) if sharing else bench
+    types = _types(drive, bench, configuration, where, sharing)
     table = TableFile(_write(drive, types, folder))
     series = tuple(
         Series(port, table, number, 1, Interpolation.PREVIOUS, Outside.HOLD, Missing.SKIP, where)
@@ -42,16 +45,20 @@ def bench_of_drive(drive: Drive, bench: TestBench, configuration: Configuration,
     ports = tuple(Port(name, Causality.OUTPUT, type_) for name, type_ in types.items())
     names = {name: re.sub(r"\W+", "_", name) for name in types if "[" in name}
     component = Component(_NAME, Interface(_NAME, ports), source=TimeSeriesSource(series), names=names, where=where)
-    driven = with_driver(bench, component, [name.removeprefix(f"{TUNE}.") for name in types if _is_tuned(name)])
+    tuned = [name.removeprefix(f"{TUNE}.") for name in types if _is_tuned(name)]
+    driven = with_driver(bench, component, tuned, sharing.ends if sharing else None)
     simulation = replace(bench.simulation, stop=float(drive.time[-1]), record_every=drive.step)
     return replace(driven, parameters={**bench.parameters, **drive.settings}, simulation=simulation)
 
 
-def _types(drive: Drive, bench: TestBench, configuration: Configuration, where: Location) -> dict[str, Type]:
+def _types(
+    drive: Drive, bench: TestBench, configuration: Configuration, where: Location, sharing: Sharing | None
+) -> dict[str, Type]:
     """What each column of *drive* is, in the order of its columns. Raises DseError."""
     raise_if_any(_misfits(drive, bench, configuration, where))
     interface = driver_of(bench).component.interface
     known = {port.name: port.type for port in interface.ports if port.causality is Causality.OUTPUT}
+    known |= sharing.types if sharing else {}
     missing = known.keys() - drive.inputs.keys()
     tunables = tunables_of(bench, configuration)
     known |= {f"{TUNE}.{name}": parameter.type for name, parameter in tunables.items()}

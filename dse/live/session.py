@@ -27,11 +27,12 @@ from dse.processes import start_process
 from dse.scratch import ScratchFolder
 from dse.testbench import PreparedBench
 
-_TURN = 0.25
+TURN = 0.25
+"""Seconds between two looks for a run that does not go on."""
 _MOST_ASKED = 100
 _LARGEST = 1 << 17
 _LAST_WORDS = 2000
-_OWN = 3
+OWN_VALUES = 3
 """Values ahead of the signals that a driver in the loop sees: echo, overruns, lateness."""
 
 
@@ -176,12 +177,12 @@ class Session:
         """Answer the run until its process ends; why it has to be ended if it does not by itself."""
         sent, began, heard = Packet(0, 0, Flag(0), 0.0, ()), time.monotonic(), 0.0
         while True:
-            ready = wait([line, process.sentinel], _TURN)
-            for packet in _arrived(line, _OWN + len(self.driver_in_loop.seen)):
+            ready = wait([line, process.sentinel], TURN)
+            for packet in _arrived(line, OWN_VALUES + len(self.driver_in_loop.seen)):
                 if packet.flags & Flag.END:
                     continue  # of a start that is made again, or of the run: then its process ends
                 heard = time.monotonic()
-                sent = self._answer(packet, sent)
+                sent = self._reply(packet, sent)
                 with suppress(OSError):  # nobody takes it: the next will be newer
                     line.send(pack(sent))
                 if not packet.flags & Flag.START:
@@ -201,8 +202,9 @@ class Session:
             return Why.CRASHED, f"it did not begin within {patience.start:g} s"
         return None
 
-    def _answer(self, packet: Packet, before: Packet) -> Packet:
+    def _reply(self, packet: Packet, before: Packet, also: Mapping[str, float] | None = None) -> Packet:
         with self._lock:
+            self._values.update(also or {})
             values = (*self._values.values(), float(self._number))
         is_start = bool(packet.flags & Flag.START)
         flags = Flag.ANSWER | (Flag.START if is_start else Flag(0))
@@ -212,7 +214,7 @@ class Session:
 
     def _look(self, packet: Packet) -> None:
         echo, overruns, lateness, *_ = packet.values
-        self._seen = Seen(packet.time, lateness, int(overruns), int(echo), np.array(packet.values[_OWN:]))
+        self._seen = Seen(packet.time, lateness, int(overruns), int(echo), np.array(packet.values[OWN_VALUES:]))
         if self._asked:
             now = time.monotonic()
             with self._lock:

@@ -10,7 +10,7 @@ from pathlib import Path
 from dse.cache import cache_folder, content_key, keep_content, keep_file
 from dse.csolve import headers
 from dse.domain.component import Component, ModelicaCompiler, ModelicaSource
-from dse.errors import DseError, fail
+from dse.errors import DseError, Problem, fail
 from dse.fmu import (
     LANGUAGE_OPTIONS,
     MODEL_OPTIONS,
@@ -64,16 +64,17 @@ def build_modelica(component: Component, source: ModelicaSource, version: int, c
             raise DseError(*refusal.problems, *error.problems) from error
 
 
-def check_modelica(component: Component, source: ModelicaSource, cache: Path | None = None) -> None:
-    """Raise DseError with everything that is wrong with the model and its component, as `build_modelica` would.
+def check_modelica(component: Component, source: ModelicaSource, cache: Path | None = None) -> tuple[Problem, ...]:
+    """Who translates the model, if it is not dse.
 
-    No C compiler is needed, and OpenModelica is not run. What was found right is noted in the cache.
+    Raises DseError with everything that is wrong with the model and its component, as `build_modelica` would. No C
+    compiler is needed, and OpenModelica is not run. What was found right is noted in the cache.
     """
     sources = _read(component, source, cache)
     if source.compiler is ModelicaCompiler.OMC:
         if find_omc() is None:
             raise _without_omc(component)
-        return
+        return (Problem(f"component '{component.name}': translated by OpenModelica's omc, as asked", component.where),)
     note = cache_folder(cache) / "checked" / content_key(_identity(component, source, sources, 0))
 
     def checked() -> bytes:
@@ -84,8 +85,11 @@ def check_modelica(component: Component, source: ModelicaSource, cache: Path | N
         keep_content(note, checked)
     except TranslationError as refusal:
         if source.compiler is ModelicaCompiler.AUTO and find_omc() is not None:
-            return
+            what = f"component '{component.name}': translated by OpenModelica's omc, because dse refuses the model: "
+            first = refusal.problems[0]
+            return (replace(first, what=what + first.what),)
         raise _mentioning_omc(refusal, source) from refusal
+    return ()
 
 
 def _without_omc(component: Component) -> DseError:

@@ -22,6 +22,7 @@ from .content.data import (
 from .content.reading import content_of_run as content_of_run, read_content as read_content
 from .content.scenes import with_replays as with_replays
 from .drawing.chart import draw_chart as draw_chart
+from .drawing.road_mesh import write_mesh as write_mesh
 from .drawing.road_picture import RoadPicture as RoadPicture
 from .drawing.road_plot import draw_road as draw_road
 from .drawing.scenario_plot import draw_scenario as draw_scenario
@@ -58,4 +59,12 @@ from .scene.html import (
     scene_document as scene_document,
     scene_mark as scene_mark,
     scene_page as scene_page,
+)
+from .trace.data import Trace as Trace, rear_axle_of as rear_axle_of
+from .trace.write import (
+    MESSAGES as MESSAGES,
+    frames_of as frames_of,
+    require_packages as require_packages,
+    write_mcap as write_mcap,
+    write_osi as write_osi,
 )

@@ -10,11 +10,12 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from dse.api import Dealership, Drives, LiveDrive, Workspace, open_drive, read_choices_text
+from dse.api import Dealership, Drives, LiveDrive, Workspace, open_drive, read_choices_text, study_name
 from dse.domain.bench import TestBench
 from dse.domain.design import DesignSpace
 from dse.domain.drive import Drive
 from dse.errors import DseError, closest, fail
+from dse.serving.shared_drives import SharedDrives
 
 MOST_AT_ONCE = 8
 PAGE_GONE = 30.0
@@ -35,18 +36,26 @@ class Held:
 
 
 class LiveDrives:
-    """At most *most* drives of the benches of *workspace* at once; those that count are *kept*, if they are to be.
+    """At most *most* drives of the benches of *workspace* at once; those that count are *kept*, if they are to be. All
+    are in one world if that is *shared*.
 
     Tokens are chosen here and are the only way to a drive. All may be called from any thread.
     """
 
-    def __init__(self, workspace: Workspace, kept: Drives | None = None, most: int = MOST_AT_ONCE) -> None:
+    def __init__(
+        self,
+        workspace: Workspace,
+        kept: Drives | None = None,
+        most: int = MOST_AT_ONCE,
+        shared: SharedDrives | None = None,
+    ) -> None:
+        self.shared = shared
         self._workspace, self._kept, self.most = workspace, kept, most
         self._held: dict[str, Held] = {}
         self._lock, self._asking, self._keeping = threading.RLock(), threading.RLock(), threading.Lock()
         self._opening = 0
         self._pending: list[threading.Thread] = []
-        self._problems: dict[str, DseError] = {}  # by bench: why its drives are not in its study
+        self._problems: dict[str, DseError] = {}  # by study: why drives are not in it
         self._closed = threading.Event()
         self._dealerships: dict[str, Dealership] = {}
 
@@ -91,7 +100,7 @@ class LiveDrives:
             noun = self._bench(bench)
             if chosen:
                 configuration = self._chosen(noun.design, chosen)
-            live = open_drive(noun, configuration or None, driver=driver)
+            live = self._opened(noun, configuration, driver)
             token = secrets.token_urlsafe(18)
             with self._lock:
                 self._held[token] = Held(token, live)
@@ -99,6 +108,11 @@ class LiveDrives:
         finally:
             with self._lock:
                 self._opening -= 1
+
+    def _opened(self, bench: TestBench, configuration: str, driver: str) -> LiveDrive:
+        if self.shared:
+            return self.shared.open(bench, configuration, driver)
+        return open_drive(bench, configuration or None, driver=driver)
 
     def boards(self) -> list[dict[str, object]]:
         """The score boards, as plain data."""
@@ -113,9 +127,10 @@ class LiveDrives:
         found = self._kept.recorded().get(drive) if self._kept else None
         if found is None:
             raise fail("there is no such drive")
-        if found.bench in self._problems:
-            raise self._problems[found.bench]
-        return found.bench
+        name = study_name(found)
+        if name in self._problems:
+            raise self._problems[name]
+        return name
 
     def enter(self, token: str) -> Held | None:
         """A page has come for the drive *token*: it begins if it has not. None if there is no such drive."""
@@ -126,6 +141,8 @@ class LiveDrives:
             held.pages += 1
             held.changed = time.monotonic()
         held.live.start()
+        if self.shared:
+            self.shared.begin()
         return held
 
     def leave(self, held: Held) -> None:
@@ -163,6 +180,8 @@ class LiveDrives:
     def close(self) -> None:
         """End all."""
         self._closed.set()
+        if self.shared:
+            self.shared.close()
         with self._lock:
             held, self._held = [*self._held.values()], {}
         for each in held:
@@ -173,9 +192,9 @@ class LiveDrives:
         with self._keeping:
             try:
                 kept.add(drive)  # and with it all that were driven on its bench before
-                self._problems.pop(drive.bench, None)
+                self._problems.pop(study_name(drive), None)
             except DseError as error:
-                self._problems[drive.bench] = error
+                self._problems[study_name(drive)] = error
 
     def _settle(self) -> None:
         """Wait until what was driven is in its study."""
@@ -219,6 +238,8 @@ class LiveDrives:
         return {"verdicts": [], **told}
 
     def _names(self) -> list[str]:
+        if self.shared:
+            return [self.shared.bench.name]
         return [name for name in self._workspace.benches if not name.startswith("_")]
 
     def _bench(self, name: str) -> TestBench:
@@ -244,6 +265,8 @@ class LiveDrives:
             patience = PAGE_GONE if not held.live.has_begun else _FORGOTTEN if held.live.ended else math.inf
             if not held.pages and self._age(held) > patience:
                 del self._held[token]
+                if not held.live.has_begun:
+                    held.live.close()
 
     @staticmethod
     def _age(held: Held) -> float:

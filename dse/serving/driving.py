@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from dse.api import LiveDrive, SharedDrive
 from dse.errors import DseError, fail
 from dse.serving.drives import Held, LiveDrives
 from dse.serving.pages import document, drive_page, study_address
@@ -26,6 +27,8 @@ Aside = Callable[[Callable[[], Any]], Awaitable[Any]]
 
 RATE = 30.0
 """Frames in a second, at most."""
+WORLD_EVERY = 0.5
+"""Seconds between two accounts of who is in a shared world."""
 MOST_MISTAKES = 20
 """Messages that are none, after which a page is hung up on."""
 
@@ -47,7 +50,7 @@ def drive_routes(drives: LiveDrives, aside: Aside) -> list[BaseRoute]:
     from starlette.websockets import WebSocketDisconnect
 
     def page(_: Request) -> Response:
-        return HTMLResponse(drive_page({"benches": drives.benches, "rate": RATE}))
+        return HTMLResponse(drive_page({"benches": drives.benches, "rate": RATE, "shared": drives.shared is not None}))
 
     async def offer(request: Request) -> Response:
         query = request.query_params
@@ -69,8 +72,14 @@ def drive_routes(drives: LiveDrives, aside: Aside) -> list[BaseRoute]:
         opened = aside(lambda: drives.open(order.bench, named, order.configuration, order.driver))
         return JSONResponse({"drive": await opened})
 
+    def world(_: Request) -> Response:
+        return JSONResponse(drives.shared.data() if drives.shared else {"seats": []})
+
     async def live(socket: WebSocket) -> None:
         await socket.accept()
+        if "watch" in socket.query_params:
+            await _watch(socket, drives)
+            return
         held = drives.enter(socket.query_params.get("drive", ""))
         if held is None:
             with suppress(WebSocketDisconnect, RuntimeError):
@@ -88,6 +97,7 @@ def drive_routes(drives: LiveDrives, aside: Aside) -> list[BaseRoute]:
         Route("/drive", page),
         Route("/drive/offer", offer),
         Route("/drive/boards", boards),
+        Route("/drive/world", world),
         Route("/drive/results/{name}", results),
         Route("/drive/start", start, methods=["POST"]),
         WebSocketRoute("/drive/live", live),
@@ -99,21 +109,58 @@ async def _show(socket: WebSocket, drives: LiveDrives, held: Held, aside: Aside)
     from starlette.websockets import WebSocketDisconnect
 
     with suppress(WebSocketDisconnect, RuntimeError, OSError):  # the page is gone
-        scene = {**held.live.scene(), "rate": RATE, "token": held.token}
-        await socket.send_text(json.dumps(scene, allow_nan=False))
-        loop, sent = asyncio.get_running_loop(), b""
-        until = loop.time()
-        while held.live.ended is None:
-            frame = held.live.frame()
-            if frame is not None and frame != sent:
-                # Waits where the page does not take it: then it gets fewer, and nothing is queued.
-                await socket.send_bytes(frame)
-                sent = frame
-            until = max(until + 1 / RATE, loop.time())
-            await asyncio.sleep(until - loop.time())
+        await _stream(socket, drives, held.live, {"token": held.token})
         told = await aside(partial(drives.told, held))
         await socket.send_text(json.dumps(told))
         await socket.close()
+
+
+async def _stream(socket: WebSocket, drives: LiveDrives, live: LiveDrive, also: Mapping[str, object]) -> None:
+    """The scene, then frames until the drive is over; now and then who else is in its world."""
+    scene = {**live.scene(), "rate": RATE, **also}
+    if drives.shared and isinstance(live, SharedDrive):
+        scene["seat"] = live.seating.place.number
+    await socket.send_text(json.dumps(scene, allow_nan=False))
+    loop, sent, told = asyncio.get_running_loop(), b"", ""
+    until = told_until = loop.time()
+    while live.ended is None:
+        frame = live.frame()
+        if frame is not None and frame != sent:
+            # Waits where the page does not take it: then it gets fewer, and nothing is queued.
+            await socket.send_bytes(frame)
+            sent = frame
+        if drives.shared and loop.time() >= told_until:
+            told_until = loop.time() + WORLD_EVERY
+            if (text := json.dumps(drives.shared.data(), allow_nan=False)) != told:
+                await socket.send_text(text)
+                told = text
+        until = max(until + 1 / RATE, loop.time())
+        await asyncio.sleep(until - loop.time())
+
+
+async def _watch(socket: WebSocket, drives: LiveDrives) -> None:
+    """Show a drive of the shared world to somebody who takes no part in it: what the page says is not heard."""
+    from starlette.websockets import WebSocketDisconnect
+
+    live = drives.shared.drive(socket.query_params["watch"]) if drives.shared else None
+    if live is None:
+        with suppress(WebSocketDisconnect, RuntimeError):
+            await socket.send_json(_ended("nobody drives in this seat"))
+            await socket.close()
+        return
+
+    async def show() -> None:
+        with suppress(WebSocketDisconnect, RuntimeError, OSError):
+            await _stream(socket, drives, live, {"watched": live.driver})
+            await socket.send_json(_ended(f"{live.driver} has left the world"))
+            await socket.close()
+
+    showing = asyncio.create_task(show())
+    try:
+        while (await socket.receive())["type"] == "websocket.receive":
+            pass
+    finally:
+        showing.cancel()
 
 
 async def _listen(socket: WebSocket, held: Held) -> None:

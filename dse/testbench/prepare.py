@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
@@ -105,7 +105,8 @@ def check_bench(bench: TestBench, configuration: Configuration) -> CheckedBench:
     method = method_of(wired, problems)
     simulation = replace(bench.simulation, method=method)
     energies = {f"{BONDS}.{bond.name}": Type(Kind.REAL, parse_unit("J")) for bond in method.bonds}
-    signals = frozenset((*wired.signals, *energies))
+    names = dict.fromkeys((*wired.signals, *energies))
+    signals = frozenset(names)
     problems += [*_record_problems(wired, signals), *sampling_problems(simulation, wired.parts)]
     try:
         program = compile_metrics(bench.metrics, bench.requirements, wired.types | energies, signals)
@@ -114,7 +115,7 @@ def check_bench(bench: TestBench, configuration: Configuration) -> CheckedBench:
     derived = _derived(wired, problems)
     raise_if_any(problems)
     shown = [name for figure in bench.figures for name in (figure.current, figure.target) if name]
-    recorded = (label for name in simulation.record for label in _labels(name, (*wired.signals, *energies)))
+    recorded = (label for name in simulation.record for label in _labels(name, names))
     kept = tuple(dict.fromkeys((*recorded, *(name for name in shown if name in signals))))
     return CheckedBench(wired, simulation, program, kept, derived)
 
@@ -172,9 +173,11 @@ def _derived(wired: WiredBench, problems: list[Problem]) -> dict[str, RowProgram
     return found
 
 
-def _labels(name: str, signals: Iterable[str]) -> list[str]:
+def _labels(name: str, signals: Collection[str]) -> list[str]:
     """The *signals* that ``record: [name]`` means: the one called so, or all of the group or array."""
     name = tightened(name)
+    if name in signals:
+        return [name]
     return [signal for signal in signals if is_part(signal, name)]
 
 

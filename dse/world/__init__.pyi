@@ -9,6 +9,16 @@ from .evaluation import (
     wrapped as wrapped,
 )
 from .flatten import path_along as path_along, read_road_tables as read_road_tables, road_tables as road_tables
+from .in_the_way import (
+    CLASSES as CLASSES,
+    HEIGHTS as HEIGHTS,
+    LEVEL as LEVEL,
+    STEEPEST as STEEPEST,
+    on_one_level as on_one_level,
+    user_bits as user_bits,
+    users_of as users_of,
+)
+from .joints import STRICT as STRICT, Tolerance as Tolerance
 from .lane_graph import LaneGraph as LaneGraph, LanePlace as LanePlace, lane_graph as lane_graph
 from .opendrive.curves import Curve as Curve, curve_of as curve_of
 from .opendrive.driving import DRIVEN as DRIVEN, runs_along as runs_along
@@ -50,4 +60,5 @@ from .tables import (
     RoadPath as RoadPath,
     RoadTables as RoadTables,
 )
+from .way_ends import way_end as way_end
 from .writing.opendrive import opendrive_of as opendrive_of

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.world.in_the_way import HEIGHTS, LEVEL, STEEPEST
 from dse.world.opendrive.roadside import COLOURS
 from dse.world.tables import Conflict, LaneBand, Light, Piecewise, RoadPath, RoadTables
 
@@ -41,8 +42,10 @@ def table_files(tables: RoadTables) -> dict[str, str]:
     if tables.conflicts:
         rows = [_conflict(each, tables.paths, laid) for each in tables.conflicts]
         arrays.append(_array("path_conflict conflicts", rows))
+    arrays.append(_array("double heights", [repr(height) for height in HEIGHTS]))
     count, conflicts = len(tables.conflicts), "conflicts" if tables.conflicts else "0"
-    network = f"const road_network road_tables = {{{len(texts)}, {count}, paths, {conflicts}}};\n"
+    rule = f"{{heights, {len(HEIGHTS)}, {LEVEL!r}, {STEEPEST!r}}}"
+    network = f"const road_network road_tables = {{{len(texts)}, {count}, paths, {conflicts}, {rule}}};\n"
     return {"road_tables.c": "\n".join(['#include "path.h"\n', *(numbers for numbers, _ in texts), *arrays, network])}
 
 
@@ -83,7 +86,7 @@ def _path_text(path: RoadPath, number: int, starts: Array, lengths: list[Array])
         width = np.subtract(*_alike(_moved(lane.left, starts), _moved(lane.right, starts)))
         blocks = _middle(lane, starts), width, _slipperiness(lane, starts), along
         places = [columns.put(block) for block in blocks]
-        lanes.append(f"{{{lane.number}, {', '.join(places)}}}")
+        lanes.append(f"{{{lane.number}, {lane.users}, {', '.join(places)}}}")
     patches = [_numbers((p.start, p.end, p.right, p.left, p.friction)) for p in path.patches]
     rows = np.hstack(columns.blocks)
     numbered = [(light, f"phases_{number}_{i}") for i, light in enumerate(path.lights)]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.world.evaluation import lane_middle, place
+from dse.world.in_the_way import on_one_level
 from dse.world.opendrive.curves import Reals
 from dse.world.pieces import value
 from dse.world.tables import RoadPath
@@ -18,8 +19,6 @@ WIDTH = 2.0
 """Of a usual vehicle, in m: a car with its mirrors. It drives on the middle of its path's own lane."""
 JOINED = 0.25
 """Middles of lanes that stay nearer, in m, in one direction, are one lane: there one follows the other."""
-CLEARANCE = 3.0
-"""Roads that are so far above each other, in m, do not meet."""
 
 _TURNED = 0.3  # rad between the directions of joined lanes
 _STAYING = 5.0  # m for which they are near each other, or to the end of a path
@@ -56,7 +55,7 @@ def find_conflict_areas(one: RoadPath, other: RoadPath) -> Iterator[ConflictArea
         for there in _touching(b, a, b.all, (whole.start, whole.end)):
             for here in _touching(a, b, (whole.start, whole.end), (there.start, there.end)):
                 parts = here.joined == here.start or there.joined == there.start
-                if not parts and abs(a.height(here.start) - b.height(there.start)) < CLEARANCE:
+                if not parts and _on_one_level(a, b, here, there):
                     yield ConflictArea(*a.counted(here), *b.counted(there))
 
 
@@ -67,6 +66,12 @@ class _Touch:
     start: float
     end: float
     joined: float
+
+
+def _on_one_level(a: _Course, b: _Course, here: _Touch, there: _Touch) -> bool:
+    """Whether the lanes are, at the nearer end of what they touch of each other."""
+    ends = (here.start, there.start), (here.joined, there.joined)
+    return any(on_one_level(a.height(s) - b.height(other)) for s, other in ends)
 
 
 class _Course:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dse.errors import Problem
+from dse.world.in_the_way import user_bits
 from dse.world.lane_graph import LanePlace
 from dse.world.opendrive.checks import GAP
 from dse.world.opendrive.driving import DRIVEN
@@ -20,11 +21,12 @@ _SAMPLES = 33
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Band:
-    """Borders and friction of a lane over the length of a section, in a direction of travel."""
+    """Borders and friction of a lane over a section, in a direction of travel, and the bits of its users."""
 
     left: Piecewise
     right: Piecewise
     friction: Piecewise
+    users: int
 
 
 def borders_of(road: Road, section: Section) -> dict[int, tuple[Piecewise, Piecewise]]:
@@ -78,9 +80,9 @@ def _outer(lane: Lane, inner: Piecewise, sign: int, section: Section) -> Piecewi
 
 
 def _seen(section: Section, sides: tuple[Piecewise, Piecewise], lane: Lane, *, along: bool) -> Band:
-    friction = steps(lane.frictions, section.s, section.end, 1.0)
+    friction, users = steps(lane.frictions, section.s, section.end, 1.0), user_bits(lane.users)
     if along:
-        return Band(sides[1], sides[0], friction)
+        return Band(sides[1], sides[0], friction, users)
     length = section.end - section.s
     right, left = (backwards(side, length, -1.0) for side in sides)
-    return Band(right, left, backwards(friction, length))
+    return Band(right, left, backwards(friction, length), users)

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
 
-from dse.errors import Location, Problem, raise_if_any
+from dse.errors import Problem, raise_if_any
 from dse.world.cross_section import Band, bands_of, overlaps
-from dse.world.evaluation import place
+from dse.world.in_the_way import ALL_USERS
+from dse.world.joints import STRICT, Joint, Tolerance, joined_up, with_hint
 from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph
-from dse.world.opendrive.curves import curve_of
+from dse.world.opendrive.curves import Reals, curve_of
 from dse.world.opendrive.driving import DRIVEN, runs_along
 from dse.world.opendrive.reading import read_network
-from dse.world.opendrive.structure import Cubic, Network, Road, Sign, Signal, TrafficOrder as Ordered
+from dse.world.opendrive.structure import Cubic, Fault, Network, Road, Sign, Signal, TrafficOrder as Ordered
 from dse.world.pieces import backwards, from_cubics, in_a_row, joined, quintics, steps, value
 from dse.world.right_of_way import conflicts
 from dse.world.routes import Route, Way, way_of
@@ -36,13 +36,14 @@ def read_road_tables(path: Path, file: str, routes: Sequence[Route] = ()) -> Roa
     return road_tables(read_network(path, file), routes)
 
 
-def road_tables(network: Network, routes: Sequence[Route] = ()) -> RoadTables:
+def road_tables(network: Network, routes: Sequence[Route] = (), tolerance: Tolerance = STRICT) -> RoadTables:
     """The paths of *routes*, in their order; without routes, the longest way straight on.
 
     Raises DseError with all that keeps a path from being followed, where it stands.
     """
     graph = lane_graph(network)
-    paths = tuple(path_along(graph, way_of(graph, route), route.name) for route in routes or (Route(),))
+    ways = [(way_of(graph, route), route.name) for route in routes or (Route(),)]
+    paths = tuple(path_along(graph, way, name, tolerance=tolerance) for way, name in ways)
     return RoadTables(paths, tuple(conflicts(network, paths)))
 
 
@@ -78,13 +79,18 @@ class _Passage:
         return self.turned(from_cubics(cubics, self.start, self.end), sign)
 
 
-def path_along(graph: LaneGraph, way: Way, name: str, *, every_lane: bool = False) -> RoadPath:
+def path_along(
+    graph: LaneGraph, way: Way, name: str, *, every_lane: bool = False, tolerance: Tolerance = STRICT
+) -> RoadPath:
     """The path along *way*, with its lanes for vehicles or *every_lane*.
 
-    Raises DseError where something along it is not supported or does not fit together.
+    Raises DseError where something along it is not supported, or does not fit together beyond the *tolerance*.
     """
     passages = [_passage(graph, places) for places in way.passages]
-    raise_if_any(problem for passage in passages for problem in _refused(graph, passage))
+    faults = [fault for passage in passages for fault in _faults(graph, passage)]
+    refused = [problem for passage in passages for problem in _refused(graph, passage)]
+    larger = [with_hint(fault.problem) for fault in faults if not tolerance.covers(fault.step, fault.kink)]
+    raise_if_any([*refused, *larger])
     lengths = [passage.length for passage in passages]
     begins = [float(begin) for begin in np.cumsum([0.0, *lengths])]
     lines = [_line(passage) for passage in passages]
@@ -111,9 +117,24 @@ def path_along(graph: LaneGraph, way: Way, name: str, *, every_lane: bool = Fals
         leftmost,
         rightmost,
     )
-    begun = [p.road.where for p in passages]
-    raise_if_any(broken(path, begins[1:-1], begun))
-    return path
+    path = joined_up(path, list(_joints(passages, begins, tolerance)), tolerance)
+    told = {problem.where for problem in path.smoothed}
+    tolerated = (fault.problem for fault in faults if fault.problem.where not in told)
+    ignored = (Problem(f"tolerated: {problem.what}", problem.where) for problem in tolerated)
+    return replace(path, smoothed=(*ignored, *path.smoothed))
+
+
+def _joints(passages: Sequence[_Passage], begins: Sequence[float], tolerance: Tolerance) -> Iterator[Joint]:
+    """Where roads meet along a path, and with a tolerance also where the pieces of their lines do."""
+    for number, (passage, begin) in enumerate(zip(passages, begins, strict=False)):
+        if number:
+            yield Joint(begin, passage.road.where, "the lane of the path", "in this road")
+        for piece in passage.road.geometries[1:] if tolerance != STRICT else ():
+            if passage.start < piece.s < passage.end:
+                yield Joint(
+                    begin + passage.from_start(piece.s), piece.where, "the reference line", "in this <geometry>"
+                )
+    yield Joint(begins[-1], passages[0].road.where, "the lane of the path", "in this road")
 
 
 def _passage(graph: LaneGraph, places: tuple[LanePlace, ...]) -> _Passage:
@@ -123,6 +144,12 @@ def _passage(graph: LaneGraph, places: tuple[LanePlace, ...]) -> _Passage:
     # The first begins at 0, to what is let pass.
     start = start if sections[0] else 0.0
     return _Passage(road, places, runs_along(road, lane_at(graph.network, places[0])), start, end)
+
+
+def _faults(graph: LaneGraph, passage: _Passage) -> Iterator[Fault]:
+    yield from passage.road.faults
+    for at in passage.places:
+        yield from lane_at(graph.network, at).faults
 
 
 def _refused(graph: LaneGraph, passage: _Passage) -> Iterator[Problem]:
@@ -160,7 +187,24 @@ def _lanes(passages: Sequence[_Passage], *, every_lane: bool) -> Iterator[LaneBa
             _along_sections(passages, [[band.left for band in row] for row in rows]),
             _along_sections(passages, [[band.right for band in row] for row in rows]),
             _along_sections(passages, [[band.friction for band in row] for row in rows]),
+            _common_users(passages, rows),
         )
+
+
+def _common_users(passages: Sequence[_Passage], rows: Sequence[Sequence[Band]]) -> int:
+    """The bits of who may drive on a lane wherever it is there."""
+    users = ALL_USERS
+    for passage, row in zip(passages, rows, strict=True):
+        for at, band in zip(passage.places, row, strict=True):
+            section = passage.road.sections[at.section]
+            if np.any(np.abs(_widths(band, section.end - section.s)) > _NO_LANE):
+                users &= band.users
+    return users
+
+
+def _widths(band: Band, length: float) -> Reals:
+    stations = np.linspace(0.0, length, 5)
+    return value(band.left, stations) - value(band.right, stations)
 
 
 def _along_sections(passages: Sequence[_Passage], parts: Sequence[Sequence[Piecewise]]) -> Piecewise:
@@ -178,7 +222,7 @@ def _band(bands: dict[int, Band], number: int) -> Band:
     if number in bands:
         return bands[number]
     edge = bands[max(bands)].left if number > 0 else bands[min(bands)].right
-    return Band(edge, edge, steps((), 0.0, 1.0, 1.0))
+    return Band(edge, edge, steps((), 0.0, 1.0, 1.0), ALL_USERS)
 
 
 def _speed_limit(passage: _Passage) -> Piecewise:
@@ -265,30 +309,3 @@ def _meant(passage: _Passage, signals: Iterable[_Standing]) -> Iterator[_Standin
         meant = not signal.lanes or any(min(pair) <= lane <= max(pair) for pair in signal.lanes for lane in lanes)
         if signal.orientation in facing and lanes and meant:
             yield signal
-
-
-# Whether a path goes on where roads meet.
-
-
-STEP = 0.1
-"""How far apart the middles of lanes may be where they go on in each other, in m, along, across and up."""
-BEND = 0.1
-"""How much a lane may turn there, in rad."""
-
-
-def broken(path: RoadPath, joints: Sequence[float], where: Sequence[Location]) -> Iterator[Problem]:
-    """Jumps of the path's own lane at *joints*, its stations where roads meet; *where* are the roads that follow."""
-    stations = np.array([*joints, path.length] if path.closed else joints)
-    if not len(stations):
-        return
-    own = path.lanes[0]
-    before, after = np.nextafter(stations, 0.0), np.where(stations >= path.length, 0.0, stations)
-    ends, begins = (place(path, s, (value(own.left, s) + value(own.right, s)) / 2) for s in (before, after))
-    for i in range(len(stations)):
-        there = where[(i + 1) % len(where)]
-        off = math.dist((ends.x[i], ends.y[i], ends.z[i]), (begins.x[i], begins.y[i], begins.z[i]))
-        bend = math.remainder(begins.heading[i] - ends.heading[i], math.tau)
-        if not off <= STEP:
-            yield Problem(f"the lane of the path continues {off:.3g} m off in this road", there)
-        elif not abs(bend) <= BEND:
-            yield Problem(f"the lane of the path continues with a kink of {bend:.3g} rad in this road", there)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from dse.world.opendrive.driving import DRIVEN, ends_at, lanes_at, runs_along
+from dse.world.opendrive.driving import ends_at, lanes_at, runs_along
 from dse.world.opendrive.structure import Connection, End, Junction, Lane, Network, Road
 
 LaneEnd = tuple[str, End, int]
@@ -45,12 +45,12 @@ def lane_at(network: Network, place: LanePlace) -> Lane:
 
 
 def entries(network: Network) -> Iterator[LanePlace]:
-    """All lanes for vehicles where they begin at an end of a road, as they are driven; along its stations first."""
+    """All lanes for cars where they begin at an end of a road, as they are driven; along its stations first."""
     for road in network.roads.values():
         last = len(road.sections) - 1
         for section, along in ((0, True), (last, False)):
             lanes = road.sections[section].lanes.values()
-            fit = [lane for lane in lanes if lane.type in DRIVEN and runs_along(road, lane) == along]
+            fit = [lane for lane in lanes if "car" in lane.users and runs_along(road, lane) == along]
             # The outermost is for those who do not overtake.
             for lane in sorted(fit, key=lambda lane: (lane.type != "driving", -abs(lane.id), lane.id)):
                 yield LanePlace(road.id, section, lane.id)

@@ -59,6 +59,12 @@ def total(one: Piecewise, other: Piecewise, sign: float = 1.0) -> Piecewise:
     return Piecewise(starts, _expanded(one, starts) + sign * _expanded(other, starts))
 
 
+def widened(piecewise: Piecewise, columns: int) -> Piecewise:
+    """The same with at least so many coefficients."""
+    more = max(columns - piecewise.coefficients.shape[1], 0)
+    return Piecewise(piecewise.starts, np.pad(piecewise.coefficients, ((0, 0), (0, more))))
+
+
 def backwards(piecewise: Piecewise, length: float, sign: float = 1.0) -> Piecewise:
     """*sign* times the same over a way of *length*, from its other end."""
     ends = np.append(piecewise.starts[1:], length)

@@ -88,9 +88,19 @@ def _made_for(graph: LaneGraph, route: Route) -> Way | None:
 def _longest(graph: LaneGraph, route: Route) -> Way:
     """The longest way straight on; the first of those that are as long to a mm."""
     onward = Onward(graph)
-    ways = [straight_on(onward, start) for start in _starts(graph.network, route)]
+    ways = [_rounded(onward, straight_on(onward, start), route) for start in _starts(graph.network, route)]
     lengths = [round(way_length(graph.network, way), 3) for way in ways]
     return ways[lengths.index(max(lengths))]
+
+
+def _rounded(onward: Onward, way: Way, route: Route) -> Way:
+    """The closed way from where *way* comes back to its first road, in another lane than it began in; else *way*."""
+    first = way.passages[0][0]
+    again = next((passage[0] for passage in way.passages[1:] if passage[0].road == first.road), None)
+    if way.closed or again is None or route.lane not in {0, again.lane}:
+        return way
+    closed = straight_on(onward, again)
+    return closed if closed.closed else way
 
 
 def way_length(network: Network, way: Way) -> float:
@@ -111,8 +121,17 @@ def _all_ways(graph: LaneGraph) -> Iterator[Way]:
     listed = list(entries(graph.network))
     reached = {next_ for place in listed for end in _ends(graph, place) for next_ in next_places(graph, end)}
     onward = Onward(graph)
-    for start in [place for place in listed if place not in reached] or listed:
-        yield from _ways_from(onward, start)
+    starts = [place for place in listed if place not in reached] or listed
+    # A way that comes back to its road in another lane than it began in: that lane's may close.
+    returns: dict[LanePlace, None] = {}
+    for start in starts:
+        for way in _ways_from(onward, start):
+            yield way
+            if not way.closed:
+                after = onward.from_(way.passages[-1][-1])
+                returns.update((next_, None) for next_ in after if next_.road == start.road and next_ not in starts)
+    for start in returns:
+        yield from (way for way in _ways_from(onward, start) if way.closed)
 
 
 def _ways_from(onward: Onward, start: LanePlace) -> Iterator[Way]:
@@ -183,7 +202,7 @@ def straight_on(onward: Onward, start: LanePlace) -> Way:
 
 
 class Onward:
-    """Where lanes go on, the straightest first; remembers what it has been asked."""
+    """Where lanes for cars go on, the straightest first; remembers what it has been asked."""
 
     def __init__(self, graph: LaneGraph) -> None:
         self.graph = graph
@@ -193,7 +212,8 @@ class Onward:
     def from_(self, place: LanePlace) -> tuple[LanePlace, ...]:
         """The next lanes; those in the same road, which need no turning, in the order of the file."""
         if place not in self._known:
-            following = next_places(self.graph, place)
+            lanes = self.graph.network
+            following = tuple(p for p in next_places(self.graph, place) if "car" in lane_at(lanes, p).users)
             several = len({next_.road for next_ in following}) > 1
             self._known[place] = tuple(sorted(following, key=self._turning)) if several else following
         return self._known[place]
@@ -212,42 +232,47 @@ class Onward:
 
 
 class _Search:
-    """Looks for the lanes along a route; what led nowhere is not tried again, and the farthest is remembered."""
+    """Looks for the lanes along a route, and remembers the farthest road that it came to."""
 
     def __init__(self, graph: LaneGraph, route: Route) -> None:
         self._graph, self._route = graph, route
-        self._tried: set[tuple[LanePlace, int]] = set()
         self._farthest = 0
 
     def from_(self, start: LanePlace) -> tuple[LanePlace, ...]:
-        """The lanes from *start* to the end of the last road; none if there is no such way."""
+        """The lanes from *start* to the end of the last road, back to *start* if they can; none if there is no way."""
         roads = self._route.roads
+        open_way: tuple[LanePlace, ...] = ()
+        tried: set[tuple[LanePlace, int]] = set()
         stack: list[tuple[tuple[LanePlace, ...], int]] = [((start,), 0)]
         while stack:
             places, step = stack.pop()
             self._farthest = max(self._farthest, step)
-            if (places[-1], step) in self._tried:
+            if (places[-1], step) in tried:
                 continue
-            self._tried.add((places[-1], step))
+            tried.add((places[-1], step))
             following = next_places(self._graph, places[-1])
             inside = [n for n in following if not self._leaves(places[-1], n)]
             if step == len(roads) - 1 and not inside:
-                return places
+                if start in following:
+                    return places
+                open_way = open_way or places
+                continue
             onward = [(n, step) for n in inside]
             if step + 1 < len(roads):
                 left = [n for n in following if n.road == roads[step + 1] and self._leaves(places[-1], n)]
                 onward += [(n, step + 1) for n in left]
             stack += [((*places, next_), at) for next_, at in reversed(onward)]
-        return ()
+        return open_way
 
     def way(self, starts: list[LanePlace]) -> Way | None:
-        """The way from the first of *starts* that leads to the end; lanes that end on the way are the last choice."""
+        """The way from the first of *starts* that closes, else leads to the end; lanes that end are the last choice."""
         graph = self._graph
         found = [places for start in starts if (places := self.from_(start))]
         if not found:
             return None
-        places = next((places for places in found if _reaches_an_end(graph.network, places[-1])), found[0])
-        return way_in(graph, places, places[0] in next_places(graph, places[-1]))
+        closed = next((places for places in found if places[0] in next_places(graph, places[-1])), None)
+        ending = next((places for places in found if _reaches_an_end(graph.network, places[-1])), found[0])
+        return way_in(graph, closed or ending, closed is not None)
 
     def failed(self, starts: list[LanePlace]) -> DseError:
         """What to say if nothing was found."""

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.errors import Problem
+from dse.world.in_the_way import ALL_USERS
+
 
 @dataclass(frozen=True, eq=False)
 class Piecewise:
@@ -24,13 +27,15 @@ class LaneBand:
     """A lane beside a path: *number* 0 is the path's own, 1 the next to the left, -1 the next to the right.
 
     *left* and *right* are its borders, in m to the left of the reference line; where the lane is not there they are
-    equal. *friction*, against dry asphalt, is constant in pieces. Only lanes that vehicles use are counted.
+    equal. *friction*, against dry asphalt, is constant in pieces. Only lanes that vehicles use are counted. *users* are
+    the bits of the classes (`in_the_way.user_bits`) that may drive along all of it.
     """
 
     number: int
     left: Piecewise
     right: Piecewise
     friction: Piecewise
+    users: int = ALL_USERS
 
 
 @dataclass(frozen=True)
@@ -103,7 +108,8 @@ class RoadPath:
     side, and the borders of the lanes with it, so that the lanes go on without a jump. *height* in m, *bank* in rad
     (> 0: left side higher) belong to the reference line; a point at t to its left is t tan(bank) above it, and t is
     measured in the plane. *speed_limit* in m/s, 0 where there is none, is constant in pieces. *lanes* has the path's
-    own lane first; from *leftmost* to *rightmost* they are driven in its direction where it begins.
+    own lane first; from *leftmost* to *rightmost* they are driven in its direction where it begins. *smoothed* is what
+    a tolerance let pass, or smoothed.
     """
 
     name: str
@@ -121,6 +127,7 @@ class RoadPath:
     legs: tuple[Leg, ...] = ()
     leftmost: int = 0
     rightmost: int = 0
+    smoothed: tuple[Problem, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -169,9 +169,11 @@ def test_every_command_is_in_the_table():
         "import uvl",
         "import scenario",
         "import ssp",
+        "export mesh",
         "export opendrive",
         "export openscenario",
         "export ssp",
+        "export trace",
         "merge",
         "rate",  # simulates for a minute; tests/docs/test_rating.py runs it
         "verify",  # as rate; tests/rating/test_verification.py runs it

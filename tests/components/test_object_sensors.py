@@ -757,3 +757,75 @@ def test_bias_slow_and_white_errors_are_independent_of_each_other(new_part: NewP
             errors.append(record(part, 1)[0, int("azimuth_bias" in noise)])
         columns.append(errors)
     assert np.abs(np.corrcoef(columns) - np.eye(4)).max() < 4 / math.sqrt(runs)  # six pairs, 99.96 %
+
+
+POSES = [(2.0, 0.9, 0.8), (-2.2, -0.8, -2.6), (-2.3, 0.0, math.pi)]
+
+
+@pytest.mark.parametrize("pose", POSES)
+def test_range_and_azimuth_are_those_in_the_axes_of_the_mounted_sensor(
+    new_part: NewPart, pose: tuple[float, float, float]
+) -> None:
+    """A post of 2 mm, placed by its range and azimuth in the world: R(heading + turn) (r cos a, r sin a)."""
+    ahead, left, turn = pose
+    part = clean(new_part, "object_corner_radar", mount=ahead, mount_left=left, mount_turn=turn, range_cell=0.0)
+    part["motion.x"], part["motion.y"], part["motion.heading"] = 100.0, -20.0, 0.7
+    sx = 100 + ahead * math.cos(0.7) - left * math.sin(0.7)
+    sy = -20 + ahead * math.sin(0.7) + left * math.cos(0.7)
+    part.init()
+    for azimuth in (-1.0, -0.3, 0.0, 0.6, 1.04):
+        away = 0.7 + turn + azimuth
+        place(part, 1, sx + 30 * math.cos(away), sy + 30 * math.sin(away), away, length=2e-3, width=2e-3)
+        (found,) = seen(part)
+        assert (found["range"], found["azimuth"]) == pytest.approx((30 - 1e-3, azimuth), abs=1e-4)
+        assert [part[f"scan.{name}"] for name in ("mount", "mount_left", "mount_turn")] == list(pose)
+    place(
+        part,
+        1,
+        sx + 30 * math.cos(0.7 + turn + 1.06),
+        sy + 30 * math.sin(0.7 + turn + 1.06),
+        0.7,
+        length=2e-3,
+        width=2e-3,
+    )
+    assert seen(part) == []  # beyond 60 deg
+
+
+@pytest.mark.parametrize("name", ["object_corner_radar", "object_camera"])
+@pytest.mark.parametrize("pose", POSES)
+def test_a_mounted_sensor_sees_what_a_car_at_its_place_would_see_ahead(
+    new_part: NewPart, name: str, pose: tuple[float, float, float]
+) -> None:
+    """Boxes that hide each other, Doppler of a car that yaws, the guard rail and the sun."""
+    ahead, left, turn = pose
+    ghosts = {"rail": 5.0, "ghost_share": 1.0, "own_reflection": 0.0} if name == "object_corner_radar" else {}
+    mounted = clean(new_part, name, mount=ahead, mount_left=left, mount_turn=turn, range_cell=0.0, **ghosts)
+    alone = clean(new_part, name, mount_left=0.0, mount_turn=0.0, range_cell=0.0, **ghosts)
+    heading, speed, aside, yaw_rate, lane, offset = 0.4, 20.0, 0.5, 0.3, 0.1, 0.6
+    c, s = math.cos(heading), math.sin(heading)
+    along, across = speed - yaw_rate * left, aside + yaw_rate * ahead  # of the mount, along the car's axes
+    there = {
+        "motion.x": 5 + ahead * c - left * s,
+        "motion.y": 7 + ahead * s + left * c,
+        "motion.heading": heading + turn,
+        "motion.speed": along * math.cos(turn) + across * math.sin(turn),
+        "motion.lateral_speed": across * math.cos(turn) - along * math.sin(turn),
+        "lane.heading": lane + turn,
+        "lane.offset": offset + ahead * math.sin(lane) + left * math.cos(lane),
+    }
+    here = {
+        "motion.x": 5.0, "motion.y": 7.0, "motion.heading": heading, "motion.speed": speed,
+        "motion.lateral_speed": aside, "motion.yaw_rate": yaw_rate, "lane.heading": lane, "lane.offset": offset,
+    }  # fmt: skip
+    for part, motion in ((mounted, here), (alone, there)):
+        for key, value in {**motion, "sun.azimuth": 0.3, "sun.elevation": 0.2, "sun.glare": 5.0}.items():
+            part[key] = value
+        for number, (far, azimuth) in enumerate(((15.0, -0.3), (22.0, 0.0), (30.0, 0.05)), 1):
+            away = heading + turn + azimuth
+            at = there["motion.x"] + far * math.cos(away), there["motion.y"] + far * math.sin(away)
+            place(part, number, *at, 0.9 * number, speed=9.0, lateral_speed=-0.4)
+        part.init()
+    ours, theirs = seen(mounted), seen(alone)
+    assert len(ours) == len(theirs) >= 2
+    for one, other in zip(ours, theirs, strict=True):
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-9)

@@ -22,12 +22,16 @@ from osi3.osi_sensorview_pb2 import SensorView
 from osi3.osi_version_pb2 import DESCRIPTOR as VERSION, current_interface_version
 
 from dse.fmu.toolchain.compiler import find_compiler
+from dse.report import Scene, Trace
+from dse.report.scene.data import Ground, Host
+from dse.report.trace.ground_truth import ground_truths
 
 NewPart = Callable[..., Any]
 ROOT = Path(__file__).parents[2]
 CLASSES = ["none", "car", "truck", "motorcycle", "bicycle", "pedestrian", "obstacle"]
 VEHICLES = {"car": "TYPE_CAR", "truck": "TYPE_HEAVY_TRUCK", "motorcycle": "TYPE_MOTORCYCLE", "bicycle": "TYPE_BICYCLE"}
 MOTION = ("x", "y", "heading", "speed", "lateral_speed", "yaw_rate", "acceleration", "lateral_acceleration")
+VECTORS = ("position", "orientation", "velocity", "acceleration", "orientation_rate")
 SIDE_LAMP = math.log(20)  # extinction times visibility, at 5 % of the light
 
 worlds = st.fixed_dictionaries(
@@ -134,6 +138,51 @@ def test_every_road_user_is_read_back_as_it_is(new_part: NewPart) -> None:
                 assert found.vehicle_classification.type == kinds.Type.Value(VEHICLES[actor["class"]])
 
     check()
+
+
+def test_a_trace_file_has_the_same_ground_truth(new_part: NewPart) -> None:
+    part = new_part("osi_sensor_view")
+
+    @settings(max_examples=30, deadline=None, derandomize=True)
+    @given(worlds)
+    def check(given_world: Any) -> None:
+        world(part, {**given_world, "slope": None})
+        part.init()
+        expected = GroundTruth.FromString(part["truth"])
+        (found,) = ground_truths(trace_of(given_world))
+        # A trace has no time of day, and the axles and wheels of the host as far as its chassis states them.
+        expected.environmental_conditions.ClearField("time_of_day")
+        for message in (expected, found):
+            message.moving_object[0].ClearField("vehicle_attributes")
+        assert str(nearly(found)) == str(nearly(expected))
+
+    check()
+
+
+def trace_of(given_world: Any) -> Trace:
+    """The one moment of *given_world*, as a scene has it."""
+    motion = dict(zip(MOTION, (np.array([value]) for value in given_world["motion"]), strict=True))
+    host = {**motion, **dict.fromkeys(("z", "roll", "pitch", "steering"), np.zeros(1))}
+    others = tuple(
+        {
+            "id": np.array([7.0 * n]),
+            **{k: np.array([float(CLASSES.index(v) if k == "class" else v)]) for k, v in a.items()},
+        }
+        | {"z": np.zeros(1)}
+        for n, a in enumerate(given_world["actors"], 1)
+    )
+    weather = dict.fromkeys(("fog", "rain", "snow", "darkness"), np.zeros(1))
+    scene = Scene("", "", np.zeros(1), Ground((), ()), Host(host, 4.5, 1.8, 2.3), others, (), weather, ())
+    return Trace(scene, {}, {}, 1.485)
+
+
+def nearly(truth: Any) -> Any:
+    """With numbers to seven places, and zeros that are stated and have no sign."""
+    for item in (*truth.moving_object, *truth.stationary_object):
+        for of in (getattr(item.base, name) for name in VECTORS if name in item.base.DESCRIPTOR.fields_by_name):
+            for name in of.DESCRIPTOR.fields_by_name:
+                setattr(of, name, round(getattr(of, name), 7) + 0.0)
+    return truth
 
 
 def test_the_bytes_are_those_that_osi_python_would_write(new_part: NewPart) -> None:

@@ -657,3 +657,67 @@ def test_what_no_tracker_passes_on_has_the_covariance_of_its_measurement(new_par
     sizes = np.sqrt(np.outer(np.diag(P), np.diag(P)))[UPPER]
     assert (np.abs(np.array([track[key] for key in COVARIANCE]) - P[UPPER]) <= 0.05 * sizes).all()
     assert track["existence"] == 1
+
+
+@pytest.mark.parametrize("pose", [(2.0, 0.9, 0.8), (-2.2, -0.8, -2.6), (-2.3, 0.0, math.pi)])
+@pytest.mark.parametrize("name", ["surround_tracker", "kalman_tracker", "no_tracker"])
+def test_a_sensor_beside_and_turned_gives_the_place_and_the_speed_that_the_car_measures(
+    new_part: NewPart, name: str, pose: tuple[float, float, float]
+) -> None:
+    """From a yawing car, an object that stands: its range rate is that of the mount, and its place is exact."""
+    part, scan = new_part(name), "corner_4" if name == "surround_tracker" else "first"
+    (ahead, left, turn), yaw_rate = pose, 0.2
+    for key, value in zip(("mount", "mount_left", "mount_turn"), pose, strict=True):
+        part[f"{scan}.{key}"] = value
+    thing, exact = np.array([-6.0, 9.0]), {"range_deviation": 1e-3, "azimuth_deviation": 1e-5, "rate_deviation": 1e-3}
+    place, heading = np.zeros(2), 0.0
+    NOISES.setdefault(scan, {})
+    for k in range(100):
+        drive(part, 15.0, 0.3, yaw_rate)
+        if k:
+            moved, angle = arc((15.0, 0.3, yaw_rate), (15.0, 0.3, yaw_rate), T)
+            place, heading = place + turned(heading) @ moved, heading + angle
+        seen = turned(-heading) @ (thing - place)  # from the centre of gravity
+        x, y = turned(-turn) @ (seen - np.array([ahead, left]))
+        mount_speed = turned(-turn) @ np.array([15.0 - yaw_rate * left, 0.3 + yaw_rate * ahead])
+        see(part, scan, (x, y), range_rate=float(-mount_speed @ np.array([x, y]) / math.hypot(x, y)), **exact)
+        advance(part, k)
+    (track,) = tracks(part)
+    assert (track["x"], track["y"]) == pytest.approx(tuple(seen), abs=1e-3)
+    if name != "no_tracker":  # which assumes that objects move along the car
+        assert (track["vx"], track["vy"]) == pytest.approx((0.0, 0.0), abs=1e-2)
+
+
+def test_the_tracker_of_seven_sensors_is_that_of_two_where_there_are_two(new_part: NewPart) -> None:
+    both = [new_part(name) for name in ("kalman_tracker", "surround_tracker")]
+    for k in range(40):
+        random = np.random.default_rng(k)
+        place = (38.0 + random.normal(0, 0.1), 1.0 + random.normal(0, 0.1))
+        for part in both:
+            drive(part, 20.0, 0.1, 0.05)
+            part["second.scale.deviation"] = 0.01
+            see(part, "first", place)
+            see(part, "second", (place[0] + 0.2, place[1]))
+            advance(part, k)
+    assert tracks(both[0]) == tracks(both[1]) != []
+
+
+def test_a_track_passes_from_a_sensor_that_looks_back_to_one_that_looks_ahead(new_part: NewPart) -> None:
+    """A car overtakes on the left by 6 m/s; the rear one sees it to 5 m behind, the front one from 5 m ahead."""
+    part = new_part("surround_tracker", **QUIET)
+    part["corner_1.mount"], part["corner_1.mount_turn"], part["first.mount"] = -2.2, math.pi, 2.3
+    NOISES.setdefault("corner_1", NOISES["first"])
+    drive(part, 28.0)
+    ids = set()
+    for k in range(600):
+        x = -40 + 6 * k * T
+        if x < -5:
+            see(part, "corner_1", (-(x + 2.2), -3.5))
+        if x > 5:
+            see(part, "first", (x - 2.3, 3.5))
+        part["coast"] = 2.0
+        advance(part, k)
+        ids |= {track["id"] for track in tracks(part)}
+    (track,) = tracks(part)
+    assert ids == {1}
+    assert (track["x"], track["y"], track["vx"]) == pytest.approx((x, 3.5, 34.0), abs=0.3)

@@ -47,7 +47,7 @@ def test_its_component_has_the_layout_of_the_example_worlds(tmp_path: Path) -> N
 
 def test_what_its_scene_calls_is_there() -> None:
     (code,) = blocks("csharp")
-    library = (ROOT / "clients/csharp/DseUdp.cs").read_text(encoding="utf-8")
+    library = (ROOT / "clients/unity/Runtime/DseUdp.cs").read_text(encoding="utf-8")
     for called in set(re.findall(r"(?:world|request|Happened)\.([A-Z]\w+)", code)):
         assert re.search(rf"\b{called}\b", library), called
 

@@ -354,12 +354,16 @@ def test_omc_builds_what_is_refused_and_what_asks_for_it(
     file.write_text("model Plain input Real u(start = 0); output Real y = u; end Plain;", encoding="utf-8")
     plain = build(replace(late, name="plain", source=ModelicaSource("Plain", (file,))), cache=tmp_path)
     with_omc(tmp_path, monkeypatch, str(plain))
-    check_modelica(late, source_of(late), tmp_path)
+    (note,) = check_modelica(late, source_of(late), tmp_path)
+    assert note.what.startswith("component 'late': translated by OpenModelica's omc, because dse refuses the model: ")
+    assert "delay" in note.what
     built = build(late, cache=tmp_path)
     assert built.name.startswith("late-")
     assert built.read_bytes() == plain.read_bytes()
     asked = replace(late, name="asked", source=replace(source_of(late), compiler=ModelicaCompiler.OMC))
     assert build(asked, cache=tmp_path).name.startswith("asked-")
+    (note,) = check_modelica(asked, source_of(asked), tmp_path)
+    assert note.what == "component 'asked': translated by OpenModelica's omc, as asked"
     with pytest.raises(DseError, match=r"omc writes FMI 2\.0, not 3"):
         build(asked, version=3, cache=tmp_path)
     other = replace(asked, interface=Interface("other", (Port("z", Causality.OUTPUT, real()),)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import json
 import math
 import random
@@ -21,7 +22,7 @@ import pytest
 from answerers import packed, unpacked
 from background import LIMIT, in_background
 from command_line import run_dse
-from live_worlds import ANSWER, END, START, World, right_bytes, served
+from live_worlds import ANSWER, END, START, World, free_port, right_bytes, running, served
 
 from dse.errors import DseError
 from dse.live import Datagram, check_client, listen_at, read_recording, tap, write_datagram, write_head
@@ -34,12 +35,6 @@ CLIENTS = Path(__file__).parents[2] / "clients"
 @pytest.fixture
 def dse(tmp_path):
     return lambda *words: run_dse(tmp_path, *words, cache=tmp_path / "cache")
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
-        line.bind(("127.0.0.1", 0))
-        return line.getsockname()[1]
 
 
 # ---- check ----
@@ -277,16 +272,6 @@ def test_a_component_is_asked_with_values_that_its_ports_can_have(tmp_path, dse)
 # ---- clients/ ----
 
 
-@contextlib.contextmanager
-def running(command: list[str]):
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as world:
-        assert "a world at" in world.stdout.readline()
-        try:
-            yield
-        finally:
-            world.kill()
-
-
 @pytest.fixture(scope="module")
 def c_world(tmp_path_factory):
     compiler = shutil.which("cc")
@@ -304,7 +289,7 @@ def csharp_world(tmp_path_factory):
     if not (compiler and runtime):
         pytest.skip("no C# compiler: mcs and mono of the packages mono-mcs and mono-runtime")
     made = tmp_path_factory.mktemp("csharp") / "ExampleWorld.exe"
-    sources = [str(CLIENTS / "csharp" / name) for name in ("DseUdp.cs", "ExampleWorld.cs")]
+    sources = [str(CLIENTS / name) for name in ("unity/Runtime/DseUdp.cs", "csharp/ExampleWorld.cs")]
     subprocess.run([compiler, "-langversion:7", "-warnaserror", f"-out:{made}", *sources], check=True)
     return [runtime, str(made)]
 
@@ -316,6 +301,28 @@ def test_the_example_worlds_pass_the_check(language, request, dse):
         for _ in range(2):  # a world is there for more than one client
             done = dse("udp", "check", f"127.0.0.1:{port}", "--out", "1", "--back", "3", "--steps", "50", *PATIENT)
             assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.thorough
+def test_the_deadlines_of_a_world_in_c_are_absolute(tmp_path):
+    """Of a step of 10 ms, however late each wake-up is; a delay of more than 0.1 s moves the later deadlines."""
+    compiler = shutil.which("cc")
+    if not compiler:
+        pytest.skip("no C compiler")
+    made = tmp_path / "clock.so"
+    (tmp_path / "clock.c").write_text(
+        '#include "dse_udp.h"\n'
+        "double next_deadline(double last, double now) { return dse_udp_deadline(last, 0.01, now); }\n"
+    )
+    options = ["-std=c99", "-D_DEFAULT_SOURCE", "-shared", "-fPIC", "-Wno-unused-function", f"-I{CLIENTS / 'c'}"]
+    subprocess.run([compiler, *options, str(tmp_path / "clock.c"), "-o", str(made)], check=True)
+    following = ctypes.CDLL(str(made)).next_deadline
+    following.restype, following.argtypes = ctypes.c_double, [ctypes.c_double, ctypes.c_double]
+    deadline = 100.0
+    for late in [0.009, 0.0, 0.05, 0.02] * 50:  # each wake-up is so late
+        deadline = following(deadline, deadline + late)
+    assert deadline == pytest.approx(102.0)
+    assert following(102.0, 102.2) == 102.2
 
 
 @pytest.mark.thorough

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import struct
 import threading
 from collections.abc import Callable
@@ -9,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from answerers import ANSWER, BUSY, END, START, Answerer, Asker, Proxy, packed, unpacked
+from answerers import ANSWER, BUSY, END, START, Answerer, Asker, Proxy, bound_socket, packed, unpacked
 from background import LIMIT, in_background
 from live.conftest import COUNTED, REAL, outside, simulator_of
 from live.halves import Halves
@@ -82,6 +83,37 @@ def test_a_server_answers_and_its_run_ends_with_the_session(port, cache):
     assert [flags for flags, _, _ in told] == [ANSWER | START, ANSWER, ANSWER, ANSWER, ANSWER | BUSY]
     assert [(time, values) for _, time, values in told[:4]] == [(0.01 * k, (5.0,)) for k in range(4)]
     assert found.ravel().tolist() == [0.25, 0.25, 0.5, 0.75]
+
+
+def test_a_server_answers_at_another_port_than_it_was_asked_from(port, cache):
+    """As Modelica_DeviceDrivers: one socket sends, another one receives."""
+    with bound_socket() as back, bound_socket() as out:
+        back.settimeout(LIMIT)
+        source = UdpSource(port, role=LinkRole.SERVER, timeout=LIMIT, wait=LIMIT, answers=back.getsockname())
+        told: list[tuple[int, tuple[float, ...]]] = []
+
+        def ask() -> None:
+            back.settimeout(0.05)
+            for number, flags in ((0, START), (1, 0), (2, 0)):
+                told.append(exchanged(number, flags))
+            out.sendto(packed(7, 3, END, 0.0, [0.0]), ("127.0.0.1", port))
+
+        def exchanged(number: int, flags: int) -> tuple[int, tuple[float, ...]]:
+            while True:
+                out.sendto(packed(7, number, flags, 0.0, [number / 4]), ("127.0.0.1", port))
+                with contextlib.suppress(TimeoutError):
+                    _, sequence, _, _, values = unpacked(back.recv(65536))
+                    if sequence == number:
+                        return sequence, values
+
+        model = outside(source, cache, ["u"], ["y"])
+        with in_background(ask), simulator_of(model, {"u": 5.0}) as simulator:
+            found = simulator.run(stop=1.0, step=0.01)
+        assert told == [(0, (5.0,)), (1, (5.0,)), (2, (5.0,))]
+        assert found.ravel().tolist() == [0.0, 0.25, 0.5]
+        out.setblocking(False)
+        with pytest.raises(BlockingIOError):
+            out.recv(65536)
 
 
 def answering(port: int, answers: Callable[[tuple[int, ...], int], list[bytes]], cache: Path) -> Answerer:

@@ -12,8 +12,10 @@ from answerers import Proxy
 from background import LIMIT, in_background
 from live.worlds import bench_of, digest, far_of, near_of, run_of, served, whole_of
 
+from dse.api import serve_bench
 from dse.domain.bench import TestBench
 from dse.domain.run import Outcome
+from dse.errors import DseError
 from dse.live import What, serve_world
 from dse.testbench import PreparedBench
 
@@ -92,6 +94,26 @@ def test_a_world_that_ends_ends_the_run_with_the_rows_until_then(bench, port, ne
     assert (run.outcome, run.waveforms.time[-1]) == (Outcome.DONE, pytest.approx(0.5))
     assert "world: fmi2DoStep at t = 0.5" in run.problem
     assert "asked to end the simulation" in run.problem
+
+
+@pytest.mark.parametrize(
+    ("answers", "listen", "said"),
+    [
+        ("192.168.1.30:5006", "127.0.0.1", "'192.168.1.30' is not a loopback address.*--listen"),
+        ("vehicle:5006", "127.0.0.1", "'vehicle' is not a loopback address.*--listen"),
+        ("[::1]:5006", "127.0.0.1", "are not both IPv4 or both IPv6"),
+        (
+            "127.0.0.1:5005",
+            "127.0.0.1",
+            "the world itself listens at 127.0.0.1:5005.*port at which the client receives",
+        ),
+        ("127.0.0.1", "127.0.0.1", "'127.0.0.1' is not a HOST:PORT.*127.0.0.1:5005"),
+        ("127.0.0.1:0", "127.0.0.1", "'127.0.0.1:0' is not a HOST:PORT"),
+    ],
+)
+def test_answers_do_not_leave_the_machine_unless_the_world_listens_there(bench, answers, listen, said):
+    with pytest.raises(DseError, match=f"(?s)--answers: .*{said}"):
+        serve_bench(bench, None, {}, port=5005, listen=listen, answers=answers)
 
 
 @pytest.mark.thorough

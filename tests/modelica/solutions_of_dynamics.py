@@ -385,3 +385,13 @@ def three_inertias(t: float, given: Given) -> Values:
     a = np.array([[0, 1, 0, 0], [-c / inertia, 0, c / inertia, 0], [0, 0, 0, 1], [2 * c, 0, -2 * c, 0]])
     x = expm(a * t) @ [0.0, 1 / (first * second), 0.1, 0.0]
     return {"y": first * second * x[1], "z": x[2]}
+
+
+@case("AbsentCapacitance", given={"C": 0.0, "R": 2.0}, variants=({"R": 1.0}, {"C": 0.25}))
+def absent_capacitance(t: float, given: Given) -> Values:
+    """A divider of a ramp, which the capacitance delays by tau from 0 on."""
+    k = 3 / (3 + given["R"])
+    tau = given["C"] * k * given["R"]
+    if tau == 0:
+        return {"v": k * (1 + t)}
+    return {"v": k * (1 + t - tau) - k * (1 - tau) * math.exp(-t / tau)}

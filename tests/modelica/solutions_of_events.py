@@ -379,3 +379,18 @@ def several_whens(t: float, given: Given) -> Values:
     changes = {0.2: 1, given["second"]: 2, 0.4: 3, 0.8: 4}
     count = next((changes[at] for at in sorted(changes, reverse=True) if t >= at), 0)
     return {"count": count, "lit": 0.4 <= t < 0.6 or t >= 0.8}
+
+
+@case("PreferredRates", given={"d": 2.0}, variants=({"d": 1.0},), events=(0.5,))
+def preferred_rates(t: float, given: Given) -> Values:
+    """The relative speed falls alone; that of the first body gets half of what it loses, from 0 anew at 0.5 s."""
+    d = given["d"]
+    relative = math.exp(-2 * d * t)
+    first = 1 + (1 - relative) / 2 if t <= 0.5 else (math.exp(-d) - relative) / 2
+    return {"first": first, "second": first + relative, "gap": (1 - relative) / (2 * d)}
+
+
+@case("SharedSignal", events=(0.2, 0.4, 0.45, 0.6, 0.8, 0.9, 1.0), error=EXACT)
+def shared_signal(t: float, given: Given) -> Values:
+    fast, slow = math.floor(t / 0.2), math.floor(t / 0.45)
+    return {"total": 2 * fast + slow, "square": slow * (2 * fast + slow)}

@@ -296,3 +296,8 @@ MOTION = (Steps((0, 0.21), (1.0, 3.0)), Steps((0, 0.35), (0.5, -2.0)), Steps((0,
 )
 def no_derivative(t: float, given: Given) -> Values:
     return {"place": MOTION[0].before(t), "force": given["m"] * MOTION[2].before(t), "copied_speed": -math.exp(-t)}
+
+
+@case("ColumnEquation", given={"k": 2.0}, variants=({"k": -0.5},), error=1e-12)
+def column_equation(t: float, given: Given) -> Values:
+    return {"y": [t, given["k"] * t, t * t]}

@@ -181,4 +181,41 @@ package Combustion "Cars and benches around the combustion library, for comparis
     connect(pump.flange, converter.a);
     connect(converter.b, turbine.flange);
   end ConverterBench;
+
+  model SlipControlOnCycle
+    extends PoweredCar(redeclare AdasPowertrain.Powertrains.CombustionAutomatic powertrain(initial_speed = initial_speed/radius, has_slip_control = true));
+    extends Driver;
+  end SlipControlOnCycle;
+
+  model SlipControlBench "Engine torque over time into converter and clutch, a car in third gear behind; begins with the clutch closed"
+    AdasPowertrain.Gearboxes.StepAutomatic gearbox(
+      data = data,
+      has_slip_control = true,
+      initial_speed = 52,
+      max_power = 110e3,
+      wheel_speed = 52/3.5,
+      power_demand = 0);
+    parameter AdasPowertrain.Vehicles.SixSpeedAutomatic data(final_ratio = 3.5);
+    Driveline.Inertia engine(inertia = 0.15, initial_speed = gearbox.initial_input_speed);
+    Driveline.TorqueSource source(torque = 100 + 40*sin(2*time));
+    Driveline.Inertia car(inertia = 12, initial_speed = 52);
+    Driveline.TorqueSource load(torque = -225);
+    output Real slip = gearbox.lock_up.slip;
+    output Real ratio = gearbox.gear.schedule.ratio;
+    output Real pump = gearbox.converter.pump_speed;
+    output Integer mode = gearbox.lock_up.mode;
+    output Real loss(start = 0, fixed = true);
+    output Real work(start = 0, fixed = true);
+    output Real energy = engine.energy + car.energy + gearbox.energy;
+  protected
+    Real angle(start = 0, fixed = true);
+  equation
+    angle = engine.a.phi;
+    connect(source.flange, engine.a);
+    connect(engine.b, gearbox.a);
+    connect(gearbox.b, car.a);
+    connect(car.b, load.flange);
+    der(loss) = gearbox.loss_power;
+    der(work) = source.torque*engine.speed + load.torque*car.speed;
+  end SlipControlBench;
 end Combustion;

@@ -116,7 +116,7 @@ package Electric "Electric drives of the library in a small car: test models, co
     AdasPowertrain.Parts.Machine machine;
     AdasPowertrain.Parts.Battery battery(capacity=18000, resistance_share=0.12);
     AdasPowertrain.Parts.HybridGearbox gearbox;
-    AdasPowertrain.Parts.HybridControl control;
+    replaceable AdasPowertrain.Parts.HybridControl control constrainedby AdasPowertrain.Parts.HybridManagement;
     output Real speed = car.speed;
     output Real soc = battery.soc;
     output Real energy_in;
@@ -204,4 +204,21 @@ package Electric "Electric drives of the library in a small car: test models, co
     actual = car.speed;
     delivered = car.drive_torque;
   end HybridOnCycle;
+
+  model EquivalentOnCycle
+    extends HybridParts(redeclare AdasPowertrain.Parts.HybridEquivalentControl control);
+    extends Chase(mass=1550, wheel_radius=0.32, drag_area=0.66);
+  equation
+    torque_demand = wanted;
+    car.brake_torque = brake;
+    actual = car.speed;
+    delivered = car.drive_torque;
+  end EquivalentOnCycle;
+
+  model SplitBench "The engine's torque of least equivalent consumption"
+    input Real shaft_torque(start=0);
+    input Real speed(start=150);
+    input Real equivalence(start=2.8);
+    output Real torque = AdasPowertrain.Parts.equivalentSplit(shaft_torque, speed, 0.4, equivalence, 5.4, 0.047, 2.5e-6, 10, 200);
+  end SplitBench;
 end Electric;

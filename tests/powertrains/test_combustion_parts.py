@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bench import Bench, opened, run
-from combustion import Petrol
+from combustion import Petrol, converter
+from combustion_gears import direction
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
@@ -146,3 +147,48 @@ def test_engines_reach_their_rated_power(engine: str, speed: float, power: float
     torque = bench.get(("torque",))[0]
     bench.close()
     assert torque * speed == pytest.approx(power, rel=0.005)
+
+
+@pytest.mark.thorough
+def test_the_lock_up_clutch_lets_go_and_keeps_its_slip_as_scipy_says(cache: Path) -> None:
+    """Closed until the controller has taken the capacity below the torque; then converter and clutch share it."""
+    times = np.linspace(0.0, 8.0, 161)
+    names = ("engine.speed", "car.speed", "slip", "work", "loss", "energy")
+    found = run(opened("Combustion.SlipControlBench", cache), names, times, 1e-9)
+    ratio, rate, output = 2.37, 0.01 / 0.25, 12.03
+
+    def derivative(t: float, y: np.ndarray) -> np.ndarray:
+        engine, out, pressure, learned = y
+        push, turbine = 100 + 40 * math.sin(2 * t), ratio * y[1]
+        pump, fluid, _ = converter(engine, turbine)
+        held, drag = 400 * pressure, 2 * direction(turbine, 1.0)
+        gain = ratio * (1 - 0.03 * direction(out, 1.0))
+        if is_locked:
+            # Turbine and output turn as one: their inertias at the output, with the mesh loss in between.
+            out_rate = (gain * (push - pump + fluid - drag) - 225) / (output + gain * ratio * 0.21)
+            engine_rate = ratio * out_rate
+        else:
+            out_rate = (gain * (held + fluid - drag) - 225) / (output + gain * ratio * 0.06)
+            engine_rate = (push - pump - held) / 0.15
+        wanted = min(1.0, max(0.0, learned + 0.01 * (engine - turbine - 6)))
+        return np.array([engine_rate, out_rate, (wanted - pressure) / 0.15, rate * (engine - turbine - 6)])
+
+    def let_go(t: float, y: np.ndarray) -> float:
+        pump, *_ = converter(y[0], ratio * y[1])
+        return float(400 * y[2] - (100 + 40 * math.sin(2 * t) - pump - 0.15 * derivative(t, y)[0]))
+
+    let_go.terminal = True  # type: ignore[attr-defined]
+    is_locked = True
+    start = np.array([ratio * 52, 52.0, 1.0, 1.0])
+    first = solve_ivp(derivative, (0, 8), start, "DOP853", events=let_go, dense_output=True, rtol=1e-11, atol=1e-11)
+    is_locked = False
+    then = solve_ivp(
+        derivative, (first.t[-1], 8), first.y[:, -1], "LSODA", dense_output=True, rtol=1e-10, atol=1e-10, max_step=0.01
+    )
+    expected = np.array([(first if t < first.t[-1] else then).sol(t)[:2] for t in times])
+    assert 2 < first.t[-1] < 5
+    assert np.abs(found[:, :2] - expected).max() < 1e-3  # a slip counts from 1e-4 rad/s on
+    kept = found[(times > 8 - math.pi) & (times < 8), 2]  # a period of the torque, which swings by 40 %
+    assert kept.min() > 1
+    assert kept.mean() == pytest.approx(6, abs=0.5)
+    assert np.abs(found[:, 3] - found[:, 4] - (found[:, 5] - found[0, 5])).max() < 1e-6 * found[:, 3].max()

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import on_cycle, opened, run
+from bench import Bench, on_cycle, opened, run
 from combustion_hybrid import CAR
 from coupled import HYBRID, RANGE_EXTENDER, drive
 from electric import Car
@@ -82,7 +83,7 @@ def test_a_car_with_p2_hybrid_moves_as_the_physics_says(cache: Path) -> None:
     assert not car.is_on  # … and stopped again
 
 
-@pytest.mark.parametrize("architecture", ["RangeExtender", "Hybrid"])
+@pytest.mark.parametrize("architecture", ["RangeExtender", "Hybrid", "Equivalent"])
 @pytest.mark.thorough
 def test_energy_is_kept_over_a_cycle_and_the_charge_comes_back(cache: Path, architecture: str) -> None:
     names = ("speed", "car.distance", "soc", *ENERGIES)
@@ -92,6 +93,40 @@ def test_energy_is_kept_over_a_cycle_and_the_charge_comes_back(cache: Path, arch
     assert found[:, 2].max() < 0.6
     kilowatt_hours = found[-1, 3] / 3.6e6 / (found[-1, 1] / 1e5)
     assert 35 < kilowatt_hours < 60  # 4 to 6.7 l petrol per 100 km
+
+
+@pytest.mark.thorough
+def test_the_engine_gets_the_torque_of_least_equivalent_consumption(cache: Path) -> None:
+    """Against a search over a grid: within the grid's spacing, and never with a larger sum than any point of it."""
+
+    def total(engine: np.ndarray | float) -> np.ndarray | float:
+        machine = wanted - engine
+        electric = machine * speed + 5.4 * np.abs(machine) + 0.047 * machine**2
+        return engine * speed / 0.4 + price * (electric + 2.5e-6 * electric**2)
+
+    grid = np.linspace(10.0, 200.0, 1901)
+    bench, found = Bench(opened("Electric.SplitBench", cache), 1e-6), []
+    for wanted, speed, price in product((-50.0, 5.0, 40.0, 120.0, 300.0), (100.0, 250.0), (2.2, 2.8, 3.4)):
+        bench.set({"shaft_torque": wanted, "speed": speed, "equivalence": price})
+        bench.step(0.1 * len(found), 0.1)
+        (torque,) = bench.get(["torque"])
+        found.append(torque)
+        assert torque == pytest.approx(grid[np.argmin(total(grid))], abs=0.1)
+        assert total(torque) <= total(grid).min() + 1e-6 * abs(total(torque))
+    bench.close()
+    assert {10.0, 200.0} < set(np.round(found, 3))  # both limits, and what is between them
+
+
+@pytest.mark.thorough
+def test_least_equivalent_consumption_burns_less_than_rules(cache: Path) -> None:
+    """The same car, cycle and battery; fuel for the battery's change at 33 % (engine 36 %, charging 92 %)."""
+    names = ("speed", "energy_in", "battery.energy_in", "soc")
+    burned = []
+    for strategy in ("Hybrid", "Equivalent"):
+        _, drawn, discharged, soc = on_cycle(opened(f"Electric.{strategy}OnCycle", cache), names, 1.0)[-1]
+        assert abs(soc - 0.5) < 0.06
+        burned.append(drawn - discharged + discharged / 0.33)
+    assert burned[1] < 0.92 * burned[0]  # 0.90 here; 0.86 on the WLTC, whose accelerations change every second
 
 
 def coupled(cache: Path, step: float, stop: float) -> np.ndarray:

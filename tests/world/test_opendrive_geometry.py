@@ -80,7 +80,7 @@ def test_lanes_of_the_road_networks_of_alks_lie_where_their_files_say(name: str,
     if not file.exists():
         pytest.skip("the road networks of ALKS are not there (../shared)")
     text, ways = _ways(file, tmp_path)
-    assert len(ways) == 8  # a lane for each way
+    assert len(ways) == 6  # a lane for each way: three and three, and no hard shoulder
     for way, path in ways:
         _check(text, way, path, 40)
 

@@ -10,6 +10,7 @@ import pytest
 from components.conftest import WORKSPACE
 from fusion.conftest import Workshop, both_ways, system_of
 from kinds.examples import EXAMPLES
+from opendrive_texts import geometry, lane, opendrive, road, section, to_junction
 
 from dse.domain.method import Algorithm, Method
 from dse.errors import DseError
@@ -109,3 +110,42 @@ def test_further_paths_follow_the_hosts_in_their_order(tmp_path: Path) -> None:
         ("host", (), 0), ("back", ("1",), 1), ("there", ("1",), -2),
     ]  # fmt: skip
     checked(root)
+
+
+def with_road(folder: Path, source: str, text: str) -> tuple[str, ...]:
+    """What is told of a road component with that *source*, of the OpenDRIVE *text*."""
+    files = dict(EXAMPLES["road"]())
+    written = str(files["twice/component.yaml"])
+    old = written[written.index("source:") : written.index("parameters:")]
+    files["twice/component.yaml"] = written.replace(
+        old, f"source: {{kind: road, file: ../../roads/own.xodr{source}}}\n"
+    )
+    files["../roads/own.xodr"] = text
+    component = the_component(lay_out(files, folder))
+    kind = kind_of(component)
+    assert kind is not None
+    return tuple(f"{Path(str(p.where).split(':')[0]).name}: {p.what}" for p in kind.check(component, component.source))
+
+
+def test_what_a_tolerance_smooths_is_told_and_what_is_larger_is_refused(tmp_path: Path) -> None:
+    pieces = geometry(0.0, 0.0, 0.0, 0.0, 50.0) + geometry(50.0, 50.0, 0.3, 0.1, 50.0)
+    text = opendrive(road("1", pieces, 100.0))
+    (told,) = with_road(tmp_path / "a", ", tolerance: {step: 50 cm, kink: 10 deg}", text)
+    assert told.startswith("own.xodr: smoothed over")
+    for source in ("", ", tolerance: {step: 50 cm}", ", tolerance: {step: 20 cm, kink: 10 deg}"):
+        with pytest.raises(DseError, match=r"(begins|continues) .*(m off|kink)"):
+            with_road(tmp_path / "b", source, text)
+    with pytest.raises(DseError, match="'step' of 'tolerance' is not between 0 and 2"):
+        with_road(tmp_path / "c", ", tolerance: {step: 3 m}", text)
+
+
+def test_signs_without_effect_and_ways_that_end_in_a_junction_are_told(tmp_path: Path) -> None:
+    attributes = 'id="s" s="9" t="-4" orientation="+" dynamic="no" country="JP" type="323" unit="km/h"'
+    sign = f"<signals><signal {attributes}/></signals>"
+    line = geometry(0.0, 0.0, 0.0, 0.0, 100.0)
+    one = road("1", line, 100.0, section(0.0, "", lane(-1)), link=to_junction("successor", "9"), more=sign)
+    told = with_road(tmp_path, "", opendrive(one, '<junction id="9" name=""/>'))
+    assert told == (
+        "own.xodr: the sign '323' of JP has the unit of a speed, and is no known speed sign: it is ignored",
+        "own.xodr: the way ends at junction '9': no connection leads on from lane -1 of road '1'",
+    )

@@ -6,7 +6,7 @@ model OverUdp "Car with the datagrams of docs/udp.md by Modelica_DeviceDrivers 2
   parameter Integer session(min = 1) = 1 "another one for each run";
   parameter String worldHost = "127.0.0.1";
   parameter Integer worldPort = 5005;
-  parameter Integer ownPort = 5006 "answers must be sent to it: 'dse udp record --answers'";
+  parameter Integer ownPort = 5006 "answers must be sent to it: 'dse world --answers 127.0.0.1:5006'";
   parameter Real step(unit = "s") = 0.01;
   Car car;
   Integer sequence(start = -1, fixed = true);

@@ -8,6 +8,8 @@ model CombustionAutomatic "Petrol engine, six-speed automatic with torque conver
   parameter Real engine_inertia(unit = "kg.m2", min = 0.02, max = 1) = 0.15 "With flywheel or flexplate";
   parameter Real final_ratio(min = 2, max = 6) = 3.5;
   parameter Real shift_time(unit = "s", min = 0.05, max = 2) = 0.4;
+  parameter Boolean has_slip_control = false "Of the lock-up clutch";
+  parameter Real wanted_slip(unit = "rad/s", min = 1) = 6 "Of the lock-up clutch, with slip control";
   parameter Real shaft_stiffness(unit = "N.m/rad", min = 1e3, max = 20e3) = 3e3
     "Half shafts, tyre walls and mounts in series; stable with wheels of 2 kg.m2 coupled every 10 ms";
   parameter Real shaft_damping(unit = "N.m.s/rad", min = 0, max = 300) = 100 "Of the same";
@@ -19,6 +21,8 @@ model CombustionAutomatic "Petrol engine, six-speed automatic with torque conver
     initial_speed = if gearbox.starts_closed then gearbox.initial_input_speed
       else max(engine_data.idle_speed, gearbox.initial_input_speed));
   Gearboxes.StepAutomatic gearbox(
+    has_slip_control = has_slip_control,
+    wanted_slip = wanted_slip,
     data = gearbox_data,
     initial_speed = initial_speed*final_ratio,
     max_power = engine_scale*engine_data.max_power,

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "../../road_users/in_the_way.h"
+
 /* A box seen from the middle of the host's front bumper: ahead and to the left. */
 typedef struct {
     double x, y, cosine, sine; /* of its middle; of its heading relative to the host's */
@@ -121,8 +123,10 @@ static void output(ray_scanner *self) {
     const ray_scanner_actor *lead = 0;
     for (int32_t i = 0; i < RAY_SCANNER_ACTORS; ++i) {
         const ray_scanner_actor *actor = &self->in.actors[i];
-        bool is_under = actor->height > 0 && actor->height <= self->par.ground_clearance;
-        if (actor->class == 0 || is_under || actor->clearance >= self->par.host_height) continue;
+        if (actor->class == 0 || !in_the_way(actor->above, actor->clearance, actor->height, self->par.ground_clearance,
+                                             self->par.host_height)) {
+            continue;
+        }
         seen_box box = see(self, actor, c, s);
         cast(self, &box, &nearest);
         if (touches(self, &box)) self->out.collision = true;

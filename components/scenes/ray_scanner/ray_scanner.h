@@ -3,7 +3,7 @@
  * The rays start at the middle of the front bumper. Boxes represent actors; the nearest intersection of a ray counts.
  * Doppler: the box's velocity relative to the bumper's, which turns with the host, along the ray. The gap is measured
  * along the middle of the path's own lane, to the nearest actor ahead whose middle is in the host's lane. Actors under or
- * over which the host passes are left out.
+ * over which the host passes are left out (in_the_way.h).
  */
 #ifndef RAY_SCANNER_H
 #define RAY_SCANNER_H
@@ -21,7 +21,7 @@ typedef struct {
     double speed, lateral_speed, acceleration;
     int32_t path, lane;
     double station, offset;
-    double ahead, aside, approach;
+    double ahead, aside, approach, above;
 } ray_scanner_actor;
 
 typedef struct {

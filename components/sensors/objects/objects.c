@@ -1,5 +1,6 @@
 #include "objects.h"
 
+#include "../../road_users/in_the_way.h"
 #include "../sensing/sensing.h"
 #include "view.h"
 
@@ -39,6 +40,9 @@ static double reflection(const objects *self, int32_t class) {
     return class > 0 && class < OBJECTS_CLASSES ? of[class] : 0;
 }
 
+/* Where the sensor looks in the plane of the world. */
+static double direction(const objects *self) { return self->in.motion.heading + self->par.mount_turn; }
+
 /* Attenuation of light or a wave, 1/m, one way. */
 static double lost(const objects *self) {
     return self->par.fog_share * self->in.visibility.fog_extinction +
@@ -57,7 +61,7 @@ static double strength(const objects *self, double reflected, double share, doub
         reach += fmin(dark, 1) * (self->par.night_range - reach);
     }
     if (range > reach) return 0;
-    double veil = sensing_veil(self->in.sun.azimuth - self->in.motion.heading, self->in.sun.elevation, self->in.sun.glare);
+    double veil = sensing_veil(self->in.sun.azimuth - direction(self), self->in.sun.elevation, self->in.sun.glare);
     double contrast = self->par.contrast > 0 ? exp(-loss * range) / ((1 + veil) * self->par.contrast) : 1;
     if (reflected > 0) contrast *= reflected;
     return self->par.threshold * contrast * contrast;
@@ -104,10 +108,12 @@ static bool is_passable(const objects *self, const objects_actor *actor, double 
            (self->par.least_height > 0 && actor->height + error < self->par.least_height);
 }
 
-/* Range rate of an object that moves over ground with *vx* along the car and *vy* to its left. */
+/* Range rate of an object that moves over ground with *vx* along the sensor's axis and *vy* to its left. */
 static double rate(const objects *self, double vx, double vy, const view_part *part, double range) {
-    double own = self->in.motion.lateral_speed + self->in.motion.yaw_rate * self->par.mount;
-    return ((vx - self->in.motion.speed) * part->x + (vy - own) * part->y) / range;
+    double c = cos(self->par.mount_turn), s = sin(self->par.mount_turn), turning = self->in.motion.yaw_rate;
+    double along = self->in.motion.speed - turning * self->par.mount_left;
+    double aside = self->in.motion.lateral_speed + turning * self->par.mount;
+    return ((vx - (c * along + s * aside)) * part->x + (vy - (c * aside - s * along)) * part->y) / range;
 }
 
 /* The detection of one object, without noise; valid if it is detected. */
@@ -121,7 +127,7 @@ static objects_detection detected(const objects *self, const objects_actor *acto
     told.range = range;
     told.azimuth = atan2(part.y, part.x);
     if (self->par.doppler) {
-        double turned = actor->heading - self->in.motion.heading, c = cos(turned), s = sin(turned);
+        double turned = actor->heading - direction(self), c = cos(turned), s = sin(turned);
         double vx = actor->speed * c - actor->lateral_speed * s, vy = actor->speed * s + actor->lateral_speed * c;
         told.range_rate = rate(self, vx, vy, &part, range);
     }
@@ -133,8 +139,9 @@ static objects_detection detected(const objects *self, const objects_actor *acto
 /* The reflection of an object in the guard rail, as a detection; not valid if there is none. */
 static objects_detection mirrored(const objects *self, const objects_actor *actor, view_part part, double loss) {
     objects_detection told = {false, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-    double turned = self->in.lane.heading, nx = sin(turned), ny = cos(turned); /* to the left of the lane */
-    double rail = self->par.rail - self->in.lane.offset - self->par.mount * nx, beyond = rail - nx * part.x - ny * part.y;
+    double turned = self->in.lane.heading, left = self->par.mount_left * cos(turned) + self->par.mount * sin(turned);
+    double nx = sin(turned + self->par.mount_turn), ny = cos(turned + self->par.mount_turn); /* to the left of the lane */
+    double rail = self->par.rail - self->in.lane.offset - left, beyond = rail - nx * part.x - ny * part.y;
     if (!(rail * beyond > 0)) return told; /* behind the rail */
     view_part image = part;
     image.x += 2 * beyond * nx;
@@ -145,7 +152,7 @@ static objects_detection mirrored(const objects *self, const objects_actor *acto
                     strength(self, reflection(self, actor->class), part.share, told.range, loss);
     told.valid = told.strength >= self->par.threshold && fabs(told.azimuth) < 0.5 * self->par.field_of_view;
     if (!self->par.doppler) return told;
-    double turn = actor->heading - self->in.motion.heading, c = cos(turn), s = sin(turn);
+    double turn = actor->heading - direction(self), c = cos(turn), s = sin(turn);
     double vx = actor->speed * c - actor->lateral_speed * s, vy = actor->speed * s + actor->lateral_speed * c;
     double towards = nx * vx + ny * vy;
     told.range_rate = rate(self, vx - 2 * towards * nx, vy - 2 * towards * ny, &image, told.range);
@@ -166,7 +173,7 @@ static objects_detection bounced(const objects *self, const objects_actor *actor
 static double spray(const objects *self, const objects_actor *actor) {
     double share = actor->speed / SPRAY_SPEED;
     bool is_there = actor->class == TRUCK && self->in.visibility.rain_rate > 0;
-    return is_there && cos(actor->heading - self->in.motion.heading) > 0 ? fmin(share * share, 1) : 0;
+    return is_there && cos(actor->heading - direction(self)) > 0 ? fmin(share * share, 1) : 0;
 }
 
 static bool one_cell(const objects *self, const objects_detection *a, const objects_detection *b) {
@@ -327,14 +334,17 @@ static objects_sample measured(objects *self) {
     view_box boxes[OBJECTS_ACTORS];
     view_part parts[OBJECTS_ACTORS];
     objects_detection found[FOUND];
-    double c = cos(self->in.motion.heading), s = sin(self->in.motion.heading), loss = lost(self);
+    double c = cos(direction(self)), s = sin(direction(self)), loss = lost(self);
+    double turned_c = cos(self->par.mount_turn), turned_s = sin(self->par.mount_turn);
+    double ahead = turned_c * self->par.mount + turned_s * self->par.mount_left; /* of the sensor, along its axes */
+    double left = turned_c * self->par.mount_left - turned_s * self->par.mount;
     for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
         const objects_actor *actor = &self->in.actors[i];
         double dx = actor->x - self->in.motion.x, dy = actor->y - self->in.motion.y;
-        double turned = actor->heading - self->in.motion.heading;
-        view_box box = {c * dx + s * dy - self->par.mount, c * dy - s * dx, cos(turned), sin(turned),
+        double turned = actor->heading - direction(self);
+        view_box box = {c * dx + s * dy - ahead, c * dy - s * dx - left, cos(turned), sin(turned),
                         0.5 * actor->length, 0.5 * actor->width};
-        if (actor->class == 0) box.length = -1;
+        if (actor->class == 0 || is_on_another_level(actor->above)) box.length = -1;
         boxes[i] = box;
     }
     look(self, boxes, parts);
@@ -394,6 +404,8 @@ void objects_step(objects *self) {
 void objects_init(objects *self) {
     memset(&self->out, 0, sizeof self->out);
     self->out.scan.mount = self->par.mount;
+    self->out.scan.mount_left = self->par.mount_left;
+    self->out.scan.mount_turn = self->par.mount_turn;
     self->out.scan.scale = lasting(self->par.scale_bias, self->par.scale_drift, self->par.correlation_time);
     self->out.scan.misalignment = lasting(self->par.azimuth_bias, self->par.azimuth_drift, self->par.correlation_time);
     restart(self);

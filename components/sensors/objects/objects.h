@@ -9,6 +9,9 @@
  * half the closing speed. Doppler is the speed of that point relative to the sensor, which turns with the car, along
  * the ray; the object's yaw rate is neglected, as actors do not report it.
  *
+ * Mounting. The sensor's axes are those of the car, moved by *mount* and *mount_left* and turned by *mount_turn*. Ranges,
+ * azimuths and the field of view are relative to them; the scan reports all three.
+ *
  * Strength. An echo falls with R^n exp(2 a R) (n = 4 for radar: radar equation; n = 2 for a target that fills the beam
  * of a lidar), and grows with the object's reflection s and with its visible share:
  *   signal / noise = threshold (s / s_car) share (max_range / R)^n exp(-2 a R),
@@ -17,7 +20,7 @@
  * dark; s is the contrast of the object's class to what is behind it, 0: 1; the veil is that of the sun (sensing.h). The
  * smaller of the object's height and visible width must be at least *least_pixels* in the image of *focal_length*.
  *
- * Height. An object reaches from its clearance to its height above the road. What is entirely above the sensor, or not
+ * Height. A road user on another level (in_the_way.h) is hidden. An object reaches from its clearance to its height above the road. What is entirely above the sensor, or not
  * higher than 0.1 m, hides nothing and is seen through others. A radar's lobe is Gaussian with *elevation_beam* between
  * its half-power directions, level, so that a bridge fades as the car approaches. A sensor that measures height, with
  * *elevation_noise*, does not report what is above least_clearance or below least_height.
@@ -74,7 +77,7 @@ typedef struct {
     double speed, lateral_speed, acceleration;
     int32_t path, lane;
     double station, offset;
-    double ahead, aside, approach;
+    double ahead, aside, approach, above;
 } objects_actor;
 
 typedef struct {
@@ -94,7 +97,7 @@ typedef struct {
 
 typedef struct {
     int32_t number;
-    double age, mount;
+    double age, mount, mount_left, mount_turn;
     objects_lasting scale, misalignment;
     objects_detection returns[OBJECTS_RETURNS];
 } objects_scan;
@@ -120,7 +123,7 @@ typedef struct {
         objects_scan scan;
     } out;
     struct {
-        double mount, mount_height;      /* m ahead of the centre of gravity; m above the road */
+        double mount, mount_left, mount_height, mount_turn; /* m ahead and left of the centre of gravity, above the road; rad to the left */
         double max_range, field_of_view; /* m; rad, from edge to edge */
         double echo_exponent;            /* n; 0: sees by contrast */
         double threshold;                /* the least signal to noise */

@@ -1,4 +1,4 @@
-/* Textbook Kalman filter of up to three measurements. Its states are place and velocity, and for each of two sensors the
+/* Textbook Kalman filter of up to three measurements. Its states are place and velocity, and for each sensor the
  * error of scale and of azimuth that its measurements have in common. */
 #ifndef KALMAN_FILTER_H
 #define KALMAN_FILTER_H
@@ -7,7 +7,10 @@
 
 #define FILTER_MEASURED 3
 #define FILTER_MOVING 4
-#define FILTER_STATES 8
+#ifndef TRACKER_SCANS
+#define TRACKER_SCANS 2
+#endif
+#define FILTER_STATES (FILTER_MOVING + 2 * TRACKER_SCANS)
 
 typedef struct {
     int32_t count;

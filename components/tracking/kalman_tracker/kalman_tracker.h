@@ -5,7 +5,7 @@
  * State: place from the car's centre of gravity, velocity over ground, both along the car's axes; for each sensor the
  * errors of scale and azimuth that the scan declares (a constant, or a Gauss-Markov process with its deviation and
  * correlation time; each track estimates them by itself). So a scale error that nothing else reveals stays in the
- * covariance of place and velocity instead of being averaged away, and a second sensor reveals it. In a step the car
+ * covariance of place and velocity instead of being averaged away, and another sensor reveals it. In a step the car
  * moves by d and turns by a, from the means of its motion at both ends: p' = R(-a) (p + v T - d), v' = R(-a) v.
  * Measured: place, with the deviations of range and azimuth that the sensor reports as white noise, and the speed along the ray if
  * there is Doppler (rate_deviation > 0).
@@ -15,7 +15,7 @@
  *
  * A scan is read once, when its number changes. Of all pairs of track and detection within the gate (squared
  * Mahalanobis distance) the nearest is taken, repeatedly. A sensor reports one point of a body, and another point when
- * it sees another face; so do two sensors. So the rest is paired again as if the point might be any point of a body of
+ * it sees another face; so do several sensors. So the rest is paired again as if the point might be any point of a body of
  * the track's class: the covariance of its place grows by that of a uniform distribution on length by width,
  * extent^2/12 each, along its velocity (slower than 2 m/s or two of its deviations: along the car). Such a pair moves
  * the place, but hardly the velocity; the width reported for the other face applies, and until there is one, the side
@@ -28,7 +28,7 @@
  *
  * Existence: a new track exists with probability *birth*. Each scan of the sensor that started it multiplies the odds by
  * detection_rate / false_rate with a hit, by (1 - detection_rate) / (1 - false_rate) without one (Bayes), and each hit of
- * the other sensor by the first. A miss of the other sensor counts nothing: it may not see that far. At most 0.999, so
+ * another sensor by the first. A miss of another sensor counts nothing: it may not see that far. At most 0.999, so
  * that an object that is gone is doubted soon. */
 #ifndef KALMAN_TRACKER_H
 #define KALMAN_TRACKER_H
@@ -40,7 +40,7 @@
 
 typedef struct {
     int32_t id, class; /* id 0: free */
-    filter estimate;   /* x, y, vx, vy; scale and azimuth of the first sensor, of the second one */
+    filter estimate;   /* x, y, vx, vy; scale and azimuth of each sensor, in the order of the ports */
     filter_bias acceleration; /* along the car */
     double existence, width, age, missed; /* s since the last hit */
     int32_t widths;            /* measured so far */
@@ -62,7 +62,7 @@ typedef struct {
     } par;
     kalman_tracker_kept kept[KALMAN_TRACKER_KEPT];
     tracker_history history;
-    int32_t read[2]; /* numbers of the last read scans */
+    int32_t read[TRACKER_SCANS]; /* numbers of the last read scans */
     int32_t next_id;
 } kalman_tracker;
 

@@ -10,7 +10,7 @@ void no_tracker_step(no_tracker *self) {
     for (int32_t i = 0; i < TRACKER_RETURNS && count < TRACKER_TRACKS && scan->number > 0; ++i) {
         const tracker_detection *seen = &scan->returns[i];
         if (!seen->valid) continue;
-        tracker_place place = tracker_place_of(seen, scan->mount, &then);
+        tracker_place place = tracker_place_of(seen, scan, &then);
         bool is_ahead = fabs(place.cosine) > 0.1; /* beside the car the ray gives no speed along it */
         double speed = seen->rate_deviation > 0 && is_ahead ? place.speed / place.cosine : 0;
         double c = place.cosine, s = place.sine, R = seen->range, rate = is_ahead ? seen->rate_deviation / c : 0;

@@ -65,11 +65,12 @@ tracker_past tracker_ago(const tracker_history *history, double age) {
     return past;
 }
 
-tracker_place tracker_place_of(const tracker_detection *seen, double mount, const tracker_past *then) {
+tracker_place tracker_place_of(const tracker_detection *seen, const tracker_scan *scan, const tracker_past *then) {
     const tracker_motion *motion = &then->motion;
-    double c = cos(seen->azimuth), s = sin(seen->azimuth);
-    double own = motion->speed * c + (motion->lateral_speed + motion->yaw_rate * mount) * s;
-    double x = mount + seen->range * c - then->since.x, y = seen->range * s - then->since.y;
+    double c = cos(seen->azimuth + scan->mount_turn), s = sin(seen->azimuth + scan->mount_turn);
+    double own = (motion->speed - motion->yaw_rate * scan->mount_left) * c +
+                 (motion->lateral_speed + motion->yaw_rate * scan->mount) * s;
+    double x = scan->mount + seen->range * c - then->since.x, y = scan->mount_left + seen->range * s - then->since.y;
     double back = cos(then->since.angle), turn = sin(then->since.angle);
     tracker_place place = {back * x + turn * y, back * y - turn * x, back * c + turn * s, back * s - turn * c,
                            seen->range_rate + own};

@@ -8,6 +8,9 @@
 #define TRACKER_STEP 0.02 /* s; the step in the component.yaml of every tracker */
 #define TRACKER_RETURNS 16
 #define TRACKER_TRACKS 8
+#ifndef TRACKER_SCANS
+#define TRACKER_SCANS 2 /* surround_tracker has 7 */
+#endif
 
 typedef struct {
     double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
@@ -26,7 +29,7 @@ typedef struct {
 
 typedef struct {
     int32_t number;
-    double age, mount;
+    double age, mount, mount_left, mount_turn;
     tracker_lasting scale, misalignment;
     tracker_detection returns[TRACKER_RETURNS];
 } tracker_scan;
@@ -34,6 +37,9 @@ typedef struct {
 typedef struct {
     tracker_motion motion;
     tracker_scan first, second;
+#if TRACKER_SCANS > 2
+    tracker_scan corner_1, corner_2, corner_3, corner_4, corner_5;
+#endif
 } tracker_in;
 
 typedef struct {
@@ -84,7 +90,7 @@ typedef struct {
     double x, y, cosine, sine, speed;
 } tracker_place;
 
-/* By a sensor *mount* m ahead of the centre of gravity, on the car as it was then. */
-tracker_place tracker_place_of(const tracker_detection *seen, double mount, const tracker_past *then);
+/* By the sensor of *scan*, on the car as it was then. */
+tracker_place tracker_place_of(const tracker_detection *seen, const tracker_scan *scan, const tracker_past *then);
 
 #endif

@@ -20,6 +20,7 @@ void flow_set_paths(flow *self, const flow_path *otherwise) {
         path->lap = self->in->paths[p].closed ? path->length : 0;
         path->right = self->in->paths[p].rightmost;
         path->left = self->in->paths[p].leftmost;
+        path->lanes = self->in->paths[p].lanes;
         if (self->in->paths[p].lane_width > 0) path->lane_width = self->in->paths[p].lane_width;
     }
 }
@@ -154,11 +155,14 @@ static void change_lanes(flow *self) {
         if (!flow_drives(user) || is_changing(user) || user->speed == 0) continue;
         const flow_path *path = &self->paths[user->path];
         int32_t left = user->lane + 1, right = user->lane - 1;
-        double leftwards = left <= path->left && left < FLOW_LANES ? incentive(self, i, left) : -HUGE_VAL;
-        double rightwards = right >= path->right && right > -FLOW_LANES ? incentive(self, i, right) : -HUGE_VAL;
+        bool may_left = left <= path->left && left < FLOW_LANES && flow_may_use(path, left, user->class);
+        bool may_right = right >= path->right && right > -FLOW_LANES && flow_may_use(path, right, user->class);
+        double leftwards = may_left ? incentive(self, i, left) : -HUGE_VAL;
+        double rightwards = may_right ? incentive(self, i, right) : -HUGE_VAL;
         if (!(leftwards > 0 || rightwards > 0)) continue;
         int32_t lane = leftwards >= rightwards ? left : right;
-        lane_shift shift = {user->lane * path->lane_width, lane * path->lane_width, self->rules.change_duration, 0};
+        double from = flow_middle(path, user->lane), to = flow_middle(path, lane);
+        lane_shift shift = {from, to, self->rules.change_duration, 0};
         user->old_lane = user->lane;
         user->lane = lane;
         user->shift = shift;

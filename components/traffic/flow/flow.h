@@ -4,12 +4,16 @@
    Research Record 1999, 86 (2007), the symmetric rule, with a bias to the right if one is set. All use the state at the
    beginning of a step, then move by the ballistic update: M. Treiber, A. Kesting: Traffic Flow Dynamics, 2013, 10.2; a
    speed below zero becomes zero. A user that changes lanes is in both until 0.6 of the change's time. Its place is
-   relative to the middle of the path's own lane, with lanes of one width: no user jumps, whatever the road's lanes do.
+   relative to the middle of the path's own lane, as far from it as its lane is where the path begins: no user jumps,
+   whatever the road's lanes do. A user changes to no lane that its class may not use (in_the_way.h).
    The host is in every lane that its body, or that of a vehicle of that lane, would share. A vehicle assumes that the
    host behind it drives like itself. */
 #ifndef FLOW_H
 #define FLOW_H
 
+#include <stddef.h>
+
+#include "../../road_users/in_the_way.h"
 #include "../profile/lane_shift.h"
 #include "../profile/traffic.h"
 #include "following.h"
@@ -45,6 +49,7 @@ typedef struct {
     double lap; /* m; 0: it is open */
     double length, lane_width; /* length 0: unknown */
     int32_t right, left; /* range of lanes for lane changes */
+    const traffic_lane *lanes; /* of the road, from *right* on; NULL: all are lane_width wide, and for everyone */
 } flow_path;
 
 typedef struct {
@@ -96,6 +101,28 @@ static inline double flow_speed_of(const flow *self, int32_t who) {
 
 static inline double flow_length_of(const flow *self, int32_t who) {
     return who == FLOW_HOST ? self->rules.host_front + self->rules.host_rear : self->users[who].length;
+}
+
+/* The lane as the road has it; NULL: all that is known of it is the path's lane_width. */
+static inline const traffic_lane *flow_lane(const flow_path *path, int32_t lane) {
+    int32_t i = lane - path->right;
+    return path->lanes && i >= 0 && i < TRAFFIC_LANES && path->lanes[i].width > 0 ? &path->lanes[i] : NULL;
+}
+
+/* m to the left of the middle of the path's own lane. */
+static inline double flow_middle(const flow_path *path, int32_t lane) {
+    const traffic_lane *found = flow_lane(path, lane);
+    return found ? found->middle : lane * path->lane_width;
+}
+
+static inline double flow_width(const flow_path *path, int32_t lane) {
+    const traffic_lane *found = flow_lane(path, lane);
+    return found ? found->width : path->lane_width;
+}
+
+static inline bool flow_may_use(const flow_path *path, int32_t lane, int32_t class) {
+    const traffic_lane *found = flow_lane(path, lane);
+    return !found || may_drive(found->users, class);
 }
 
 static inline bool flow_drives(const flow_user *user) {

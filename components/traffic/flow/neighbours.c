@@ -9,7 +9,9 @@ static bool shares_with_host(const flow *self, int32_t i, int32_t lane) {
     const flow_rules *rules = &self->rules;
     const flow_user *user = &self->users[i];
     if (!rules->minds_host || user->path != 0) return false;
-    double width = self->paths[0].lane_width, aside = self->in->lane.offset + (rules->host_lane - lane) * width;
+    const flow_path *path = &self->paths[0];
+    double apart = flow_middle(path, rules->host_lane) - flow_middle(path, lane);
+    double width = flow_width(path, lane), aside = self->in->lane.offset + apart;
     return fabs(aside) < 0.5 * fmax(width, rules->host_width + user->width);
 }
 

@@ -13,6 +13,7 @@ static flow flow_of(idm_traffic *self) {
     };
     flow_path otherwise = {
         self->par.lap_length, self->par.lap_length, self->par.lane_width, self->par.right_lane, self->par.left_lane,
+        NULL,
     };
     all.rules = rules;
     flow_set_paths(&all, &otherwise);
@@ -38,7 +39,7 @@ void idm_traffic_init(idm_traffic *self) {
     flow all = flow_of(self);
     for (int32_t i = 0; i < TRAFFIC_MOVERS; ++i) {
         int32_t lane = self->par.lane_number[i];
-        double offset = lane * all.paths[self->par.path[i]].lane_width;
+        double offset = flow_middle(&all.paths[self->par.path[i]], lane);
         self->users[i] = (flow_user){
             .id = i + 1,
             .class = self->par.class[i],

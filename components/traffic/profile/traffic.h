@@ -10,6 +10,7 @@
 #define TRAFFIC_PATHS 8
 #define TRAFFIC_HEADS 16
 #define TRAFFIC_CONFLICTS 16
+#define TRAFFIC_LANES 8 /* that a path tells of */
 #define TRAFFIC_CAR 1 /* of actor_class */
 #define TRAFFIC_TRUCK 2
 #define TRAFFIC_MOTORCYCLE 3
@@ -30,6 +31,12 @@ typedef struct {
     double speed, lateral_speed, acceleration;
 } traffic_mover;
 
+/* A lane where its path begins: m to the left of the path's own, and the classes that may drive there (in_the_way.h). */
+typedef struct {
+    double middle, width;
+    int32_t users;
+} traffic_lane;
+
 typedef struct {
     struct {
         double station, offset, heading, curvature, width, grade, bank, speed_limit;
@@ -43,6 +50,7 @@ typedef struct {
         bool closed;
         int32_t leftmost, rightmost;
         double lane_width;
+        traffic_lane lanes[TRAFFIC_LANES]; /* from the rightmost on; width 0: unknown */
     } paths[TRAFFIC_PATHS];
     struct {
         int32_t path;

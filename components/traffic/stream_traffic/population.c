@@ -23,15 +23,23 @@ static double normal(const stream_traffic *self, int32_t id, int32_t number) {
     return (sum - 2) * sqrt(3);
 }
 
-static int32_t class_of(const stream_traffic *self, int32_t id) {
-    double drawn = random_draw(self, id, 0);
-    if (drawn < self->par.truck_share) return TRAFFIC_TRUCK;
-    return drawn < self->par.truck_share + self->par.motorcycle_share ? TRAFFIC_MOTORCYCLE : TRAFFIC_CAR;
+/* On a lane that is not for the drawn class, the first that may use it. */
+static int32_t class_of(const stream_traffic *self, int32_t id, const flow_path *path, int32_t lane) {
+    double drawn = random_draw(self, id, 0), trucks = self->par.truck_share;
+    int32_t other = drawn < trucks + self->par.motorcycle_share ? TRAFFIC_MOTORCYCLE : TRAFFIC_CAR;
+    int32_t class = drawn < trucks ? TRAFFIC_TRUCK : other;
+    for (int32_t n = TRAFFIC_CAR; n <= TRAFFIC_MOTORCYCLE && !flow_may_use(path, lane, class); ++n) class = n;
+    return class;
 }
 
-/* A new vehicle, on no lane yet. */
-static flow_user vehicle(stream_traffic *self, int32_t path) {
-    int32_t id = ++self->ids, class = class_of(self, id);
+static void set_lane(flow_user *user, const flow *all, int32_t lane) {
+    double offset = flow_middle(&all->paths[user->path], lane);
+    user->lane = user->old_lane = lane;
+    user->shift = (lane_shift){offset, offset, all->rules.change_duration, 1};
+}
+
+static flow_user vehicle(stream_traffic *self, const flow *all, int32_t path, int32_t lane) {
+    int32_t id = ++self->ids, class = class_of(self, id, &all->paths[path], lane);
     bool is_truck = class == TRAFFIC_TRUCK;
     double mean = is_truck ? self->par.truck_speed : self->par.desired_speed;
     flow_user user = {
@@ -55,17 +63,28 @@ static flow_user vehicle(stream_traffic *self, int32_t path) {
         self->par.model == IDM_PLUS,
     };
     user.driver = following_on(&user.dry, traffic_grip(&self->in));
+    set_lane(&user, all, lane);
     return user;
 }
 
-static void set_lane(flow_user *user, const flow *all, int32_t lane) {
-    double offset = lane * all->paths[user->path].lane_width;
-    user->lane = user->old_lane = lane;
-    user->shift = (lane_shift){offset, offset, all->rules.change_duration, 1};
+static bool is_for_vehicles(const flow_path *path, int32_t lane) {
+    bool any = false;
+    for (int32_t class = TRAFFIC_CAR; class <= TRAFFIC_MOTORCYCLE; ++class) any = any || flow_may_use(path, lane, class);
+    return any;
 }
 
+/* How many lanes are for vehicles. */
 static int32_t lanes_of(const flow_path *path) {
-    return path->left >= path->right ? path->left - path->right + 1 : 1;
+    int32_t count = path->left < path->right ? 1 : 0;
+    for (int32_t lane = path->right; lane <= path->left; ++lane) count += is_for_vehicles(path, lane);
+    return count;
+}
+
+/* The one with that *number* of them, counted from 0 and from the right. */
+static int32_t lane_of(const flow_path *path, int32_t number) {
+    int32_t lane = path->right;
+    while (lane < path->left && (!is_for_vehicles(path, lane) || number-- > 0)) ++lane;
+    return lane;
 }
 
 /* Number of vehicles on each path at the start. */
@@ -90,18 +109,18 @@ static int32_t shared_out(const stream_traffic *self, const flow *all, int32_t *
 /* The vehicles of a path, row by row. */
 static bool fill(stream_traffic *self, flow *all, int32_t path, int32_t count) {
     const flow_path *way = &all->paths[path];
-    int32_t lanes = lanes_of(way), rows = (count + lanes - 1) / lanes;
+    int32_t lanes = lanes_of(way), rows = lanes > 0 ? (count + lanes - 1) / lanes : 0;
+    if (count > 0 && lanes == 0) return false;
     double from = self->par.start_from, to = self->par.start_to > 0 ? self->par.start_to : way->length;
     double longest = SIZES[self->par.truck_share > 0 ? TRAFFIC_TRUCK : TRAFFIC_CAR].length;
     double spacing = rows > 0 ? (to - from) / rows : HUGE_VAL, room = spacing - longest - self->par.standstill_gap;
     if (rows > 0 && !(room >= 0 && to <= way->length)) return false;
     double speed = (1 - SPREAD_OF_GAPS) * room / self->par.time_gap;
     for (int32_t n = 0; n < count; ++n) {
-        flow_user user = vehicle(self, path);
+        flow_user user = vehicle(self, all, path, lane_of(way, n % lanes));
         double moved = SPREAD_OF_GAPS * (random_draw(self, user.id, 8) - 0.5);
         user.station = from + (n / lanes + 0.5) * spacing + moved * room;
         user.speed = fmin(speed, user.driver.desired_speed);
-        set_lane(&user, all, way->right + n % lanes);
         self->users[self->count++] = user;
     }
     return true;
@@ -197,9 +216,9 @@ static void come_in(stream_traffic *self, flow *all, int32_t i) {
     const flow_path *path = &all->paths[self->waiting[i] - 1];
     double speed;
     int32_t ids = self->ids;
-    self->users[i] = vehicle(self, self->waiting[i] - 1);
+    int32_t lane = lane_of(path, (int32_t)(self->steps % lanes_of(path)));
+    self->users[i] = vehicle(self, all, self->waiting[i] - 1, lane);
     self->users[i].station = 0.5 * self->users[i].length;
-    set_lane(&self->users[i], all, path->right + (int32_t)(self->steps % lanes_of(path)));
     flow_look(all);
     if (has_room(all, i, &speed)) {
         self->users[i].speed = speed;

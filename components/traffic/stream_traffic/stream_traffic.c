@@ -15,7 +15,7 @@ static flow flow_of(stream_traffic *self, int32_t deciding) {
     };
     flow_path otherwise = {
         self->par.closed ? self->par.path_length : 0, self->par.path_length, self->par.lane_width,
-        self->par.right_lane, self->par.left_lane,
+        self->par.right_lane, self->par.left_lane, NULL,
     };
     all.rules = rules;
     flow_set_paths(&all, &otherwise);

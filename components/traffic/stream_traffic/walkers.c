@@ -17,7 +17,17 @@ static double now(const stream_traffic *self) {
 
 /* Edge of the lanes: -1 on the right, 1 on the left. */
 static double edge(const flow_path *path, int32_t side) {
-    return side < 0 ? (path->right - 0.5) * path->lane_width : (path->left + 0.5) * path->lane_width;
+    int32_t lane = side < 0 ? path->right : path->left;
+    return flow_middle(path, lane) + side * 0.5 * flow_width(path, lane);
+}
+
+/* Where cyclists ride: in the rightmost lane that is for them alone, else beside the lanes. */
+static double riding(const flow_path *path) {
+    for (int32_t lane = path->right; lane <= path->left; ++lane) {
+        bool is_theirs = flow_lane(path, lane) && flow_may_use(path, lane, TRAFFIC_BICYCLE);
+        if (is_theirs && !flow_may_use(path, lane, TRAFFIC_CAR)) return flow_middle(path, lane);
+    }
+    return edge(path, -1) - 0.8;
 }
 
 void walkers_add(stream_traffic *self, const flow *all, int32_t class, bool crosses) {
@@ -40,7 +50,7 @@ void walkers_add(stream_traffic *self, const flow *all, int32_t class, bool cros
         walker->offset = walker->from;
         walker->waits_until = 20 * random_draw(self, id, 3);
     } else {
-        walker->offset = edge(path, -1) - (rides ? 0.8 : 1.5 + random_draw(self, id, 3));
+        walker->offset = rides ? riding(path) : edge(path, -1) - (1.5 + random_draw(self, id, 3));
     }
 }
 
@@ -70,9 +80,14 @@ static void set_lanes(flow_user *user, const stream_walker *walker, const flow_p
     user->low = 1;
     user->high = 0;
     if (!walker->is_crossing) return;
-    double behind = (walker->offset - walker->sense * BODY) / path->lane_width;
-    user->low = walker->sense > 0 ? (int32_t)fmax(floor(behind + 0.5), path->right) : path->right;
-    user->high = walker->sense > 0 ? path->left : (int32_t)fmin(ceil(behind - 0.5), path->left);
+    double behind = walker->offset - walker->sense * BODY, half = 0.5 * walker->sense;
+    int32_t lane = walker->sense > 0 ? path->right : path->left, last = walker->sense > 0 ? path->left : path->right;
+    while (walker->sense * (last - lane) >= 0 &&
+           walker->sense * (flow_middle(path, lane) + half * flow_width(path, lane) - behind) <= 0) {
+        lane += walker->sense;
+    }
+    user->low = walker->sense > 0 ? lane : path->right;
+    user->high = walker->sense > 0 ? path->left : lane;
     user->lane = user->old_lane = path->right;
 }
 

@@ -60,7 +60,9 @@ def keep_drives(
     """Have the runs of *drives*, by id, in the study *folder*; what is there and made from the same files stays.
 
     A drive that does not fit the bench is told, and left out. Raises DseError if the bench itself cannot be simulated.
+    *drives* in a shared world have no run without a driver beside them: alone, a car has nobody around it.
     """
+    is_shared = any(drive.is_shared for drive in drives.values())
     stored = _stored(folder)
     known = kept_drives(stored) if stored else {}
     fitting = {name: drive for name, drive in drives.items() if _fits(drive, bench, on_problem)}
@@ -68,7 +70,7 @@ def keep_drives(
     if not wanted:
         return
     base = ready(bench_study(bench, Selection(tuple(wanted))), tell=tell).definition
-    if stored and stored.differences(_defined(base, known)):
+    if stored and stored.differences(_defined(base, known, is_shared)):
         if tell:
             tell(f"bench '{bench.name}' has changed since: its drives are simulated again")
         StudyFolder.discard(folder)
@@ -81,9 +83,9 @@ def keep_drives(
         pace = drive.pace
         seconds = float(drive.time[-1])
         known.setdefault(name, Kept(drive.driver, drive.configuration, seconds, pace.steps, pace.overruns))
-    definition = _defined(base, known)
+    definition = _defined(base, known, is_shared)
     with StudyFolder.resume(folder, definition) as store:
-        _add_missing(store, bench, fitting, tuple(wanted), tell or (lambda _: None))
+        _add_missing(store, bench, fitting, () if is_shared else tuple(wanted), tell or (lambda _: None))
         note_sources(bench_study(bench), store)
         store.end()
 
@@ -125,14 +127,14 @@ def _stored(folder: Path) -> StudyDefinition | None:
     return definition
 
 
-def _defined(base: StudyDefinition, known: Mapping[str, Kept]) -> StudyDefinition:
+def _defined(base: StudyDefinition, known: Mapping[str, Kept], is_shared: bool) -> StudyDefinition:
     """The study of the drives *known* on the bench of *base*."""
     drivers = _drivers(known)
     told = {name: asdict(kept) for name, kept in known.items()}
     constants = {DRIVER: 0.0, DRIVE: 0.0}
     return replace(
         base,
-        title=f"{base.title}: who drove",
+        title=f"{base.title}: who drove{' in a shared world' if is_shared else ''}",
         variables=(
             _condition(DRIVER, "who drove", [CONTROLLER, *map(_label, drivers)]),
             _condition(DRIVE, "drive", [NOBODY, *known]),

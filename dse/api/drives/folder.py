@@ -23,6 +23,15 @@ if TYPE_CHECKING:
     from dse.loading import Workspace as Files
 
 
+SHARED = ".shared"
+"""The end of the name of a study of drives in a shared world; no bench has a dot in its name."""
+
+
+def study_name(drive: Drive) -> str:
+    """The study that a drive is in: drives in a shared world are compared with each other only."""
+    return f"{drive.bench}{SHARED}" if drive.is_shared else drive.bench
+
+
 @dataclass(frozen=True, slots=True)
 class CheckedDrive:
     """A drive simulated again: what is not the same bit for bit as in the study, and as when it was driven.
@@ -68,10 +77,11 @@ class Drives:
         """
         name = self.record(drive)
         # All of them: if the bench has changed since, they are simulated again together.
-        recorded = {each: other for each, other in self.recorded().items() if other.bench == drive.bench}
+        study = study_name(drive)
+        recorded = {each: other for each, other in self.recorded().items() if study_name(other) == study}
         before = len(self.problems)
-        self._keep(drive.bench, recorded, tell)
-        if not any(score.drive == name for score in board_of(self.study(drive.bench)).scores):
+        self._keep(study, recorded, tell)
+        if not any(score.drive == name for score in board_of(self.study(study)).scores):
             raise_if_any(self.problems[before:])
         return name
 
@@ -83,15 +93,15 @@ class Drives:
     def update(self, *, tell: Tell | None = None) -> None:
         """Have every recording as a run in the study of its bench; `problems` tells of those that cannot be."""
         drives = self.recorded()
-        for bench in sorted({drive.bench for drive in drives.values()}):
+        for study in sorted({*map(study_name, drives.values())}):
             try:
-                self._keep(bench, {name: drive for name, drive in drives.items() if drive.bench == bench}, tell)
+                self._keep(study, {name: drive for name, drive in drives.items() if study_name(drive) == study}, tell)
             except DseError as error:
                 self.problems += error.problems
 
-    def study(self, bench: str) -> Path:
-        """The study folder of the drives on a bench."""
-        return self.path / bench
+    def study(self, name: str) -> Path:
+        """The study folder of the drives on a bench: *name* is as `study_name` gives it."""
+        return self.path / name
 
     def boards(self) -> tuple[Board, ...]:
         """The score boards of all benches, by name, as far as the drives are in their studies."""
@@ -135,13 +145,14 @@ class Drives:
     def _files(self) -> Files:
         return self._workspace or workspace_of("")
 
-    def _keep(self, bench: str, drives: Mapping[str, Drive], tell: Tell | None) -> None:
+    def _keep(self, study: str, drives: Mapping[str, Drive], tell: Tell | None) -> None:
         # The name comes from a file of anybody: only one that the workspace has becomes that of a folder.
+        bench = next(iter(drives.values())).bench
         known = self._files.bench(bench)
         if known.name != bench or bench == RECORDINGS:
             raise fail(f"'{bench}' is not the name of a bench", Location(shown(self.path)))
         with self._lock:
-            keep_drives(known, drives, self.study(bench), tell=tell, on_problem=self.problems.append)
+            keep_drives(known, drives, self.study(study), tell=tell, on_problem=self.problems.append)
 
     def _studies(self) -> Iterator[Path]:
         for folder in sorted(self.path.iterdir()) if self.path.is_dir() else ():

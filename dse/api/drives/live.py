@@ -17,7 +17,8 @@ from dse.errors import fail
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
-    from dse.live import DriverInTheLoop, Ended, Patience, Session
+    from dse.domain.design import Configuration
+    from dse.live import DriverInTheLoop, Ended, Patience, Session, Sharing
     from dse.testbench import PreparedBench, WiredBench
 
 MOST_DRIVER = 40
@@ -49,7 +50,7 @@ class LiveDrive:
         driver: str,
         bench: TestBench,
     ) -> None:
-        self.driver_in_loop, self.view, self.driver, self.bench = driver_in_loop, view, driver, bench
+        self.driver_in_loop, self.view, self.driver, self.bench = driver_in_loop, view, named(driver), bench
         self._prepared, self._first = prepared, dict(first)
         self._session: Session | None = None
 
@@ -91,10 +92,18 @@ class LiveDrive:
 
     def start(self, patience: Patience | None = None) -> None:
         """Begin. The run is made in a process of its own."""
+        if self._session is None:
+            self._session = self._begun(patience)
+
+    def _begun(self, patience: Patience | None) -> Session:
         from dse.live import Session
 
-        if self._session is None:
-            self._session = Session(self._prepared, self.driver_in_loop, self._first, patience)
+        return Session(self._prepared, self.driver_in_loop, self._first, patience)
+
+    @property
+    def settings(self) -> Mapping[str, float]:
+        """What the bench was given for this drive, by ``part.parameter``."""
+        return {}
 
     @property
     def has_begun(self) -> bool:
@@ -149,7 +158,9 @@ class LiveDrive:
         seen = self._session.newest if self._session else None
         if seen is None:
             return None
-        return frame((seen.time, seen.lateness, seen.overruns, seen.echo), self.view.of(seen.values))
+        return frame(
+            (seen.time, seen.lateness, seen.overruns, seen.echo), self.view.of(seen.values[: len(self.view.wanted)])
+        )
 
     @property
     def result(self) -> Drive | None:
@@ -162,7 +173,7 @@ class LiveDrive:
         configuration = self.driver_in_loop.configuration.id
         bits = bits_of(ended.run)
         name, time = self.bench.name, waveforms.time
-        return Drive(name, configuration, self.driver, self.step, time, inputs, ended.pace, bits=bits)
+        return Drive(name, configuration, self.driver, self.step, time, inputs, ended.pace, self.settings, bits)
 
 
 def open_drive(bench: TestBench, configuration: str | None = None, *, driver: str = "", fmi: int = 2) -> LiveDrive:
@@ -170,21 +181,46 @@ def open_drive(bench: TestBench, configuration: str | None = None, *, driver: st
 
     Raises DseError if the bench cannot be driven, or something cannot be built.
     """
-    from dse.live import driver_of, prepare_driver, put_driver_in_the_loop
-    from dse.testbench import one_configuration, wire_bench
+    chosen = drivable(bench, configuration)
+    return LiveDrive(*opened(bench, chosen, View(wire(bench, chosen), bench.simulation.stop), fmi=fmi), driver, bench)
+
+
+def drivable(bench: TestBench, configuration: str | None) -> Configuration:
+    """The configuration whose id starts so, or the first. Raises DseError if *bench* cannot be driven."""
+    from dse.live import driver_of
+    from dse.testbench import one_configuration
 
     driver_of(bench)
     if bench.simulation.stop > _LONGEST:
         raise fail(f"'{bench.name}' takes {bench.simulation.stop:g} s; a drive takes at most one hour", bench.where)
-    chosen = one_configuration(bench.design, configuration)
-    wired = wire_bench(bench, chosen)
-    view = View(wired, bench.simulation.stop)
-    driver_in_loop = put_driver_in_the_loop(bench, chosen, view.wanted, version=fmi)
+    return one_configuration(bench.design, configuration)
+
+
+def wire(bench: TestBench, chosen: Configuration) -> WiredBench:
+    """*chosen* on *bench*. Raises DseError."""
+    from dse.testbench import wire_bench
+
+    return wire_bench(bench, chosen)
+
+
+def opened(
+    bench: TestBench,
+    chosen: Configuration,
+    view: View,
+    also: Sequence[str] = (),
+    sharing: Sharing | None = None,
+    *,
+    fmi: int = 2,
+) -> tuple[DriverInTheLoop, PreparedBench, View, dict[str, float]]:
+    """What a `LiveDrive` is made of; its driver sees what is in *view*, and the signals *also*. Raises DseError."""
+    from dse.live import prepare_driver, put_driver_in_the_loop
+
+    wanted = (*view.wanted, *also)
+    driver_in_loop = put_driver_in_the_loop(bench, chosen, wanted, sharing=sharing, version=fmi)
     prepared = prepare_driver(driver_in_loop, version=fmi)
-    settings = wired.settings
+    settings = wire(bench, chosen).settings
     first = {f"{TUNE}.{name}": settings[name].value for name in driver_in_loop.tunables}
-    first |= _hands(bench, driver_in_loop, fmi)
-    return LiveDrive(driver_in_loop, prepared, view, first, _named(driver), bench)
+    return driver_in_loop, prepared, view, first | _hands(bench, driver_in_loop, fmi)
 
 
 def _hands(bench: TestBench, driver_in_loop: DriverInTheLoop, fmi: int) -> dict[str, float]:
@@ -202,7 +238,7 @@ def _hands(bench: TestBench, driver_in_loop: DriverInTheLoop, fmi: int) -> dict[
     return {port: float(run.waveforms.values[name][0]) for name, port in names.items()}
 
 
-def _named(driver: str) -> str:
+def named(driver: str) -> str:
     """What may be somebody's name: text on one line."""
     visible = "".join(each if each.isprintable() else " " for each in driver)
     return " ".join(visible.split())[:MOST_DRIVER].strip() or "somebody"
@@ -264,6 +300,7 @@ class View:
         straight = np.array([[0.0, 0.0], [_FASTEST * length, 0.0]])
         times = np.arange(len(probe), dtype=np.float64)
         scene = scene_of_signals(wired, told, columns, times, way=straight, reach=_EVERYWHERE)
+        self.host = scene.host
         self.document = scene_document(scene, found)
         self.document["columns"] = {}
         self.columns = tuple(found.values)

@@ -13,6 +13,7 @@ from dse.api.presentation.quantities import units_called
 from dse.api.spaces.design import several
 from dse.api.studies.run import Run
 from dse.domain.noise import DRAW
+from dse.errors import fail
 
 if TYPE_CHECKING:
     import numpy as np
@@ -43,6 +44,8 @@ def results(folder: str | Path) -> Results:
 
 _MOST_DRAWS = 10
 """Of noise, that a live page can be set to."""
+
+_PICTURE = 960, 540  # pixels of the camera in a trace
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,6 +279,41 @@ class Results:
         require_target(Path(target), shot)
         text = self.scene_page(run, source=source, tell=tell)
         return film(text, shot, Path(target), tell or (lambda _: None))
+
+    def write_trace(
+        self,
+        run: int,
+        target: str | Path,
+        *,
+        message: str = "ground_truth",
+        part: str = "",
+        rate: float = 25.0,
+        pictures: float | None = None,
+        source: str | Path | None = None,
+        tell: Tell | None = None,
+    ) -> dict[str, int]:
+        """Write a *run* as a trace file; returns the number of messages by topic.
+
+        An ``.osi`` file contains messages of ASAM OSI of one type: *message* is ground_truth, sensor_view or
+        sensor_data, the last two of one *part*. An ``.mcap`` file contains the ground truth, the data of all sensors
+        and trackers, the scene in the messages of Foxglove, and all signals. *rate* is in messages per second;
+        *pictures*, in pictures per second, adds a camera to an MCAP file. The run is simulated again.
+
+        Raises DseError as `write_scene` does, for another ending, and without the extra ``traces``.
+        """
+        from dse.api.studies.scenes import trace_of
+        from dse.report import frames_of, require_packages, write_mcap, write_osi
+
+        require_packages()
+        target = Path(target)
+        if (kind := target.suffix.lower()) not in (".osi", ".mcap"):
+            raise fail(f"'{target.name}' is not a trace file", hint="the ending is .osi or .mcap")
+        trace = trace_of(self.run(run), source=source or self.source, near=self.folder, rate=rate, tell=tell)
+        if kind == ".osi":
+            return {message: write_osi(trace, target, message, part)}
+        told = tell or (lambda _: None)
+        frames = frames_of(trace.scene, pictures, "chase", _PICTURE, told) if pictures else None
+        return write_mcap(trace, target, frames)
 
     def scene_page(
         self,

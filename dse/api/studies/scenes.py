@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from dse.domain.bench import Simulation, TestBench
     from dse.domain.component import Component
     from dse.domain.run import Waveforms
-    from dse.report import Ground, LiveScene, Scene, SceneSignals
+    from dse.report import Ground, LiveScene, Scene, SceneSignals, Trace
     from dse.testbench import PreparedStudy, WiredBench
 
     Floats = NDArray[np.float64]
@@ -50,6 +50,22 @@ def scene_of(
     with ScratchFolder() as scratch:
         made = _made_again(_bench_of(stored, source, Path(near), workspace, Path(scratch)), stored, fmi, tell)
         return made.scene(made.waveforms.values, made.waveforms.time)
+
+
+def trace_of(
+    stored: Run, *, source: str | Path | None = None, near: str | Path = "", rate: float, tell: Tell | None = None
+) -> Trace:
+    """*stored* simulated again as `scene_of` does, with all signals, *rate* times a second or at the nearest rate above
+    that the steps allow. Raises DseError as `scene_of` does."""
+    from dse.report import Trace, rear_axle_of
+
+    with ScratchFolder() as scratch:
+        bench = _bench_of(stored, source, Path(near), None, Path(scratch))
+        made = _made_again(bench, stored, 2, tell, rate=rate, for_trace=True)
+        values = made.waveforms.values
+        signals = {name: values[name] for name in made.wired.signals if name in values}
+        rear_axle = rear_axle_of(made.told.settings)
+        return Trace(made.scene(values, made.waveforms.time), signals, made.wired.signals, rear_axle)
 
 
 def scene_page_of(
@@ -112,7 +128,15 @@ class _Made:
         return replace(scene, title=known.title or known.study, subtitle=subtitle, mark=mark_of(self.stored))
 
 
-def _made_again(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> _Made:
+def _made_again(
+    bench: TestBench,
+    stored: Run,
+    fmi: int,
+    tell: Tell | None,
+    *,
+    rate: float = _FRAMES,
+    for_trace: bool = False,
+) -> _Made:
     from dse.api.studies.single_run import alone
     from dse.domain.study import Selection
     from dse.report import SceneSignals
@@ -120,11 +144,12 @@ def _made_again(bench: TestBench, stored: Run, fmi: int, tell: Tell | None) -> _
 
     chosen = one_configuration(bench.design, stored.configuration)
     wired = wire_bench(bench, chosen)
-    told = SceneSignals(wired.signals, {name: setting.value for name, setting in wired.settings.items()}, bench.figures)
+    settings = {name: setting.value for name, setting in wired.settings.items()}
+    told = SceneSignals(wired.signals, settings, bench.figures, for_trace)
     if not told.is_scene:
         what = "no part gives the position of a car: neither 'motion.x' nor 'position', 'gap' and 'lead.speed'"
         raise fail(f"run {stored.number} of bench '{bench.name}' is not a scene: {what}", Location(bench.name))
-    again = replace(bench, simulation=_recording(bench, told.wanted))
+    again = replace(bench, simulation=_recording(bench, told.wanted, rate))
     made, planned = alone(bench_study(again, Selection.of((chosen,))), fmi, tell=tell)
     if made.problem and stored.is_done:
         what = f"run {stored.number} failed this time: {made.problem}"
@@ -212,10 +237,10 @@ def replays_in(folder: Path) -> Iterator[int]:
     yield from sorted(int(name[1]) for name in names if name)
 
 
-def _recording(bench: TestBench, wanted: tuple[str, ...]) -> Simulation:
-    """The bench's simulation with the *wanted* signals kept as often as the eye needs."""
+def _recording(bench: TestBench, wanted: tuple[str, ...], rate: float) -> Simulation:
+    """The bench's simulation with the *wanted* signals kept *rate* times a second, or a little more often."""
     simulation = bench.simulation
-    stride = max(round(1 / _FRAMES / simulation.step), 1)
+    stride = max(round(1 / rate / simulation.step), 1)
     while simulation.steps % stride:
         stride -= 1
     return replace(simulation, record=wanted, record_every=stride * simulation.step)

@@ -64,10 +64,38 @@ def world_at(address: str, parts: tuple[str, ...] | None = None, *, wait: float 
 
     Raises DseError for what is no address.
     """
+    host, port = _host_and_port(address, "--world")
+    return WorldPlace(UdpSource(port, host, wait=wait), parts)
+
+
+def _host_and_port(address: str, option: str) -> tuple[str, int]:
     found = _ADDRESS.fullmatch(address)
     if found is None or not 1 <= int(found["port"]) <= 65535:
-        raise fail(f"'{address}' is not a HOST:PORT", Location("--world"), "as '127.0.0.1:5005'")
-    return WorldPlace(UdpSource(int(found["port"]), found["host"].strip("[]"), wait=wait), parts)
+        raise fail(f"'{address}' is not a HOST:PORT", Location(option), "as '127.0.0.1:5005'")
+    return found["host"].strip("[]"), int(found["port"])
+
+
+def _answers_at(address: str, listen: str, port: int) -> tuple[str, int]:
+    """Where answers are sent. They leave this machine only if requests may come from others, too."""
+    host, answers_port = _host_and_port(address, "--answers")
+    where = Location("--answers")
+    if (":" in host) != (":" in listen):
+        raise fail(f"'{host}' and '{listen}', where the world listens, are not both IPv4 or both IPv6", where)
+    if (host, answers_port) == (listen, port):
+        raise fail(f"the world itself listens at {address}", where, "give the port at which the client receives")
+    if not _is_loopback(host) and _is_loopback(listen):
+        hint = "if this is intended, also let the world listen at an address of this machine, as --listen 192.168.1.20"
+        raise fail(f"'{host}' is not a loopback address, but the world listens on loopback only", where, hint)
+    return host, answers_port
+
+
+def _is_loopback(host: str) -> bool:
+    from ipaddress import ip_address
+
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
 
 
 def world_layout(
@@ -89,20 +117,23 @@ def serve_bench(
     *,
     port: int,
     listen: str = "127.0.0.1",
+    answers: str | None = None,
     parts: tuple[str, ...] | None = None,
     free: bool = False,
     fmi: int = 2,
 ) -> Iterator[News]:
     """Serve the world's half of the configuration whose id starts so, or of the first, at *listen* and *port*.
 
-    What happens comes as news, until nobody asks for more. *free* is real time instead of lockstep. Raises DseError if
-    there is no such half, it cannot be built, or nobody can listen there.
+    What happens comes as news, until nobody asks for more. *answers* is a ``HOST:PORT`` for clients that receive at
+    another port than they send from; *free* is real time instead of lockstep. Raises DseError if there is no such half,
+    it cannot be built, nobody can listen there, or answers would leave this machine while requests cannot reach it.
     """
     from dse.live import require_free, serve_world
 
     chosen = one_configuration(bench.design, configuration)
     mode = LinkMode.FREE if free else LinkMode.LOCKSTEP
-    source = UdpSource(port, listen, LinkRole.SERVER, mode, wait=_FOREVER)
+    back = None if answers is None else _answers_at(answers, listen, port)
+    source = UdpSource(port, listen, LinkRole.SERVER, mode, wait=_FOREVER, answers=back)
     place = WorldPlace(source, parts)
     prepared = prepare_world(with_settings(bench, settings, chosen), chosen, place, version=fmi)
     require_free(listen, port)

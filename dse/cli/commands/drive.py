@@ -24,6 +24,15 @@ Replayed = Annotated[
     tuple[Path, int] | None,
     typer.Option("--replay", metavar="DIR RUN", help="Only show this run of a study, or of a folder of drives."),
 ]
+Shared = Annotated[bool, typer.Option("--shared", help="All drive in one world, and see each other; needs BENCH.")]
+Simulated = Annotated[
+    int,
+    typer.Option("--simulated", min=0, max=63, help="Seats of the shared world driven by the bench's own driver."),
+]
+Scripts = Annotated[
+    list[Path] | None,
+    typer.Option("--script", metavar="FILE", help="A seat driven by a CSV file: time, then controls. Repeatable."),
+]
 Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")]
 
 
@@ -35,6 +44,9 @@ def drive(
     listen: Listen = "",
     port: ServerPort = 8470,
     most: Most = 8,
+    shared: Shared = False,
+    simulated: Simulated = 0,
+    script: Scripts = None,
     replay: Replayed = None,
     browser: Browser = True,
 ) -> None:
@@ -44,6 +56,9 @@ def drive(
     metrics and verdicts, as any run, and can be repeated bit for bit. Only this machine can reach it, unless --listen
     is given; then the printed address contains a token. Ctrl-C ends it.
 
+    With --shared, all who open the page drive in one world, as traffic for each other. It can have simulated drivers
+    (--simulated, --script), and anybody can watch. --most includes them.
+
     With --replay, the same view shows an earlier run, in a page that needs no server.
     """
     if replay is not None:
@@ -52,10 +67,18 @@ def drive(
     from urllib.parse import urlencode
 
     from dse.api import Drives, open as open_workspace
-    from dse.serving import Announced, LiveDrives, StudyIndex, serve
+    from dse.serving import Announced, LiveDrives, SharedDrives, StudyIndex, serve
 
-    workspace = open_workspace(Path())
-    on = LiveDrives(workspace, Drives(drives, workspace.files), most)
+    workspace, scripts = open_workspace(Path()), script or []
+    world = None
+    if shared:
+        noun = workspace.benches[bench].noun if bench in workspace.benches else None
+        if noun is None:
+            raise typer.BadParameter("a shared world needs the name of a bench", param_hint="BENCH")
+        world = SharedDrives(noun, most, configuration=configuration, simulated=simulated, scripts=scripts)
+    elif simulated or scripts:
+        raise typer.BadParameter("needs --shared", param_hint="--simulated" if simulated else "--script")
+    on = LiveDrives(workspace, Drives(drives, workspace.files), most, world)
     wanted = {name: value for name, value in (("bench", bench), ("configuration", configuration)) if value}
     if bench:
         on.require(bench, configuration)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,6 +17,7 @@ from dse.cli.arguments import (
     Configuration,
     Design,
     FmiVersion,
+    Folder,
     Off,
     On,
     Platforms,
@@ -28,7 +30,9 @@ from dse.cli.terminal import console, print_line, status_line
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
 
-export_app = group("export", "Write a design space, a configuration on its bench, or a road, for another program.")
+export_app = group(
+    "export", "Write a design space, a configuration on its bench, a road or a run, for another program."
+)
 
 Target = Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="The file to write.")]
 
@@ -110,6 +114,21 @@ def export_opendrive(road: RoadName, target: Target) -> None:
     print_line(f"{target}: {name}")
 
 
+@export_app.command("mesh")
+def export_mesh(road: RoadName, target: Target) -> None:
+    """Write the surface of a road as a mesh, for engines such as Unity, Unreal and Godot: glTF (.glb) or Wavefront
+    (.obj).
+
+    ROAD may also be an OpenDRIVE file. In the mesh y is up: a place (x, y, z) of dse is (x, z, -y).
+    """
+    from dse.api import write_road_mesh
+
+    if target.suffix.lower() not in (".glb", ".obj"):
+        raise typer.BadParameter(f"'{target.name}' must end in .glb or .obj", param_hint="--output")
+    name, triangles = write_road_mesh(road, target)
+    print_line(f"{target}: {name}, {triangles:,} triangles")
+
+
 @export_app.command("openscenario")
 def export_openscenario(
     bench: Bench, target: Target, configuration: Configuration = None, settings: Settings = []
@@ -130,6 +149,60 @@ def export_openscenario(
         chosen, count = export_scenario(tested, configuration, read_settings(settings), target, tell=tell)
     entities = "entity" if count == 1 else "entities"
     print_line(f"{target}: configuration {chosen} of {tested.name}, {count} {entities}")
+
+
+class Message(StrEnum):
+    """What a trace file of one type contains."""
+
+    GROUND_TRUTH = "ground_truth"
+    SENSOR_VIEW = "sensor_view"
+    SENSOR_DATA = "sensor_data"
+
+
+@export_app.command("trace")
+def export_trace(
+    folder: Folder,
+    number: Annotated[int, typer.Argument(metavar="RUN", help="A run's number.", min=0)],
+    target: Target,
+    message: Annotated[Message, typer.Option("--message", help="What an .osi file contains.")] = Message.GROUND_TRUTH,
+    part: Annotated[
+        str, typer.Option("--part", metavar="NAME", help="The sensor or tracker whose messages an .osi file contains.")
+    ] = "",
+    rate: Annotated[float, typer.Option("--rate", min=0.1, max=1000, help="Messages per second.")] = 25.0,
+    pictures: Annotated[
+        float | None,
+        typer.Option("--pictures", metavar="RATE", min=0.1, max=60, help="Camera pictures per second in an MCAP file."),
+    ] = None,
+    source: Annotated[
+        Path | None, typer.Option("--source", help="The study's or bench's YAML file, if it is not in this workspace.")
+    ] = None,
+) -> None:
+    """Write a run as a trace file: ASAM OSI (.osi), or MCAP for Foxglove, Lichtblick and rerun.
+
+    An .osi file contains messages of one type. An MCAP file contains the ground truth, the data of all sensors and
+    trackers as messages of OSI, the scene in the messages of Foxglove, and all signals. The run is simulated again.
+    """
+    from dse.api import Results
+
+    if target.suffix.lower() not in (".osi", ".mcap"):
+        raise typer.BadParameter(f"'{target.name}' must end in .osi or .mcap", param_hint="--output")
+    if pictures is not None and target.suffix.lower() == ".osi":
+        raise typer.BadParameter("only MCAP files contain pictures", param_hint="--pictures")
+    with status_line() as tell:
+        counts = Results(folder).write_trace(
+            number,
+            target,
+            message=message.value,
+            part=part,
+            rate=rate,
+            pictures=pictures,
+            source=source,
+            tell=tell,
+        )
+    print_line(f"{target}: run {number}, {sum(counts.values()):,} messages")
+    if len(counts) > 1:
+        for topic, count in counts.items():
+            print_line(f"  {topic}  {count:,}")
 
 
 def _left_behind(bench: TestBench) -> Iterator[str]:

@@ -24,6 +24,12 @@ Listen = Annotated[
     str,
     typer.Option("--listen", metavar="ADDRESS", help="Listen on this address; every client that reaches it is served."),
 ]
+Answers = Annotated[
+    str | None,
+    typer.Option(
+        "--answers", metavar="HOST:PORT", help="Send answers there, for a client that receives at another port."
+    ),
+]
 Once = Annotated[bool, typer.Option("--once", help="End after one session: with 3 if it failed.")]
 Free = Annotated[bool, typer.Option("--free", help="Real time by the wall clock, instead of lockstep.")]
 Layout = Annotated[bool, typer.Option("--layout", help="Only print the layout of the packets, byte by byte.")]
@@ -40,6 +46,7 @@ def world(
     settings: Settings = [],
     port: Port = 5005,
     listen: Listen = "127.0.0.1",
+    answers: Answers = None,
     once: Once = False,
     free: Free = False,
     layout: Layout = False,
@@ -66,11 +73,20 @@ def world(
                 print_line(str(path))
         return
     news = serve_bench(
-        tested, configuration, given, port=port, listen=listen, parts=split_parts(parts), free=free, fmi=version
+        tested,
+        configuration,
+        given,
+        port=port,
+        listen=listen,
+        answers=answers,
+        parts=split_parts(parts),
+        free=free,
+        fmi=version,
     )
     there = world_layout(tested, configuration, given, world_at(f"127.0.0.1:{port}", split_parts(parts)))
     print_line(f"world of {tested.name}: {', '.join(there.parts)}; configuration {there.configuration}", style="bold")
-    print_line(f"listening at {listen}:{port}; Ctrl-C ends it", stderr=True)
+    back = f", answers to {answers}" if answers else ""
+    print_line(f"listening at {listen}:{port}{back}; Ctrl-C ends it", stderr=True)
     for one in news:
         print_line(_line(one), style="red" if one.is_failed else None)
         if once and one.is_over:

@@ -2,7 +2,8 @@
  *
  * Defined by the component: DSE_UDP_SENT and DSE_UDP_HEARD, the numbers of sent and received values; DSE_UDP_IS_SERVER;
  * DSE_UDP_HOST ("" for the socket with the number in DSE_LIVE_SOCKET) and DSE_UDP_PORT; DSE_UDP_WHOLES, {place, least,
- * greatest} of the received values that are integers; DSE_UDP_LAYOUT, optional, the required last received value. */
+ * greatest} of the received values that are integers; DSE_UDP_LAYOUT, optional, the required last received value;
+ * DSE_UDP_ANSWERS_HOST and DSE_UDP_ANSWERS_PORT, optional, where a server sends to instead of to the sender. */
 #ifndef DSE_DATAGRAM_H
 #define DSE_DATAGRAM_H
 
@@ -75,6 +76,7 @@ struct dse_udp {
     int32_t over[8]; /* sessions that ended last */
     uint32_t n_over;
     struct dse_udp_address peer;
+    struct dse_udp_address answers; /* of size 0: answers are sent to the sender of the request */
     /* Wall-clock times in s: of simulated time 0 (extrapolated if the run starts later), of the last reception. */
     double zero, heard_at, lateness;
     bool has_zero;
@@ -110,6 +112,26 @@ static void dse_udp_sleep_until(double time) {
 
 /* ---- the socket ---- */
 
+/* Find the address that answers are sent to, of the *family* of the socket: "" or the reason of the failure. */
+static const char *dse_udp_find_answers(struct dse_udp *udp, int family) {
+#ifdef DSE_UDP_ANSWERS_HOST
+    struct addrinfo wanted, *found = NULL;
+    memset(&wanted, 0, sizeof wanted);
+    wanted.ai_family = family;
+    wanted.ai_socktype = SOCK_DGRAM;
+    const int error = getaddrinfo(DSE_UDP_ANSWERS_HOST, DSE_UDP_ANSWERS_PORT, &wanted, &found);
+    if (error) {
+        return gai_strerror(error);
+    }
+    memcpy(&udp->answers.at, found->ai_addr, found->ai_addrlen);
+    udp->answers.size = found->ai_addrlen;
+    freeaddrinfo(found);
+#else
+    (void)udp, (void)family;
+#endif
+    return "";
+}
+
 /* "" or the reason of the failure. */
 static const char *dse_udp_open(struct dse_udp *udp) {
     if (udp->is_open) {
@@ -136,12 +158,12 @@ static const char *dse_udp_open(struct dse_udp *udp) {
     const bool is_ok = udp->line >= 0 && fcntl(udp->line, F_SETFD, FD_CLOEXEC) == 0
                        && (DSE_UDP_IS_SERVER ? bind(udp->line, found->ai_addr, found->ai_addrlen)
                                              : connect(udp->line, found->ai_addr, found->ai_addrlen)) == 0;
-    const char *reason = is_ok ? "" : strerror(errno);
+    const char *reason = is_ok ? dse_udp_find_answers(udp, found->ai_family) : strerror(errno);
     freeaddrinfo(found);
-    if (!is_ok && udp->line >= 0) {
+    if (*reason && udp->line >= 0) {
         close(udp->line);
     }
-    udp->is_open = is_ok;
+    udp->is_open = !*reason;
     return reason;
 }
 
@@ -161,6 +183,7 @@ static void dse_udp_set_values(struct dse_udp *udp, double time, const double *v
 
 /* Packets that are lost or not accepted are handled in the same way: they are sent again. */
 static void dse_udp_send(const struct dse_udp *udp, const struct dse_udp_address *to) {
+    to = udp->answers.size ? &udp->answers : to;
     while (sendto(udp->line, udp->sent, DSE_UDP_SENT_SIZE, MSG_DONTWAIT,
                   to->size ? (const struct sockaddr *)(const void *)&to->at : NULL, to->size) < 0 && errno == EINTR) {
     }

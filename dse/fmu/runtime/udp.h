@@ -1,14 +1,17 @@
 /* An external component: its inputs and parameters are sent as datagrams, its outputs are the answers (docs/udp.md).
  * In lockstep every step waits for its answer. In free mode it waits for the wall clock, and uses the newest answer.
  *
- * Defined by the component in addition to datagram.h: DSE_UDP_IS_FREE, DSE_UDP_TIMEOUT and DSE_UDP_WAIT in s. */
+ * Defined by the component in addition to datagram.h: DSE_UDP_IS_FREE, DSE_UDP_TIMEOUT and DSE_UDP_WAIT in s;
+ * DSE_UDP_FIRST_RESEND in s, where nothing can be lost. */
 #ifndef DSE_UDP_H
 #define DSE_UDP_H
 
 #include "udp_told.h"
 
 enum { DSE_UDP_ENDS = 3, DSE_UDP_MOST_IN_A_STEP = 4096 };
+#ifndef DSE_UDP_FIRST_RESEND
 #define DSE_UDP_FIRST_RESEND 0.005
+#endif
 #define DSE_UDP_LAST_RESEND 0.2
 #define DSE_UDP_GIVEN_UP 0.1 /* in s: a longer delay is not caught up */
 

@@ -15,7 +15,15 @@ from dse.domain.labels import array_of, element_names, is_part, shapes, spelled,
 from dse.domain.method import BONDS
 from dse.errors import DseError, Location, Problem, Problems, closest, fail, raise_if_any
 from dse.formats import Entry
-from dse.loading.bench.candidates import Candidates, bench_candidates, outputs, settable, split_name, types_of
+from dse.loading.bench.candidates import (
+    Candidates,
+    bench_candidates,
+    observable,
+    outputs,
+    settable,
+    split_name,
+    types_of,
+)
 from dse.loading.bench.inputs import INPUTS, InputSection, read_inputs
 from dse.loading.bench.measures import MetricSection, RequirementSection, read_metrics, read_requirements
 from dse.loading.bench.method import SimulationSection, read_positive, read_simulation
@@ -108,17 +116,18 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
                 twice = [f"'{label}' is given a value twice" for label in found if label in parameters]
                 raise_if_any(Problem(what, given.key, "remove one") for what in twice[:1])
                 parameters |= found
+    shown = observable(design, components)
     simulation = read_simulation(entry["simulation"], file.simulation, None if unread else components, problems)
     bonds = {f"{BONDS}.{name}" for name in file.simulation.bonds}
     for number, name in enumerate(file.simulation.record):
         if name.split(".")[0] not in unread and name not in bonds:
             with problems:
-                _check_output(name, components, entry["simulation"]["record"][number].where)
+                _check_output(name, shown, entry["simulation"]["record"][number].where)
     if bonds and BONDS in {place.split(".")[0] for place in components}:
         what = f"a part is called '{BONDS}', so bonds cannot be distinguished from its ports"
         problems.add(what, entry["simulation"]["bonds"].key, "rename the part")
     figures = [
-        _figure(entry["figures"][name], section, components, unread, problems) for name, section in file.figures.items()
+        _figure(entry["figures"][name], section, shown, unread, problems) for name, section in file.figures.items()
     ]
     raise_if_any(problems)
     return TestBench(

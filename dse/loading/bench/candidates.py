@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from dse.domain.bench import TestComponent
 from dse.domain.component import Causality, Component, Type
-from dse.domain.design import DesignSpace, candidates, split_path
+from dse.domain.design import Compound, DesignSpace, candidates, split_path, walk
 from dse.errors import Location, closest, fail
 
 Candidates = Mapping[str, Sequence[Component]]
@@ -18,6 +18,15 @@ def bench_candidates(design: DesignSpace, parts: Iterable[TestComponent]) -> Can
     found = candidates(design.root)
     for part in parts:
         found.setdefault(part.name, []).append(part.component)
+    return found
+
+
+def observable(design: DesignSpace, components: Candidates) -> Candidates:
+    """*components*, and where a compound with an interface can stand, its ports under its own path."""
+    found = {path: list(some) for path, some in components.items()}
+    for path, node in walk(design.root):
+        if path and isinstance(node, Compound) and node.interface is not None:
+            found.setdefault(path, []).append(Component(node.name, node.interface))
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -155,7 +156,7 @@ def _equations(evaluation: Evaluation, record: Record, frame: Frame) -> Iterator
             seen.add(point[:bound])
             turn = frame.turn(domain, point[:bound])
             value = evaluation.elements(body, turn)
-            if value.shape != sizes[bound:]:
+            if math.prod(value.shape) != math.prod(sizes[bound:]):  # [3, 1] for [3], as of ``[y] = [u]``
                 raise document.refused(f"a family of equations of size {list(value.shape)}", body)
             for element in value.elements:
                 yield Equation(element, place)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.modelica.frontend.library_names import distinct
 from dse.modelica.frontend.library_tables import with_tables
 from dse.modelica.frontend.source_text import SourceText
 from dse.modelica.frontend.used_classes import reached
@@ -126,14 +127,16 @@ def _with_parts(sources: ModelSources, keep: Keep) -> ModelSources:
 
     def made() -> bytes:
         texts = [SourceText(name, _text(content)) for name, content in (*own, *library)]
-        parts = {text.path: with_tables(text.text) for text in reached(texts, sources.model) if text.path in files}
-        return json.dumps(parts).encode()
+        used = reached(texts, sources.model)
+        parts = [replace(text, text=with_tables(text.text)) for text in used if text.path in files]
+        named = distinct(parts, [text for text in used if text.path not in files])
+        return json.dumps({text.path: [text.text, origin] for text, origin in named}).encode()
 
     asked = [("model", sources.model.encode()), ("own", str(len(own)).encode()), *own, *library]
-    parts = {name: text.encode() for name, text in json.loads(keep(asked, made)).items()}
-    return replace(
-        sources, parts=parts, origins={**sources.origins, **{name: _shown(files[name][0]) for name in parts}}
-    )
+    found_parts = json.loads(keep(asked, made))
+    parts = {name: text.encode() for name, (text, _) in found_parts.items()}
+    origins = {name: _shown(files[origin][0]) for name, (_, origin) in found_parts.items()}
+    return replace(sources, parts=parts, origins={**sources.origins, **origins})
 
 
 def _text(content: bytes) -> str:

@@ -21,7 +21,7 @@ _UNBROKEN = re.compile(r"\S++(?:\s\S++)*+")
 
 
 @dataclass(slots=True)
-class _Class:
+class Class:
     """A class from *start* to *end* of text number *source*, with its prefixes and the semicolon.
 
     Without its name, it is from *body* to *finish*, and what may follow the name once more is from *tail* to *end*.
@@ -59,7 +59,7 @@ def used(sources: Iterable[SourceText], model: str) -> Used:
     no other way to it. All that is declared in a class is used with it unless it is a package, and so is what the
     classes around it declare themselves. What cannot be read is kept whole; so is everything if *model* is not found.
     """
-    found = _Classes([SourceText(source.path, code(source.text)) for source in sources])
+    found = Classes([SourceText(source.path, code(source.text)) for source in sources])
     reached = found.reached(model)
     packages = {number for number in reached if found.classes[number].kind in ("package", "class")}
     whole, own = (tuple(map(_squeezed, found.texts, found.pieces(numbers))) for numbers in (reached, packages))
@@ -71,17 +71,17 @@ def reached(sources: Sequence[SourceText], model: str) -> list[SourceText]:
 
     What is used is kept as it is written, with comments and strings.
     """
-    found = _Classes([SourceText(source.path, code(source.text)) for source in sources])
+    found = Classes([SourceText(source.path, code(source.text)) for source in sources])
     kept = zip(sources, found.pieces(found.reached(model)), strict=True)
     return [SourceText(source.path, _blanked(source.text, pieces)) for source, pieces in kept if pieces]
 
 
-class _Classes:
+class Classes:
     """All classes of *texts*. The first of each text stands for the text itself, and all that is in no class."""
 
     def __init__(self, texts: list[SourceText]) -> None:
         self.texts = texts
-        self.classes: list[_Class] = []
+        self.classes: list[Class] = []
         self.named: dict[str, list[int]] = {}
         self.unread: list[int] = []
         for number in range(len(texts)):
@@ -90,7 +90,7 @@ class _Classes:
     def _read(self, source: int) -> None:
         text = self.texts[source].text
         within = _WITHIN.search(text)
-        top = self._add(_Class(re.sub(r"\s", "", within[1] or "") if within else "", "", source, 0, 0, -1))
+        top = self._add(Class(re.sub(r"\s", "", within[1] or "") if within else "", "", source, 0, 0, -1))
         open_ = [top]
         for match in _CLASS.finditer(text):
             own = self.classes[open_[-1]]
@@ -101,11 +101,11 @@ class _Classes:
                     open_.pop()
             elif not match["next"]:
                 name = f"{own.name}.{match['name']}".lstrip(".")
-                open_.append(self._add(_Class(name, match["kind"], source, match.start(), match.end(), open_[-1])))
+                open_.append(self._add(Class(name, match["kind"], source, match.start(), match.end(), open_[-1])))
             elif len(open_) == 1:  # a short class that is a file of its own, like a type
                 name = f"{own.name}.{match['name']}".lstrip(".")
                 ends = text.find(";", match.end()) + 1 or len(text)
-                new = _Class(name, match["kind"], source, match.start(), match.end(), top, ends, ends, ends)
+                new = Class(name, match["kind"], source, match.start(), match.end(), top, ends, ends, ends)
                 self._add(new)
         if len(open_) > 1:  # it ends where no end is seen: nothing is known of it but the text
             del self.classes[top + 1 :]
@@ -115,7 +115,7 @@ class _Classes:
             self.named.setdefault(self._last(number), []).append(number)
         self.classes[top].finish = self.classes[top].tail = self.classes[top].end = len(text)
 
-    def _add(self, new: _Class) -> int:
+    def _add(self, new: Class) -> int:
         self.classes.append(new)
         number = len(self.classes) - 1
         if new.around >= 0:
@@ -153,7 +153,7 @@ class _Classes:
             pending += [found for found in named if not around[found] or not seen.isdisjoint(around[found])]
         return seen
 
-    def _around(self, own: _Class, whole: dict[str, list[int]]) -> list[int]:
+    def _around(self, own: Class, whole: dict[str, list[int]]) -> list[int]:
         """The classes around one, where they are known: one in the same text, or the package the text is within."""
         if own.around >= 0 and self.classes[own.around].kind:
             return [own.around]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
@@ -19,6 +20,7 @@ from dse.modelica.structure.blocks.conditioning import refuse_singular
 from dse.modelica.structure.events import discrete_steps, ordered
 from dse.modelica.structure.initialization import checked, start
 from dse.modelica.structure.known import Known, Starts, default, dependent_parameters, is_free
+from dse.modelica.structure.preparation import with_preferred_rates, without_zeros
 from dse.modelica.structure.reduction.dummies import chosen
 from dse.modelica.structure.reduction.guards import guarded
 from dse.modelica.structure.reduction.pantelides import reduced
@@ -34,6 +36,15 @@ def solve(flat: FlatModel) -> Solved:
     if flat.graph.knows(Symbol(referent=Referent.CONTINUED)):
         # Only equations are solved by continuation.
         flat = replace(flat.mapped(actual), equations=flat.equations, initial_equations=flat.initial_equations)
+    flat = without_zeros(flat)
+    preferred = with_preferred_rates(flat)
+    if preferred is not flat:
+        with contextlib.suppress(DseError):  # a preference is no demand
+            return _sorted(preferred)
+    return _sorted(flat)
+
+
+def _sorted(flat: FlatModel) -> Solved:
     parameters = dependent_parameters(flat)
     eliminated = without_aliases(flat)
     flat, notes = _reduced_model(flat, eliminated)

@@ -42,12 +42,14 @@ class Host:
     width: float
     front: float
     wheel: float = 0.31
+    height: float = 1.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sensor:
     """What looks around: *returns* are columns valid, range, azimuth of what it tells, seen from *mount* m ahead of the
-    centre of gravity; it reaches *reach* m within *angle* rad (0: not known)."""
+    centre of gravity and *left* m beside it, *turn* rad to the left; it reaches *reach* m within *angle* rad (0: not
+    known). *scan* are number and age (s) of the scan, if a trace needs them."""
 
     name: str
     title: str
@@ -55,6 +57,9 @@ class Sensor:
     reach: float
     angle: float
     returns: tuple[Mapping[str, Floats], ...]
+    left: float = 0.0
+    turn: float = 0.0
+    scan: Mapping[str, Floats] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -18,6 +18,17 @@ _MOTION = ("x", "y", "heading", "speed")
 _ACTOR = ("id", "class", "length", "width", "height", "x", "y", "z", "heading", "speed")
 _RETURN = ("valid", "range", "azimuth")
 _WEATHER = {"fog": "fog_extinction", "rain": "rain_rate", "snow": "snow_rate", "darkness": "darkness"}
+_MOTION_OF_TRACE = ("lateral_speed", "yaw_rate", "acceleration", "lateral_acceleration")
+_ACTOR_OF_TRACE = ("clearance", "lateral_speed", "acceleration")
+_RETURN_OF_TRACE = (
+    "range_rate",
+    "strength",
+    "class",
+    "width",
+    "range_deviation",
+    "azimuth_deviation",
+    "rate_deviation",
+)
 _FURTHER = {"water": "surface.water_film", "azimuth": "sun.azimuth", "elevation": "sun.elevation"}
 _LANE = {"limit": "speed_limit", "offset": "offset", "width": "width"}
 _WHEELS = {"brake": "brake.torque", "drive": "powertrain.wheels"}
@@ -28,12 +39,14 @@ _LENGTH, _WIDTH, _HEIGHT, _FRONT, _RADIUS = 4.5, 1.8, 1.5, 2.3, 0.31
 class SceneSignals:
     """The parts of a configuration that tell what a scene shows, found by the ports they have.
 
-    *signals* are all outputs by ``part.port``, *settings* what keeps one value in the run.
+    *signals* are all outputs by ``part.port``, *settings* what keeps one value in the run. *for_trace*: with all that a
+    trace file contains, and that is not drawn.
     """
 
     signals: Mapping[str, Type]
     settings: Mapping[str, float]
     figures: tuple[Figure, ...]
+    for_trace: bool = False
 
     @property
     def is_scene(self) -> bool:
@@ -42,7 +55,9 @@ class SceneSignals:
 
     @property
     def wanted(self) -> tuple[str, ...]:
-        """The signals that a run has to keep for its scene."""
+        """The signals that a run has to keep for its scene: all of them for a trace."""
+        if self.for_trace:
+            return tuple(sorted(self.signals))
         found = {name for name in self._names() if name in self.signals}
         found |= {end for f in self.figures for end in (f.current, f.target) if end and end in self.signals}
         return tuple(sorted(found | {name for name, type_ in self.signals.items() if type_.items and _is_shown(name)}))
@@ -53,7 +68,7 @@ class SceneSignals:
         zero = np.zeros_like(some)
         part = self._car or self._lane
         if self._car:
-            motion = {axis: columns[f"{part}.motion.{axis}"] for axis in _MOTION}
+            motion = {axis: columns[f"{part}.motion.{axis}"] for axis in self._more(_MOTION, _MOTION_OF_TRACE)}
         else:
             motion = {"x": columns[f"{part}.position"], "y": zero, "heading": zero, "speed": columns[f"{part}.speed"]}
         further = {name: columns.get(f"{part}.{name}", zero) for name in ("roll", "pitch")}
@@ -69,6 +84,7 @@ class SceneSignals:
             self._setting("host_width", _WIDTH),
             self._setting("host_front", min(_FRONT, length)),
             self._setting("wheel_radius", _RADIUS),
+            self._setting("host_height", _HEIGHT),
         )
 
     def driver(self, columns: Mapping[str, Floats]) -> dict[str, Floats]:
@@ -79,7 +95,7 @@ class SceneSignals:
         """Each place of a road user that anybody is in."""
         road = self._road
         for stem in self._places(f"{road}.actors", "x"):
-            place = {name: columns[f"{stem}.{name}"] for name in _ACTOR}
+            place = {name: columns[f"{stem}.{name}"] for name in self._more(_ACTOR, _ACTOR_OF_TRACE)}
             if np.any(place["class"] > 0):
                 yield place
         if self._lane and f"{self._lane}.gap" in columns:
@@ -89,8 +105,10 @@ class SceneSignals:
         """What looks around and tells several objects, or one."""
         for part in sorted({name.split(".scan.")[0] for name in self.signals if ".scan.returns[" in name}):
             places = self._places(f"{part}.scan.returns", "range")
-            returns = tuple({name: columns[f"{place}.{name}"] for name in _RETURN} for place in places)
-            yield self._sensor(part, titles, tuple(each for each in returns if np.any(each["valid"] > 0)))
+            names = self._more(_RETURN, _RETURN_OF_TRACE)
+            returns = tuple({name: columns[f"{place}.{name}"] for name in names} for place in places)
+            scan = {name: columns[f"{part}.scan.{name}"] for name in self._more((), ("number", "age"))}
+            yield self._sensor(part, titles, tuple(each for each in returns if np.any(each["valid"] > 0)), scan)
         for part in sorted(name.removesuffix(".target.gap") for name in self.signals if name.endswith(".target.gap")):
             if f"{part}.max_range" in self.settings:
                 gap, seen = columns[f"{part}.target.gap"], columns[f"{part}.target.detected"]
@@ -122,6 +140,9 @@ class SceneSignals:
         for name, type_ in self.signals.items():
             if name in columns and type_.items and _is_shown(name):
                 yield Instrument(name.replace(".", " "), "", columns[name], items=type_.items)
+
+    def _more(self, drawn: tuple[str, ...], of_trace: tuple[str, ...]) -> tuple[str, ...]:
+        return drawn + of_trace if self.for_trace else drawn
 
     def _names(self) -> Iterator[str]:
         part = self._car or self._lane
@@ -190,10 +211,19 @@ class SceneSignals:
         found = (value for full, value in self.settings.items() if full.rsplit(".", 1)[-1] == name)
         return next(found, otherwise)
 
-    def _sensor(self, part: str, titles: Mapping[str, str], returns: Sequence[Mapping[str, Floats]]) -> Sensor:
-        own = {name: self.settings.get(f"{part}.{name}", 0.0) for name in ("mount", "max_range", "field_of_view")}
-        mount = own["mount"] or self._setting("host_front", _FRONT)
-        return Sensor(part, titles.get(part, part), mount, own["max_range"], own["field_of_view"], tuple(returns))
+    def _sensor(
+        self,
+        part: str,
+        titles: Mapping[str, str],
+        returns: Sequence[Mapping[str, Floats]],
+        scan: Mapping[str, Floats] | None = None,
+    ) -> Sensor:
+        names = ("mount", "max_range", "field_of_view", "mount_left", "mount_turn")
+        mount, reach, angle, left, turn = (self.settings.get(f"{part}.{name}", 0.0) for name in names)
+        mount = mount or self._setting("host_front", _FRONT)
+        title = titles.get(part, part)
+        label = f"{title} ({part})" if [*titles.values()].count(title) > 1 else title
+        return Sensor(part, label, mount, reach, angle, tuple(returns), left, turn, scan or {})
 
     def _lead(self, columns: Mapping[str, Floats]) -> dict[str, Floats]:
         """The vehicle in front of a car that drives straight on."""

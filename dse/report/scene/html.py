@@ -153,6 +153,8 @@ def _document(scene: Scene, columns: Columns) -> dict[str, object]:
                 "name": s.name,
                 "title": s.title,
                 "mount": s.mount,
+                "left": s.left,
+                "turn": s.turn,
                 "reach": s.reach,
                 "angle": s.angle,
                 "returns": len(s.returns),

@@ -16,7 +16,7 @@ typedef struct {
 } path_quantity;
 
 typedef struct {
-    int32_t number;
+    int32_t number, users;       /* bits of the classes that may drive along all of it */
     path_quantity middle, width; /* m to the left of the reference line; m */
     path_quantity slipperiness;  /* 1 - friction against dry asphalt */
     path_quantity along;         /* length along its middle */
@@ -61,10 +61,18 @@ typedef struct {
     bool gives_way;
 } path_conflict;
 
+/* The rule of dse/world/in_the_way.py: heights by class, and which places are on one level. */
+typedef struct {
+    const double *heights; /* m, by class: of road users without a height of their own */
+    int32_t height_count;
+    double level, steepest; /* m of height between two levels; more of it by m aside */
+} path_rule;
+
 typedef struct {
     int32_t count, conflict_count;
     const path_table *paths;
     const path_conflict *conflicts;
+    path_rule rule;
 } road_network;
 
 extern const road_network road_tables; /* written by dse for each road */

@@ -9,6 +9,8 @@
 #define JUMP 10.0 /* m: what moves farther in a step was put there; its foot is looked for everywhere */
 #define NOBODY 0
 #define IN_PLANE -1
+#define WINDING 2.0 /* by road over in the plane, from which on a path may pass over itself */
+#define SAME_WIDTH 1e-9 /* m */
 #define NO_LIGHT 0
 #define UNLIT 1
 #define SLACK 1e-9 /* s: a change of phase that is due now is not a step late */
@@ -197,6 +199,25 @@ static double ahead_of(const host_place *host, double along) {
     return ahead - whole * rint(ahead / whole);
 }
 
+/* How far the road of *actor* is above that of the host, 0 on one level. Either the host's road passes over or under it,
+ * at *foot*, of whose lanes it is some m aside; or the host's road does so before it, where the host is now: then it is
+ * near, although far along the road. */
+static double above(const road *self, const host_place *host, const road_actor *actor, const path_foot *foot) {
+    const path_rule *rule = &road_tables.rule;
+    double aside = HUGE_VAL, over = actor->z - ground_at(host->path, foot).height;
+    for (int32_t k = 0; k < host->path->lane_count; ++k) {
+        const path_lane *lane = &host->path->lanes[k];
+        double half = 0.5 * path_value(foot->line.place, lane->width).value;
+        aside = fmin(aside, fabs(foot->t - path_value(foot->line.place, lane->middle).value) - half);
+    }
+    aside = fmax(aside, 0) + fabs(foot->line.place.beyond);
+    if (fabs(over) >= rule->level + rule->steepest * aside) return over;
+    double dx = actor->x - self->in.motion.x, dy = actor->y - self->in.motion.y, away = sqrt(dx * dx + dy * dy);
+    over = actor->z - ground_at(host->path, &host->foot).height;
+    bool is_near = fabs(actor->ahead) > WINDING * away + JUMP;
+    return is_near && fabs(over) >= rule->level + rule->steepest * away ? over : 0;
+}
+
 /* Seen from the host's lane, who is on another path. */
 static void cross(road *self, const host_place *host, int32_t i, double vx, double vy) {
     road_actor *actor = &self->out.actors[i];
@@ -209,6 +230,7 @@ static void cross(road *self, const host_place *host, int32_t i, double vx, doub
     actor->ahead = ahead_of(host, path_along(&host->path->lanes[0], foot.line.place).value);
     actor->aside = foot.t - (host->lane ? path_value(foot.line.place, host->lane->middle).value : NAN);
     actor->approach = host->rate - rate_along(host->path, &foot, vx, vy);
+    if (actor->path != IN_PLANE) actor->above = above(self, host, actor, &foot);
 }
 
 /* A mover in the plane has the place that it states; its lane is seen from the host's path. */
@@ -238,6 +260,11 @@ static void place_in_plane(road *self, const host_place *host, int32_t i) {
     }
 }
 
+static double height_of(const road_mover *mover) {
+    bool is_known = mover->class > 0 && mover->class < road_tables.rule.height_count;
+    return mover->height != 0 || !is_known ? mover->height : road_tables.rule.heights[mover->class];
+}
+
 static void place_actor(road *self, const host_place *host, int32_t i) {
     const road_mover *mover = &self->in.movers[i];
     road_actor *actor = &self->out.actors[i];
@@ -251,7 +278,7 @@ static void place_actor(road *self, const host_place *host, int32_t i) {
     actor->class = mover->class;
     actor->length = mover->length;
     actor->width = mover->width;
-    actor->height = mover->height;
+    actor->height = height_of(mover);
     actor->clearance = mover->clearance;
     actor->acceleration = mover->acceleration;
     actor->path = mover->path;
@@ -290,6 +317,7 @@ static void place_actor(road *self, const host_place *host, int32_t i) {
         actor->ahead = ahead_of(host, mover->station);
         actor->aside = t.value - (host->lane ? path_value(place, host->lane->middle).value : NAN);
         actor->approach = host->rate - rate;
+        actor->above = above(self, host, actor, &foot);
     } else {
         cross(self, host, i, along * lx - across * ly, along * ly + across * lx);
     }
@@ -342,6 +370,27 @@ static void tell_light_heads(road *self) {
     }
 }
 
+/* The lanes of a path from the rightmost on, where it begins. Lanes of one width are that far apart, to the last bit. */
+static void tell_lanes(road *self, int32_t i) {
+    const path_table *path = &road_tables.paths[i];
+    path_place start = path_find(path, 0, 0);
+    double own = path_value(start, path->lanes[0].width).value, middle = path_value(start, path->lanes[0].middle).value;
+    bool is_even = true;
+    for (int32_t k = path->rightmost; k <= path->leftmost; ++k) {
+        const path_lane *lane = path_find_lane(path, k);
+        if (lane) is_even = is_even && fabs(path_value(start, lane->width).value - own) < SAME_WIDTH;
+    }
+    for (int32_t k = 0; k < ROAD_LANES && k + path->rightmost <= path->leftmost; ++k) {
+        int32_t number = k + path->rightmost;
+        const path_lane *lane = path_find_lane(path, number);
+        if (!lane) continue;
+        double apart = path_value(start, lane->middle).value - middle;
+        self->out.paths[i].lanes[k].middle = is_even ? number * own : apart;
+        self->out.paths[i].lanes[k].width = path_value(start, lane->width).value;
+        self->out.paths[i].lanes[k].users = lane->users;
+    }
+}
+
 /* What stays as it is. */
 static void tell_network(road *self) {
     for (int32_t i = 0; i < road_tables.count && i < ROAD_PATHS; ++i) {
@@ -351,6 +400,7 @@ static void tell_network(road *self) {
         self->out.paths[i].leftmost = path->leftmost;
         self->out.paths[i].rightmost = path->rightmost;
         self->out.paths[i].lane_width = path_value(path_find(path, 0, 0), path->lanes[0].width).value;
+        tell_lanes(self, i);
     }
     for (int32_t i = 0; i < road_tables.conflict_count && i < ROAD_CONFLICTS; ++i) {
         const path_conflict *conflict = &road_tables.conflicts[i];

@@ -11,6 +11,7 @@
 #define ROAD_PATHS 8
 #define ROAD_LIGHTS 16
 #define ROAD_CONFLICTS 16
+#define ROAD_LANES 8 /* of a path in its direction */
 
 typedef struct {
     double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
@@ -31,7 +32,7 @@ typedef struct {
     double speed, lateral_speed, acceleration;
     int32_t path, lane;
     double station, offset;
-    double ahead, aside, approach;
+    double ahead, aside, approach, above;
 } road_actor;
 
 typedef struct {
@@ -74,6 +75,10 @@ typedef struct {
             bool closed;
             int32_t leftmost, rightmost;
             double lane_width;
+            struct {
+                double middle, width;
+                int32_t users;
+            } lanes[ROAD_LANES];
         } paths[ROAD_PATHS];
         struct {
             int32_t path;

@@ -12,7 +12,7 @@ from dse.errors import Problem, closest
 from dse.formats import shortened
 from dse.world.opendrive.curves import curve_of
 from dse.world.opendrive.driving import DRIVEN, ends_at, lanes_at, leaves_at
-from dse.world.opendrive.structure import Connection, Cubic, End, Geometry, Lane, Network, Road
+from dse.world.opendrive.structure import Connection, Cubic, End, Fault, Geometry, Lane, Network, Road
 
 GAP = 0.05
 """How far apart pieces of a line may be, in m; and how far lengths may contradict each other, beside 1e-4 of them."""
@@ -25,23 +25,29 @@ _BARELY = 1e-6  # m
 _SAMPLES = np.linspace(0.0, 1.0, 9)
 
 
-def road_problems(road: Road) -> Iterator[Problem]:
-    """Lengths that contradict, gaps, and sizes no road has; raises DseError where a curve cannot be followed at all."""
+def road_faults(road: Road) -> Iterator[Fault]:
+    """Lengths that contradict, and gaps; raises DseError where a curve cannot be followed at all."""
     pieces = road.geometries
-    if pieces[0].s > GAP:
-        yield Problem(f"the first <geometry> begins at {pieces[0].s:g} m, not at 0", pieces[0].where)
     ends = [piece.s for piece in pieces[1:]] + [road.length]
     for piece, end in zip(pieces, ends, strict=True):
         if not _agree(piece.s + piece.length, end):
             what = f"the <geometry> from {piece.s:g} m on is {piece.length:g} m long, but the next begins"
             what = what if end is not road.length else what.replace("the next begins", "the road ends")
-            yield Problem(f"{what} at {end:g} m", piece.where)
+            yield Fault(Problem(f"{what} at {end:g} m", piece.where), abs(piece.s + piece.length - end))
     for piece in pieces:
         length = curve_of(piece).length
         if not _agree(length, piece.length):
-            yield Problem(f"the curve is {length:g} m long, its <geometry> gives {piece.length:g} m", piece.where)
+            what = f"the curve is {length:g} m long, its <geometry> gives {piece.length:g} m"
+            yield Fault(Problem(what, piece.where), abs(length - piece.length))
     for one, other in pairwise(pieces):
         yield from _apart(one, other)
+
+
+def road_problems(road: Road) -> Iterator[Problem]:
+    """Sizes no road has."""
+    piece = road.geometries[0]
+    if piece.s > GAP:
+        yield Problem(f"the first <geometry> begins at {piece.s:g} m, not at 0", piece.where)
     yield from _unfit(road.elevation, road.length, _HIGHEST, "a height of", "m")
     yield from _unfit(road.superelevation, road.length, _STEEPEST, "a superelevation of", "rad")
     yield from _unfit(road.offsets, road.length, _WIDEST, "a lane offset of", "m")
@@ -67,16 +73,18 @@ def _unfit(
             yield Problem(f"the road has {what} {worst:g} {unit}", cubic.where)
 
 
-def _apart(one: Geometry, other: Geometry) -> Iterator[Problem]:
+def _apart(one: Geometry, other: Geometry) -> Iterator[Fault]:
     frames = curve_of(one).at(np.array([one.length]))
     begin = curve_of(other).at(np.zeros(1))
     dx = one.x + frames.x[0] - other.x - begin.x[0]
     dy = one.y + frames.y[0] - other.y - begin.y[0]
-    if not math.hypot(dx, dy) <= GAP:
-        yield Problem(f"this <geometry> begins {math.hypot(dx, dy):.3g} m off the end of the one before", other.where)
+    off = math.hypot(dx, dy)
+    if not off <= GAP:
+        yield Fault(Problem(f"this <geometry> begins {off:.3g} m off the end of the one before", other.where), off)
     kink = math.remainder(frames.heading[0] - begin.heading[0], math.tau)
     if not abs(kink) <= KINK:
-        yield Problem(f"this <geometry> begins with a kink of {kink:.3g} rad", other.where)
+        what = f"this <geometry> begins with a kink of {kink:.3g} rad"
+        yield Fault(Problem(what, other.where), kink=abs(kink))
 
 
 def network_problems(network: Network) -> list[Problem]:

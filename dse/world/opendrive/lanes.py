@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from dse.errors import Location, Problem, Problems, fail
 from dse.formats import XmlElement, shortened
-from dse.world.opendrive.structure import Cubic, Lane, Limit, Section
+from dse.world.in_the_way import users_of
+from dse.world.opendrive.structure import Cubic, Fault, Lane, Limit, Section
 from dse.world.opendrive.values import cubic, in_order, number, text, whole
 
 _KMH = 1000.0 / 3600.0
@@ -98,7 +99,7 @@ def _side(section: XmlElement, side: str, s: float) -> dict[int, Lane]:
 
 
 def _lane(element: XmlElement, s: float) -> Lane:
-    refused = Problems(_refused(element))
+    refused = Problems()
     limits: tuple[Limit, ...] = ()
     with refused:
         limits = tuple(read_limit(child, s + number(child, "sOffset", least=0.0)) for child in element.all("speed"))
@@ -114,6 +115,8 @@ def _lane(element: XmlElement, s: float) -> Lane:
         _linked(element, "successor"),
         limits,
         tuple(_friction(child, s) for child in element.all("material")),
+        users_of(text(element, "type"), _rules(element)),
+        tuple(_faults(element)),
         tuple(refused),
         element.where,
     )
@@ -128,8 +131,16 @@ def _friction(element: XmlElement, s: float) -> tuple[float, float]:
     return s + number(element, "sOffset", least=0.0), number(element, "friction", least=0.0, default=1.0)
 
 
-def _refused(lane: XmlElement) -> Iterator[Problem]:
+def _rules(lane: XmlElement) -> Iterator[tuple[str, str]]:
+    """What <access> allows or denies; until 1.6 all are denied. A rule of a part of the lane counts for all of it."""
+    for element in lane.all("access"):
+        words = [element.get("restriction"), *(each.get("type") for each in element.all("restriction"))]
+        yield from ((element.get("rule", "deny").strip(), word.strip()) for word in words if word)
+
+
+def _faults(lane: XmlElement) -> Iterator[Fault]:
     for element in lane.all("height"):
         inner, outer = number(element, "inner", default=0.0), number(element, "outer", default=0.0)
         if not math.isclose(inner, 0.0, abs_tol=1e-6) or not math.isclose(outer, 0.0, abs_tol=1e-6):
-            yield Problem("a lane with a <height> of its own is not supported on a path", element.where)
+            what = "a lane with a <height> of its own is not supported on a path"
+            yield Fault(Problem(what, element.where), max(abs(inner), abs(outer)))

@@ -9,16 +9,18 @@ from pathlib import Path
 
 from dse.errors import Problem, Problems, closest, fail, raise_if_any
 from dse.formats import XmlElement, read_xml_file, real_of, shortened
-from dse.world.opendrive.checks import network_problems, road_problems
+from dse.world.opendrive.checks import network_problems, road_faults, road_problems
 from dse.world.opendrive.driving import DRIVEN
 from dse.world.opendrive.lanes import read_limit, read_offsets, read_sections
-from dse.world.opendrive.roadside import Cycle, read_cycle, read_orders, read_signals, read_signs, read_slicks
+from dse.world.opendrive.patches import read_slicks
+from dse.world.opendrive.roadside import Cycle, read_cycle, read_orders, read_signals, read_signs
 from dse.world.opendrive.scenery_reader import read_scenery
 from dse.world.opendrive.structure import (
     Arc,
     Connection,
     Cubic,
     End,
+    Fault,
     Geometry,
     Junction,
     Limit,
@@ -105,14 +107,14 @@ def _road(element: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[
     if not length > 0.0:
         raise fail("<road> has no length", element.where)
     junction = element.get("junction", "-1").strip()
-    refused = Problems(_unsupported(element))
+    refused, ignored = Problems(_unsupported(element)), Problems()
     limits: tuple[Limit, ...] = ()
     signals: tuple[Signal, ...] = ()
     signs: tuple[Sign, ...] = ()
     orders: tuple[TrafficOrder, ...] = ()
     with refused:
         limits, signals = tuple(_limits(element)), tuple(read_signals(element, named, cycles))
-        signs, orders = tuple(read_signs(element, named)), tuple(read_orders(element, named))
+        signs, orders = tuple(read_signs(element, named, ignored)), tuple(read_orders(element, named))
     road = Road(
         text(element, "id"),
         length,
@@ -130,12 +132,17 @@ def _road(element: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[
         signs,
         orders,
         (),
+        (),
+        tuple(ignored),
         element.where,
         read_scenery(element, named),
     )
     with refused:
         refused += road_problems(road)
-    return replace(road, refused=tuple(refused))
+    faults: list[Fault] = []
+    with refused:
+        faults += road_faults(road)
+    return replace(road, refused=tuple(refused), faults=tuple(faults))
 
 
 def _profile(road: XmlElement, profile: str, tag: str) -> tuple[Cubic, ...]:

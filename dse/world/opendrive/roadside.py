@@ -1,4 +1,4 @@
-"""What stands on a road: traffic lights, speed limits and patches that are slippery."""
+"""What stands on a road: traffic lights and signs."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 
 from dse.errors import Problem, fail
 from dse.formats import XmlElement, real_of, shortened
-from dse.world.opendrive.lanes import SPEED_UNITS
-from dse.world.opendrive.structure import Sign, Signal, Slick, TrafficOrder
+from dse.world.opendrive.speed_signs import is_german, sign_speed
+from dse.world.opendrive.structure import Sign, Signal, TrafficOrder
 from dse.world.opendrive.values import number, text, whole
 
 PHASES, SHIFT = "dse.phases", "dse.shift"
@@ -20,9 +20,7 @@ COLOURS = ("off", "red", "red_yellow", "yellow", "green")
 _LIGHTS = {"1000001", "1000009", "1000010", "1000011", "1000012"}
 """Lights for vehicles in the catalogue of OpenDRIVE; those for pedestrians and trams are not obeyed by cars."""
 
-_LIMIT, _LIMIT_ENDS = "274", "278"
 _ORDERS = {"205", "206", "301", "306", "307"}
-_GERMAN = {"de", "deu", "opendrive", ""}
 
 Cycle = tuple[tuple[tuple[str, float], ...], float]
 """Phases and their shift."""
@@ -50,36 +48,22 @@ def read_signals(road: XmlElement, named: Mapping[str, XmlElement], cycles: Mapp
             yield _signal(stands, signal, cycles)
 
 
-def read_signs(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[Sign]:
-    """The speed limits that signs of a road tell: 274 and its end, 278, of the German catalogue, which OpenDRIVE's
-    examples use. Raises DseError located where one cannot be understood."""
+def read_signs(road: XmlElement, named: Mapping[str, XmlElement], ignored: list[Problem]) -> Iterator[Sign]:
+    """The speed limits that signs of a road tell; those that cannot be read go to *ignored*.
+
+    Raises DseError located where one cannot be understood.
+    """
     for stands, signal in _standing(road, named):
-        if _is_sign(signal, {_LIMIT, _LIMIT_ENDS}):
-            speed = 0.0 if signal.get("type") == _LIMIT_ENDS else _sign_speed(signal)
-            if speed is not None:
-                yield Sign(*_place(stands), speed)
+        speed = sign_speed(signal, ignored)
+        if speed is not None:
+            yield Sign(*_place(stands), speed)
 
 
 def read_orders(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[TrafficOrder]:
     """The signs of a road that say who has the right of way: 205, 206, 301, 306 and 307 of the same catalogue."""
     for stands, signal in _standing(road, named):
-        if _is_sign(signal, _ORDERS):
+        if is_german(signal) and signal.get("type") in _ORDERS:
             yield TrafficOrder(*_place(stands), signal.get("type"))
-
-
-def read_slicks(road: XmlElement, refused: list[Problem]) -> Iterator[Slick]:
-    """The objects of a road with a friction of their own; what is no rectangle along the road goes to *refused*."""
-    for element in road.below("objects", "object"):
-        # Objects are scenery but for their friction: nothing of the world asks for the others.
-        material = next((child for child in element.all("material") if "friction" in child.attributes), None)
-        if material is None:
-            continue
-        sides = _rectangle(element)
-        if sides is None or element.child("repeat"):
-            what = "an <object> with friction must be a rectangle along the road: length, width, and hdg 0"
-            refused.append(Problem(what, element.where))
-        else:
-            yield Slick(*sides, number(material, "friction", least=0.0), element.where)
 
 
 def _standing(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[tuple[XmlElement, XmlElement]]:
@@ -91,38 +75,6 @@ def _standing(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[tup
         if signal is None:
             raise fail(f"there is no signal '{shortened(element.get('id'))}'", element.where)
         yield element, signal
-
-
-def _sign_speed(signal: XmlElement) -> float | None:
-    """In m/s: the sign's value, else its subtype in km/h as the catalogue has it (274-50); None if it has neither."""
-    told, unit = real_of(signal.get("value")), signal.get("unit", "km/h").strip() or "km/h"
-    if told is None or told <= 0.0:
-        told, unit = real_of(signal.get("subtype")), "km/h"
-    if told is None or not 0.0 < told < math.inf:
-        return None
-    if unit not in SPEED_UNITS:
-        raise fail(f"'{shortened(unit)}' is not a unit of a speed", signal.where, f"possible: {', '.join(SPEED_UNITS)}")
-    return told * SPEED_UNITS[unit]
-
-
-def _rectangle(element: XmlElement) -> tuple[float, float, float, float] | None:
-    """From and to along the road, right and left; None if it is no rectangle."""
-    outlines = [*element.all("outline"), *element.below("outlines", "outline")]
-    if outlines:
-        corners = [(number(c, "s", least=0.0), number(c, "t")) for o in outlines for c in o.all("cornerRoad")]
-        along, across = {s for s, _ in corners}, {t for _, t in corners}
-        if len(outlines) != 1 or len({*corners}) != 4 or len(along) != 2 or len(across) != 2:
-            return None
-        return min(along), max(along), min(across), max(across)
-    if math.sin(number(element, "hdg", default=0.0)) or not {"length", "width"} <= element.attributes.keys():
-        return None
-    s, t = number(element, "s", least=0.0), number(element, "t")
-    half, side = number(element, "length", least=0.0) / 2, number(element, "width", least=0.0) / 2
-    return s - half, s + half, t - side, t + side
-
-
-def _is_sign(signal: XmlElement, kinds: set[str]) -> bool:
-    return signal.get("country", "OpenDRIVE").lower() in _GERMAN and signal.get("type") in kinds
 
 
 def _is_light(element: XmlElement) -> bool:

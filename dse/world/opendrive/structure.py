@@ -91,11 +91,20 @@ class Limit:
 
 
 @dataclass(frozen=True, slots=True)
+class Fault:
+    """What real maps have, and a path refuses unless its tolerance is as large: a *step* in m, a *kink* in rad."""
+
+    problem: Problem
+    step: float = 0.0
+    kink: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class Lane:
     """A lane in a section; ids > 0 lie left of the centre lane, in order.
 
     *widths* go before *borders*, which are the t of its outer border. *frictions* are (s, value). *reversed_* lanes are
-    driven against what their side of the road says.
+    driven against what their side of the road says. *users* are the classes that may drive along it (`in_the_way`).
     """
 
     id: int
@@ -107,6 +116,8 @@ class Lane:
     successors: tuple[int, ...]
     limits: tuple[Limit, ...]
     frictions: tuple[tuple[float, float], ...]
+    users: frozenset[str]
+    faults: tuple[Fault, ...]
     refused: tuple[Problem, ...]
     where: Location
 
@@ -192,7 +203,7 @@ class Road:
     """A road: its reference line, heights, lanes and what stands on it.
 
     *junction* is "" for a road that is not in one. What cannot be followed along it is in *refused*: it is told when a
-    path uses the road.
+    path uses the road; so are *faults*, unless it tolerates them. *ignored* is what may matter and has no effect.
     """
 
     id: str
@@ -211,6 +222,8 @@ class Road:
     signs: tuple[Sign, ...]
     orders: tuple[TrafficOrder, ...]
     refused: tuple[Problem, ...]
+    faults: tuple[Fault, ...]
+    ignored: tuple[Problem, ...]
     where: Location
     scenery: Scenery = field(default_factory=Scenery)
 

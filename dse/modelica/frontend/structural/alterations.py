@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 import re
+import zlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -33,6 +34,11 @@ class Alteration:
     names: frozenset[str]
     patches: frozenset[Patch]
     texts: tuple[str, str] = ("", "")
+
+    def gives(self, value: float) -> bool:
+        """Whether its other values include the size of *value*."""
+        given = [patch.text for patch in self.patches] or [self.texts[1]]
+        return any(_NUMBER.fullmatch(text.strip(" -()")) and float(text.strip(" -()")) == abs(value) for text in given)
 
 
 def alterations(result: FrontEndResult, own: frozenset[int]) -> tuple[list[Alteration], frozenset[str]]:
@@ -139,7 +145,7 @@ def _patches(result: FrontEndResult, name: str, variable: Mapping[str, Any]) -> 
         span = inside["span"]
         written = _written(result, span)
         if kind == "Literal":
-            new = _other_literal(inside["value"], written, is_whole)
+            new = _other_literal(inside["value"], written, str(span), is_whole)
         else:
             new = _other_item(result, str(inside["name"]["name"]), written)
         if new is None and _is_constant(result, written):
@@ -173,7 +179,7 @@ def _written(result: FrontEndResult, span: Mapping[str, int]) -> str:
     return content[span["start"] : span["end"]].decode("utf-8", "replace")
 
 
-def _other_literal(value: Mapping[str, Any], written: str, is_whole: bool) -> str | None:
+def _other_literal(value: Mapping[str, Any], written: str, whose: str, is_whole: bool) -> str | None:
     """Another literal of the same type and sign; None if the text is not that of the literal."""
     (kind, now), *_ = value.items()
     if kind == "Boolean":
@@ -183,17 +189,18 @@ def _other_literal(value: Mapping[str, Any], written: str, is_whole: bool) -> st
     if kind == "Integer" and not is_whole:
         # The front-end folds whole numbers, as far as quotients are whole. Seven times as much divides as before.
         return str(int(now) * 7 or 840)
-    return other_number(now, is_whole=kind == "Integer")
+    return other_number(now, whose, is_whole=kind == "Integer")
 
 
 _NUMBER = re.compile(r"\d+(\.\d*)?([eE][+-]?\d+)?")
 
 
-def other_number(now: float, *, is_whole: bool) -> str:
-    """Text of a number near *now* with the same sign and type."""
+def other_number(now: float, whose: str, *, is_whole: bool) -> str:
+    """Text of a number near *now* with the same sign and type; a Real is one that tells *whose* it is."""
     if is_whole:
         return str(int(now) + (1 if now >= 0 else -1))
-    other = float(now) * 1.0625 or 2.0**-10
+    factor = 1.0625 + zlib.crc32(whose.encode()) / 2.0**37  # up to 1.09375
+    other = float(now) * factor or factor * 2.0**-10
     return literal(other if math.isfinite(other) else float(now) / 2)
 
 
@@ -220,9 +227,9 @@ def _modification(result: FrontEndResult, name: str, variable: Mapping[str, Any]
     if now is None or (type_ in ("String", "Integer") and not now.is_integer()):
         return None
     if type_ == "Integer":
-        return str(int(now)), other_number(now, is_whole=True)
+        return str(int(now)), other_number(now, name, is_whole=True)
     kinds = {next(iter(inside["value"])) for kind, inside in _nodes(tree) if kind == "Literal"}
-    return (repr(now), other_number(now, is_whole=False)) if kinds <= {"Integer", "Real"} else None
+    return (repr(now), other_number(now, name, is_whole=False)) if kinds <= {"Integer", "Real"} else None
 
 
 def number(tree: Any) -> float | None:

@@ -7,15 +7,16 @@ stands where a model gets its shape, as a trial may not cross a threshold (`shap
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from dse.errors import Problem, raise_if_any
+from dse.errors import DseError, Problem, raise_if_any
 from dse.modelica.frontend.compile import Session, opened
 from dse.modelica.frontend.literal import Value, literal
 from dse.modelica.frontend.process import FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import FrontEndResult
+from dse.modelica.frontend.signal_connections import is_refused_for_connections, with_equations
 from dse.modelica.frontend.sources import ModelSources
 from dse.modelica.frontend.structural.alterations import Alteration, alterations, number, refers_to
 from dse.modelica.frontend.structural.shape import shaping
@@ -23,10 +24,23 @@ from dse.modelica.frontend.structural.shape import shaping
 
 def compile_probed(sources: ModelSources, structural: Mapping[str, Value] | None = None) -> FrontEndResult:
     """As `compile_model`, and the result's *structural* is known. Raises DseError."""
-    changes = {name: literal(value) for name, value in (structural or {}).items()}
+    changed = sources
+    for least in (2, 1, 0):  # first only signals with more than one such connection
+        try:
+            return _compiled(changed, structural or {})
+        except DseError as refusal:
+            if not least or not is_refused_for_connections(refusal):
+                raise
+        contents, parts = (with_equations(files, least) for files in (sources.contents, sources.parts))
+        changed = replace(sources, contents=contents, parts=parts)
+    raise AssertionError
+
+
+def _compiled(sources: ModelSources, structural: Mapping[str, Value]) -> FrontEndResult:
+    changes = {name: literal(value) for name, value in structural.items()}
     with opened(sources) as session:
         result = session.compiled(changes)
-        raise_if_any(_ineffective(result, sources, structural or {}))
+        raise_if_any(_ineffective(result, sources, structural))
         return replace(result, structural=_Probe(session, result, changes).structural())
 
 
@@ -84,13 +98,22 @@ class _Probe:
         return frozenset(used)
 
     def _unsure(self, tried: Iterable[Alteration], modified: Iterable[Alteration]) -> frozenset[str] | None:
-        """Parameters that did not take their other value; None if more than values changed."""
+        """Parameters that did not take their other value, or gave it to others; None if more than values changed."""
         wanted = set(tried)
         names = frozenset(name for alteration in wanted for name in alteration.names)
         texts = {name: alteration.texts[alteration in wanted] for alteration in modified for name in alteration.names}
         dae = self._compiled(wanted, texts)
-        changed = changed_parameters(self._base, dae, names) if dae is not None else None
-        return names - changed if changed is not None else None
+        found = changed_parameters(self._base, dae, names) if dae is not None else None
+        if found is None:
+            return None
+        changed, others = found
+        guilty: set[str] = set()
+        for value in others:
+            of = [alteration for alteration in wanted if alteration.gives(value)]
+            if len(of) != 1:
+                return None
+            guilty |= of[0].names
+        return (names - changed) | guilty
 
     def _compiled(self, tried: Iterable[Alteration], texts: Mapping[str, str]) -> Mapping[str, Any] | None:
         patches = {patch for alteration in tried for patch in alteration.patches}
@@ -131,20 +154,24 @@ class _Probe:
 
 # Where something stands, and what is derived from the rest with the parameters' present values.
 _IGNORED = frozenset({"provenance", "span", "declaration", "component_ref", "value_type_provenance"})
-_DERIVED = frozenset({"roots", "structured_roots", "time_events"})
+_DERIVED = frozenset({"roots", "structured_roots", "time_events", "conditions", "relations"})
 _QUOTIENT_OPERANDS = 7
 
 
-def changed_parameters(one: Mapping[str, Any], other: Mapping[str, Any], names: Iterable[str]) -> frozenset[str] | None:
-    """Those of the parameters *names* whose own values differ; None if anything else differs.
+def changed_parameters(
+    one: Mapping[str, Any], other: Mapping[str, Any], names: Iterable[str]
+) -> tuple[frozenset[str], frozenset[float]] | None:
+    """Those of the parameters *names* whose own values differ, and the numbers that differ elsewhere; None if anything
+    else differs.
 
     *one* and *other* are flat systems as the front-end writes them.
     """
     first, second = one["storage"], other["storage"]
+    conditions = _conditions(first), _conditions(second)
     for key in first.keys() | second.keys():
         if key in _DERIVED or key in _IGNORED or key == "expressions":
             continue
-        if _bare(first.get(key)) != _bare(second.get(key)):
+        if _bare(first.get(key), conditions[0]) != _bare(second.get(key), conditions[1]):
             return None
     for key in ("operands", "subscripts"):
         if _bare(first["expressions"][key]) != _bare(second["expressions"][key]):
@@ -153,15 +180,50 @@ def changed_parameters(one: Mapping[str, Any], other: Mapping[str, Any], names: 
     if len(nodes) != len(others):
         return None
     differing = {
-        number for number, (a, b) in enumerate(zip(nodes, others, strict=True)) if a != b and _bare(a) != _bare(b)
+        number
+        for number, (a, b) in enumerate(zip(nodes, others, strict=True))
+        if a != b and _node(a, conditions[0]) != _node(b, conditions[1])
     }
-    return (
-        _owners(first, differing, frozenset(names)) if all(map(_is_literal, (others[n] for n in differing))) else None
-    )
+    if not all(_is_literal(nodes[number]) and _is_literal(others[number]) for number in differing):
+        return None
+    return _owners(first, differing, frozenset(names), others)
 
 
-def _owners(storage: Mapping[str, Any], differing: set[int], names: frozenset[str]) -> frozenset[str] | None:
-    """The parameters to whose values the nodes *differing* belong; None if one is something else's, too."""
+def _conditions(storage: Mapping[str, Any]) -> list[Any]:
+    """What each condition is made of, whatever its number: the front-end lists relations that nothing refers to."""
+    found: list[Any] = []
+    relations = storage.get("relations") or ()
+    for record in storage.get("conditions") or ():
+        node = record["node"]
+        kind: str = next(iter(node)) if isinstance(node, dict) else node
+        data: Any = node[kind] if isinstance(node, dict) else None
+        places: list[int] = []
+        if isinstance(data, dict):
+            places = [data[side] for side in ("lhs", "rhs") if side in data]
+        elif kind == "not":
+            places = [data]
+        if any(place >= len(found) for place in places):  # made of a later one: told apart by its number
+            found.append([len(found), node])
+        elif places:
+            found.append([kind, *(found[place] for place in places)])
+        else:
+            found.append([kind, _bare(relations[data]) if kind == "relation" else _bare(data)])
+    return found
+
+
+def _node(node: Any, conditions: Sequence[Any]) -> Any:
+    """An expression without what says where it stands, and with conditions in place of their numbers."""
+    reference = node.get("coordinate") if isinstance(node, dict) else None
+    if isinstance(reference, dict) and isinstance(reference.get("condition"), int):
+        return conditions[reference["condition"]]
+    return _bare(node)
+
+
+def _owners(
+    storage: Mapping[str, Any], differing: set[int], names: frozenset[str], others: Sequence[Any]
+) -> tuple[frozenset[str], frozenset[float]] | None:
+    """The parameters to whose values the nodes *differing* belong, and the numbers among *others* of the rest; None if
+    one of those is no number."""
     below = _operands(storage["expressions"])
     if below is None:
         return None
@@ -181,12 +243,18 @@ def _owners(storage: Mapping[str, Any], differing: set[int], names: frozenset[st
                     number = stack.pop()
                     owner[number] = "" if is_derived else variable["name"]
                     stack.extend(below[number])
-    if any(number not in owner or not _is_literal(storage["expressions"]["nodes"][number]) for number in differing):
-        return None
+    foreign = {number for number in differing if number not in owner}
     for number, operands in enumerate(below):
-        if number not in owner and any(operand in differing for operand in operands):
+        if number not in owner:
+            foreign |= differing.intersection(operands)
+    values = set()
+    for number in foreign:
+        literal_ = others[number]["literal"]
+        value = literal_.get("real", literal_.get("integer")) if isinstance(literal_, dict) else None
+        if not isinstance(value, (int, float)):
             return None
-    return frozenset(owner[number] for number in differing) - {""}
+        values.add(abs(float(value)))
+    return frozenset(owner[number] for number in differing - foreign) - {""}, frozenset(values)
 
 
 def _operands(expressions: Mapping[str, Any]) -> list[list[int]] | None:
@@ -210,10 +278,19 @@ def _is_literal(node: Any) -> bool:
     return isinstance(node, dict) and "literal" in node
 
 
-def _bare(tree: Any) -> Any:
-    """*tree* without what says where it stands. As deep as the front-end nests, which JSON could be read to."""
+def _bare(tree: Any, conditions: Sequence[Any] | None = None) -> Any:
+    """*tree* without what says where it stands, and with *conditions*, if given, in place of their numbers.
+
+    As deep as the front-end nests, which JSON could be read to.
+    """
     if isinstance(tree, dict):
-        return {key: _bare(inside) for key, inside in tree.items() if key not in _IGNORED}
+        return {
+            key: conditions[inside]
+            if conditions is not None and key in ("guard", "trigger") and isinstance(inside, int)
+            else _bare(inside, conditions)
+            for key, inside in tree.items()
+            if key not in _IGNORED
+        }
     if isinstance(tree, list):
-        return [_bare(inside) for inside in tree]
+        return [_bare(inside, conditions) for inside in tree]
     return tree

@@ -5,10 +5,14 @@ import { type Bench, type Order, showDealership } from "./drive/dealership";
 import { showLoading } from "./drive/loading";
 import { ask, connect, type Drive, type Ended, readChoices } from "./drive/messages";
 import { buildBoards, showEnding } from "./drive/result";
+import { buildRoster, buildSeats } from "./drive/world";
 import { startTheme } from "./theme";
 
 const page = document.getElementById("drive")!;
-const { benches } = JSON.parse(document.getElementById("document")!.textContent!) as { benches: Bench[] };
+const { benches, shared } = JSON.parse(document.getElementById("document")!.textContent!) as {
+  benches: Bench[];
+  shared?: boolean;
+};
 
 startTheme();
 const order = ordered();
@@ -36,20 +40,33 @@ function ordered(): Order {
 
 function choose(): void {
   show("dealership");
-  showDealership(page, benches, order, drive, buildBoards());
+  const beside = shared ? el("div", { class: "beside" }, buildSeats(watch), buildBoards()) : buildBoards();
+  showDealership(page, benches, order, drive, beside);
 }
 
 async function drive(): Promise<void> {
+  await join(finished, loaded);
+}
+
+function watch(seat: number): Promise<void> {
+  return join(choose, (over) => connect({ watch: String(seat) }, over));
+}
+
+/** Shows the drive that *open* gives, until it is over; nothing if it gives none. */
+async function join(
+  after: (ended: Ended) => void,
+  open: (over: (ended: Ended) => void) => Promise<Drive | null>,
+): Promise<void> {
   let stop = (): void => undefined;
-  const over = (ended: Ended): void => {
+  const driven = await open((ended) => {
     stop();
-    finished(ended);
-  };
-  const driven = await loaded(over);
+    after(ended);
+  });
   if (!driven) return;
   show("drive");
   try {
     stop = showDrive(page, driven);
+    if (driven.seat !== undefined) page.querySelector(".panels")?.prepend(buildRoster(driven));
   } catch (error) {
     driven.leave();
     const canWebGl = Boolean(document.createElement("canvas").getContext("webgl2"));
@@ -68,7 +85,7 @@ async function loaded(over: (ended: Ended) => void): Promise<Drive | null> {
   try {
     const { drive: token } = await ask<{ drive: string }>("/drive/start", order, loading.signal);
     loading.step(1);
-    return await connect(token, over, loading.signal);
+    return await connect({ drive: token }, over, loading.signal);
   } catch (error) {
     if (!loading.signal.aborted) throw error;
     choose();

@@ -1,6 +1,7 @@
 // What the page and the server say to each other.
 import type { Document } from "../scene/data";
 import { openStream, type Stream } from "../scene/stream";
+import type { World } from "./world";
 
 export interface Alternative {
   name: string;
@@ -51,6 +52,11 @@ export interface Drive {
   controls: string[];
   /** What the controls are at first. */
   first: Record<string, number>;
+  /** Its number in a shared world, and who drives if this page only watches. */
+  seat?: number | undefined;
+  watched?: string | undefined;
+  /** What to do with news of that world. */
+  news: (world: World) => void;
   /** What the last frame told besides its columns. */
   pace: { lateness: number; overruns: number; echoes: number[] };
   send(kind: "control" | "tune", values: Record<string, number>): void;
@@ -101,10 +107,14 @@ export function readChoices(text: string): Record<string, string> {
 }
 
 /** Resolves when there is something to see; `over` is called once, whatever ends the drive. */
-export function connect(token: string, over: (ended: Ended) => void, signal?: AbortSignal): Promise<Drive> {
+export function connect(
+  asked: { drive: string } | { watch: string },
+  over: (ended: Ended) => void,
+  signal?: AbortSignal,
+): Promise<Drive> {
   return new Promise((resolve, reject) => {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    const socket = new WebSocket(`${scheme}://${location.host}/drive/live?${new URLSearchParams({ drive: token })}`);
+    const socket = new WebSocket(`${scheme}://${location.host}/drive/live?${new URLSearchParams(asked)}`);
     socket.binaryType = "arraybuffer";
     let drive: Drive | null = null;
     let isOver = false;
@@ -129,7 +139,8 @@ export function connect(token: string, over: (ended: Ended) => void, signal?: Ab
       if (told.type === "scene") {
         drive = begun(socket, told as unknown as Scene);
         resolve(drive);
-      } else if (told.type === "ended") end(told as unknown as Ended);
+      } else if (told.type === "world") drive?.news(told as unknown as World);
+      else if (told.type === "ended") end(told as unknown as Ended);
     };
   });
 }
@@ -141,11 +152,14 @@ interface Scene {
   tunables: Tunable[];
   controls: string[];
   start: Record<string, number>;
+  seat?: number;
+  watched?: string;
 }
 
 const sent = new WeakMap<Drive, Map<number, number>>();
 
-function begun(socket: WebSocket, { document, columns, rate, tunables, controls, start }: Scene): Drive {
+function begun(socket: WebSocket, scene: Scene): Drive {
+  const { document, columns, rate, tunables, controls, start, seat, watched } = scene;
   let number = 0;
   const times = new Map<number, number>();
   const drive: Drive = {
@@ -153,9 +167,12 @@ function begun(socket: WebSocket, { document, columns, rate, tunables, controls,
     tunables,
     controls,
     first: start,
+    seat,
+    watched,
+    news: () => undefined,
     pace: { lateness: 0, overruns: 0, echoes: [] },
     send: (type, values) => {
-      if (socket.readyState !== WebSocket.OPEN) return;
+      if (socket.readyState !== WebSocket.OPEN || watched !== undefined) return;
       // While a drive begins nothing answers.
       if (drive.stream.version) times.set(++number, performance.now());
       else number++;

@@ -61,7 +61,17 @@ export interface Document {
   objects: StandingObject[];
   host: { length: number; width: number; front: number; wheel: number };
   others: number;
-  sensors: { name: string; title: string; mount: number; reach: number; angle: number; returns: number }[];
+  /** *mount* and *left* in m from the centre of gravity; *turn* and *angle* in rad */
+  sensors: {
+    name: string;
+    title: string;
+    mount: number;
+    left: number;
+    turn: number;
+    reach: number;
+    angle: number;
+    returns: number;
+  }[];
   instruments: { title: string; unit: string; items: string[]; hasTarget: boolean }[];
   columns: Entry[];
   live?: LiveScene;

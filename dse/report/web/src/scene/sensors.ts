@@ -14,7 +14,7 @@ import {
 } from "three";
 import type { Source } from "./data";
 
-const COLOURS = [0xffb21f, 0x35c7ff, 0xd070ff, 0x7be06a];
+const COLOURS = [0xffb21f, 0x35c7ff, 0xd070ff, 0x7be06a, 0xff6b6b, 0xfff36b, 0xffffff];
 const ABOVE = 0.55;
 const PIECES = 24;
 const RAYS = 6;
@@ -30,19 +30,23 @@ export function buildSensing(source: Source, isFilled: boolean): Sensing {
   const group = new Group();
   const parts = source.document.sensors.map((sensor, number) => {
     const colour = COLOURS[number % COLOURS.length]!;
+    const axes = new Group();
+    axes.position.set(sensor.mount, sensor.left, 0);
+    axes.rotation.z = sensor.turn;
+    group.add(axes);
     if (sensor.reach > 0 && sensor.angle > 0) {
-      const points = rim(sensor.mount, sensor.reach, sensor.angle);
+      const points = rim(sensor.reach, sensor.angle);
       const area = isFilled ? [filled(points, colour)] : [];
       for (const each of [...area, rays(points, colour)]) {
         each.position.z = ABOVE - 0.03 * number;
-        group.add(each);
+        axes.add(each);
       }
     }
     const material = new MeshBasicMaterial({ color: colour, depthTest: false, fog: false, transparent: true });
     const marks = new InstancedMesh(new OctahedronGeometry(0.45), material, Math.max(sensor.returns, 1));
     marks.renderOrder = 2;
     marks.frustumCulled = false;
-    group.add(marks);
+    axes.add(marks);
     return { marks, sensor, number };
   });
   return {
@@ -57,7 +61,7 @@ export function buildSensing(source: Source, isFilled: boolean): Sensing {
           const [range, azimuth] = [held("range"), held("azimuth")];
           marks.setMatrixAt(
             marks.count++,
-            place.makeTranslation(sensor.mount + range * Math.cos(azimuth), range * Math.sin(azimuth), 1),
+            place.makeTranslation(range * Math.cos(azimuth), range * Math.sin(azimuth), 1),
           );
         }
         marks.instanceMatrix.needsUpdate = true;
@@ -73,11 +77,11 @@ export function sensorColour(number: number): string {
 }
 
 /** The sensor, then the border of what it reaches. */
-function rim(mount: number, reach: number, angle: number): number[] {
-  const points = [mount, 0, 0];
+function rim(reach: number, angle: number): number[] {
+  const points = [0, 0, 0];
   for (let i = 0; i <= PIECES; i++) {
     const turned = Math.min(angle, 2 * Math.PI) * (i / PIECES - 0.5);
-    points.push(mount + reach * Math.cos(turned), reach * Math.sin(turned), 0);
+    points.push(reach * Math.cos(turned), reach * Math.sin(turned), 0);
   }
   return points;
 }

@@ -1,3 +1,4 @@
+/* The filter for TRACKER_SCANS sensors, as kalman_tracker_code.h. */
 #include "filter.h"
 
 #include <math.h>

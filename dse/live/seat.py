@@ -1,0 +1,108 @@
+"""A session of a driver among others: the world keeps time, and tells where the others are."""
+
+from __future__ import annotations
+
+import multiprocessing.process
+import socket
+import time
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from multiprocessing.connection import wait
+
+import numpy as np
+
+from dse.domain.drive import Pace
+from dse.domain.run import Run
+from dse.live.driver_in_the_loop import DriverInTheLoop
+from dse.live.packet import Flag, Packet
+from dse.live.session import OWN_VALUES, TURN, Patience, Seen, Session, Why
+from dse.live.shared_world import Place, SharedWorld, State
+from dse.testbench import PreparedBench
+
+MOTION = ("x", "y", "heading", "speed", "lateral_speed", "acceleration")
+"""What others see of a car, by the ports of its ``motion``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Script:
+    """What a simulated driver does: from each of *times* (s of its run, ascending) on, the *values* by control, SI."""
+
+    times: tuple[float, ...]
+    values: tuple[Mapping[str, float], ...]
+
+    def at(self, time: float) -> Mapping[str, float]:
+        """What is done at *time*, rounded to a microsecond."""
+        number = bisect_right(self.times, time + 1e-6)
+        return self.values[number - 1] if number else {}
+
+
+@dataclass(frozen=True, slots=True)
+class Sights:
+    """Where, among the signals that a seat sees, its car's motion is, and its station: -1 for what nothing tells."""
+
+    motion: tuple[int, ...]
+    station: int
+
+    @classmethod
+    def of(cls, seen: Sequence[str], car: str, road: str) -> Sights:
+        """Of the signals *seen*, in their order, where *car* has a motion and *road* knows the lane."""
+        places = {name: place for place, name in enumerate(seen)}
+        motion = tuple(places.get(f"{car}.motion.{axis}", -1) for axis in MOTION)
+        return cls(motion, places.get(f"{road}.lane.station", -1))
+
+
+class SeatSession(Session):
+    """A `Session` at *place* of *world*; a *script* drives in place of a person."""
+
+    def __init__(
+        self,
+        prepared: PreparedBench,
+        driver_in_loop: DriverInTheLoop,
+        first: Mapping[str, float],
+        patience: Patience | None = None,
+        *,
+        world: SharedWorld,
+        place: Place,
+        sights: Sights,
+        script: Script | None = None,
+    ) -> None:
+        self.world, self.place, self._sights, self._script = world, place, sights, script
+        self.values = OWN_VALUES + len(driver_in_loop.seen)
+        self._sent = Packet(0, 0, Flag(0), 0.0, ())
+        self._done: Mapping[str, float] = {}
+        super().__init__(prepared, driver_in_loop, first, patience)
+
+    def state_of(self, packet: Packet) -> State:
+        """How the car moves, as its run tells."""
+        values = packet.values[OWN_VALUES:]
+        motion = (values[place] if place >= 0 else 0.0 for place in self._sights.motion)
+        return State(*motion, *([values[self._sights.station]] if self._sights.station >= 0 else []))
+
+    def answer(self, packet: Packet, others: Mapping[str, float]) -> Packet:
+        """What it puts out next, among *others* by its outputs."""
+        values = dict(others)
+        if self._script is not None and (due := self._script.at(packet.time)) is not self._done:
+            self._done, values = due, {**values, **due}
+        self._sent = self._reply(packet, self._sent, values)
+        return self._sent
+
+    def look(self, packet: Packet, lateness: float, overruns: int) -> None:
+        """See what the run shows."""
+        self._look(packet)
+        seen = self._seen
+        assert seen is not None  # noqa: S101  # just looked
+        self._seen = Seen(seen.time, lateness, overruns, seen.echo, seen.values)
+
+    def _attend(self, line: socket.socket, process: multiprocessing.process.BaseProcess) -> tuple[Why, str] | None:
+        began = time.monotonic()
+        with self.world.seated(self.place, self, line):
+            while True:
+                if process.sentinel in wait([process.sentinel], TURN):
+                    return None
+                if cut := self._overdue(began, self.place.heard):
+                    return cut
+
+    def _pace(self, run: Run) -> Pace:  # noqa: ARG002  # the world has kept time, not the run
+        late = np.array(self.place.late or [0.0])
+        return Pace(len(self.place.late), self.place.overruns, float(np.median(late)), float(np.quantile(late, 0.99)))

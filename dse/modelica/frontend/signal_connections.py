@@ -1,0 +1,51 @@
+"""Connections of one signal to elements of several vectors, written as equations.
+
+rumoca 0.10.2 refuses them where the signal is discrete: ``connect(a.y, sum.u[1]); connect(a.y, product.u[2]);``. For
+signals, ``sum.u[1] = a.y`` is the same. It is not for pins and flanges, for which the front-end finds too many
+equations; so this is done only to sources that it refused for that reason.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Mapping
+
+from dse.errors import DseError
+from dse.modelica.frontend.source_text import code
+
+_REASON = "element assignments must cover a discrete coordinate exactly once"
+_PATH = r"[A-Za-z_]\w*(?:\s*\.\s*[A-Za-z_]\w*)*"
+_CONNECT = re.compile(
+    rf"\bconnect\s*\(\s*(?P<one>{_PATH})(?P<a>\s*\[[\w\s]+\])?\s*,\s*(?P<other>{_PATH})(?P<b>\s*\[[\w\s]+\])?\s*\)"
+)
+
+
+def is_refused_for_connections(refusal: DseError) -> bool:
+    """Whether the front-end refused a model because of such connections."""
+    return any(_REASON in problem.what for problem in refusal.problems)
+
+
+def with_equations(contents: Mapping[str, bytes], least: int) -> dict[str, bytes]:
+    """The files *contents* with such connections, of signals that have at *least* so many, as equations as long."""
+    return {name: _changed(content, least) if name.endswith(".mo") else content for name, content in contents.items()}
+
+
+def _changed(content: bytes, least: int) -> bytes:
+    text = content.decode("utf-8", "replace")
+    found = [match for match in _CONNECT.finditer(code(text)) if (match["a"] is None) != (match["b"] is None)]
+    used = Counter(_signal(match) for match in found)
+    for match in reversed(found):
+        if used[_signal(match)] >= least:
+            element, signal = (
+                (match["other"] + match["b"], match["one"])
+                if match["b"]
+                else (match["one"] + match["a"], match["other"])
+            )
+            equation = f"{element} = {signal}".ljust(match.end() - match.start())
+            text = text[: match.start()] + equation + text[match.end() :]
+    return text.encode()
+
+
+def _signal(match: re.Match[str]) -> str:
+    return re.sub(r"\s", "", match["one"] if match["b"] else match["other"])

@@ -1,0 +1,57 @@
+"""What a trace file contains: a scene with all signals, and the tracks that its trackers output."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from dse.domain.component import Type
+from dse.report.content.data import Floats
+from dse.report.scene.data import Scene
+
+_TRACK = re.compile(r"^(.+)\.(\w+)\[1\]\.existence$")
+_TRACKED = ("id", "class", "x", "y", "vx", "vy", "width", "age", "existence")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tracker:
+    """The *part* that outputs tracks: *columns* over time of each of its places."""
+
+    part: str
+    columns: tuple[Mapping[str, Floats], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """A *scene* with the *signals* (SI, by ``part.port``) of its run and their *types*.
+
+    *rear_axle*: distance in m from the centre of gravity back to the rear axle, the origin of OSI's vehicle
+    coordinates. It is 0 if the chassis does not state it: coordinates are then relative to the centre of gravity.
+    """
+
+    scene: Scene
+    signals: Mapping[str, Floats]
+    types: Mapping[str, Type]
+    rear_axle: float
+
+    @property
+    def trackers(self) -> Iterator[Tracker]:
+        """The parts that output tracks."""
+        for name in sorted(self.signals):
+            if found := _TRACK.match(name):
+                stem = f"{found[1]}.{found[2]}"
+                places = sorted(int(n) for n in re.findall(rf"{re.escape(stem)}\[(\d+)\]\.id\n", self._names))
+                columns = tuple({port: self.signals[f"{stem}[{n}].{port}"] for port in _TRACKED} for n in places)
+                yield Tracker(found[1], columns)
+
+    @property
+    def _names(self) -> str:
+        return "".join(f"{name}\n" for name in self.signals)
+
+
+def rear_axle_of(settings: Mapping[str, float]) -> float:
+    """From the *settings* of a run by ``part.parameter``: wheelbase and share of the weight on the front axle, in m."""
+    chassis = [name.removesuffix(".front_load_share") for name in settings if name.endswith(".front_load_share")]
+    found = (settings[f"{part}.front_load_share"] * settings.get(f"{part}.wheelbase", 0.0) for part in chassis)
+    return next(found, 0.0)

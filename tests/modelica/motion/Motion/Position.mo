@@ -1,0 +1,4 @@
+within Motion;
+partial model Position
+  Real s(start = 0, fixed = true);
+end Position;

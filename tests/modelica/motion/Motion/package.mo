@@ -1,0 +1,2 @@
+package Motion "Classes whose names the front-end mixes up"
+end Motion;
