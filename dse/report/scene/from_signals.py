@@ -171,7 +171,7 @@ class SceneSignals:
     @property
     def _wheels(self) -> dict[str, tuple[str, ...]]:
         """Signals of the torques at both axles, if there are such."""
-        found = {}
+        found: dict[str, tuple[str, ...]] = {}
         for name, stem in _WHEELS.items():
             ends = (f"{stem}.front", f"{stem}.rear")
             if all(end in self.signals for end in ends):

@@ -10,6 +10,7 @@ import { buildStage, VIEWS, type View } from "./scene/stage";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 const WIND = 1; // s
+const DETAILS: Record<number, number> = { 1: 0, 2: 1, 3: 2, 4: 3 };
 
 async function start(): Promise<void> {
   const page = document.getElementById("scene")!;
@@ -27,10 +28,15 @@ async function start(): Promise<void> {
 }
 
 /** What the address asks for: a moment, a camera, and whether it is a picture that is taken. */
-function asked(): { time: number | null; view: View | null; isPicture: boolean } {
+function asked(): { time: number | null; view: View | null; isPicture: boolean; detail: number } {
   const told = new URLSearchParams(location.hash.slice(1));
   const view = VIEWS.find(([name]) => name === told.get("view"))?.[0] ?? null;
-  return { time: told.has("t") ? Number(told.get("t")) || 0 : null, view, isPicture: told.has("picture") };
+  return {
+    time: told.has("t") ? Number(told.get("t")) || 0 : null,
+    view,
+    isPicture: told.has("picture"),
+    detail: DETAILS[Number(told.get("detail"))] ?? FINEST,
+  };
 }
 
 function play(page: HTMLElement, recording: Recording): void {
@@ -39,6 +45,7 @@ function play(page: HTMLElement, recording: Recording): void {
   let time = Math.min(Math.max(first.time ?? 0, 0), recording.seconds);
   let view: View = first.view ?? "chase";
   let speed = 1;
+  const still = first.detail; // of what does not move
   let isPlaying = first.time === null;
   let shown = -1;
 
@@ -144,7 +151,7 @@ function play(page: HTMLElement, recording: Recording): void {
   const resolution = new Resolution(FINEST);
   let [drawn, detail] = [0, FINEST];
   const resize = (): void => {
-    [drawn, detail] = isPlaying ? [resolution.value, resolution.detail] : [1, FINEST];
+    [drawn, detail] = isPlaying ? [resolution.value, resolution.detail] : [1, still];
     stage.resize(canvas.clientWidth, canvas.clientHeight, drawn, detail);
     shown = -1;
   };
@@ -158,7 +165,7 @@ function play(page: HTMLElement, recording: Recording): void {
     }
     if (isPlaying) resolution.tell(now, now - last);
     last = now;
-    if (drawn !== (isPlaying ? resolution.value : 1) || detail !== (isPlaying ? resolution.detail : FINEST)) resize();
+    if (drawn !== (isPlaying ? resolution.value : 1) || detail !== (isPlaying ? resolution.detail : still)) resize();
     if (time !== shown) {
       stage.show(time, view);
       instruments.show(time);

@@ -19,7 +19,7 @@ const MEANINGS: { items: string[]; title: string; phrases: Record<string, Phrase
     phrases: {
       manual: calm("off"),
       standby: calm("ready \u2013 press C"),
-      cruise: active("keeps speed and gap"),
+      cruise: active("active"),
       override: calm("you accelerate"),
       emergency: alarm("EMERGENCY BRAKE"),
     },
@@ -41,9 +41,9 @@ const MEANINGS: { items: string[]; title: string; phrases: Record<string, Phrase
   },
   {
     items: ["wish", "limit", "curve", "light"],
-    title: "Speed set by",
+    title: "Target speed from",
     phrases: {
-      wish: calm("your set speed"),
+      wish: calm("you"),
       limit: active("the speed limit"),
       curve: active("the bend ahead"),
       light: active("the traffic light"),

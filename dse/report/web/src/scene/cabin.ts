@@ -110,7 +110,7 @@ function dashboard(middle: number, length: number) {
       { x: 0.5, half: half(0.62, 0.3) },
       { x: 0.55, half: half(0.9, 0.3) },
       { x: 0.72, half: half(0.955, 0.4) },
-      { x: cowl - 0.04, half: half(0.955, 0.4) },
+      { x: cowl, half: half(0.968, 0.4) },
     ],
     () => [PLASTIC, DRY],
   );

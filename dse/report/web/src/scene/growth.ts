@@ -21,22 +21,25 @@ function crown(radius: number, flat: number, seed: number, detail = 1): BufferGe
   return ball;
 }
 
-/** Trees of height 1, leafy ones wide, others slim. */
-export function treeShapes(): BufferGeometry[] {
+/** Trees of height 1, leafy ones wide, others slim; *fine* ones are seen from near. */
+export function treeShapes(fine: boolean): BufferGeometry[] {
   const trunk = (thick: number, high: number): BufferGeometry =>
     painted(new CylinderGeometry(0.6 * thick, thick, high, 5, 1, true).rotateX(Math.PI / 2), BARK, 0, 0, high / 2);
   const leafy = (seed: number): BufferGeometry =>
     joined([
       trunk(0.03, 0.42),
-      painted(crown(0.27, 0.95, seed), 0xffffff, 0, 0, 0.66, TINTED),
-      painted(crown(0.19, 0.9, seed + 1, 0), 0xe4ead6, 0.15, 0.06, 0.52, TINTED),
-      painted(crown(0.18, 0.9, seed + 2, 0), 0xd8e0c8, -0.12, -0.11, 0.55, TINTED),
+      painted(crown(0.27, 0.95, seed, fine ? 1 : 0), 0xffffff, 0, 0, 0.66, TINTED),
+      ...(fine ? boughs(seed) : []),
     ]);
+  const boughs = (seed: number): BufferGeometry[] => [
+    painted(crown(0.19, 0.9, seed + 1, 0), 0xe4ead6, 0.15, 0.06, 0.52, TINTED),
+    painted(crown(0.18, 0.9, seed + 2, 0), 0xd8e0c8, -0.12, -0.11, 0.55, TINTED),
+  ];
   const fir = joined([
     trunk(0.025, 0.2),
     ...[0, 1, 2].map((i) =>
       painted(
-        new ConeGeometry(0.2 - 0.045 * i, 0.42, 8, 1, true).rotateX(Math.PI / 2),
+        new ConeGeometry(0.2 - 0.045 * i, 0.42, fine ? 8 : 5, 1, true).rotateX(Math.PI / 2),
         0xb8c8b0,
         0,
         0,
@@ -49,12 +52,18 @@ export function treeShapes(): BufferGeometry[] {
 }
 
 /** A piece of hedge or a bush, 1 m high and 2 m long. */
-export function bushShape(): BufferGeometry {
-  return joined([painted(crown(0.75, 0.62, 3, 1).scale(1.5, 0.7, 1), 0xffffff, 0, 0, 0.4, TINTED)]);
+export function bushShape(fine: boolean): BufferGeometry {
+  return joined([painted(crown(0.75, 0.62, 3, fine ? 1 : 0).scale(1.5, 0.7, 1), 0xffffff, 0, 0, 0.4, TINTED)]);
 }
 
 /** A house 1 wide, 1 deep and 1 high to its eaves, with a façade to the front (-x): *floors* and *columns* of windows. */
-export function houseShape(floors: number, columns: number, isFlat: boolean, seed: number): BufferGeometry {
+export function houseShape(
+  floors: number,
+  columns: number,
+  isFlat: boolean,
+  seed: number,
+  fine: boolean,
+): BufferGeometry {
   const wall = box([1, 1, 1], 0xffffff, [0, 0, 0.5], 0, TINTED);
   const parts = [wall, box([1.02, 1.005, 0.06], 0x8d8881, [0, 0, 0.03])];
   const [high, wide] = [1 / floors, 1 / columns];
@@ -70,9 +79,9 @@ export function houseShape(floors: number, columns: number, isFlat: boolean, see
         high * (isDoor ? 0.8 : isShop ? 0.66 : 0.52),
       ];
       const glass = isDoor ? 0x5a4030 : hash(column, floor, seed) > 0.85 ? 0x8a8678 : 0x2c3844;
-      parts.push(box([0.008, size[1] * 1.25, size[2] * 1.16], 0xefece4, [-0.502, y, z]));
+      if (fine) parts.push(box([0.008, size[1] * 1.25, size[2] * 1.16], 0xefece4, [-0.502, y, z]));
       parts.push(box(size, glass, [-0.505, y, z], 0, [0, isDoor ? 0 : 0.55]));
-      if (floor === 0 || isFlat) continue;
+      if (floor === 0 || isFlat || !fine) continue;
       parts.push(box([0.05, wide * 0.6, 0.03 * high], 0xcac5ba, [-0.515, y, floor * high + 0.24 * high]));
     }
     for (const side of [1, -1])

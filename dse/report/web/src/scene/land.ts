@@ -6,11 +6,12 @@ import { hash, noise } from "./random";
 import type { RoadMap } from "./roadmap";
 
 const REACH = 420; // m beside roads
-const MOST = 60_000; // points
-const FINEST = 16; // m between points
+const MOST = 30_000; // points
+const FINEST = 24; // m between points
 const FLAT = 14; // m beside the road without relief
 const BELOW = 0.35; // m under the road where it meets the land
-const CHUNK = 16;
+const CHUNK = 12;
+const SEEN = 1100; // m up to which it is drawn
 
 const FIELDS = [0x8aa653, 0xc2ac63, 0x6f9448, 0x9db463, 0xa98f5e, 0x7d9f4f, 0xd0bd7a, 0x5f8a45];
 const GRASS: Record<RoadKind, number> = { motorway: 0x7f9a55, rural: 0x86a158, town: 0x8c9c72 };
@@ -49,6 +50,10 @@ export function buildLand(roads: RoadMap, kind: RoadKind): Land {
     group,
     height: (x, y) => heightAt(grid, x, y),
     show: (x, y, z, above) => {
+      for (const mesh of chunks) {
+        const sphere = mesh.geometry.boundingSphere!;
+        mesh.visible = above || Math.hypot(sphere.center.x - x, sphere.center.y - y) - sphere.radius < SEEN;
+      }
       plain.position.set(x, y, grid.lowest - 2.5);
       ridge.visible = !above;
       ridge.position.set(x, y, Math.min(grid.lowest, z - 6) - 6);
@@ -187,6 +192,7 @@ function chunk(grid: Grid, i0: number, j0: number, kind: RoadKind): Mesh | null 
   geometry.setAttribute("surface", new Float32BufferAttribute(surfaces, 2));
   geometry.setIndex(corners);
   geometry.computeVertexNormals();
+  geometry.computeBoundingSphere();
   const mesh = new Mesh(geometry, LIT);
   mesh.renderOrder = 1;
   return mesh;

@@ -14,6 +14,7 @@ const LEAVES = [0x6f8f45, 0x5d8540, 0x7f9a4a, 0x55773a, 0x8a9c50];
 const NEEDLES = [0x4f7048, 0x48684a, 0x587a50];
 const WALLS = [0xe8dcc4, 0xd9c2a0, 0xcfd3d2, 0xe6d3b8, 0xb9a58c, 0xdfe3df, 0xc98f73, 0xe9e2d2, 0xa9b4b0];
 const MOST = 9000;
+const FINE = 150; // m
 
 type Kind = "leafy" | "broad" | "fir" | "bush" | "house" | "block" | "office" | "lamp" | "post" | "box";
 
@@ -35,19 +36,7 @@ export interface Planting {
 
 export function buildPlanting(document: Document, roads: RoadMap, land: Land): Planting {
   const planted = plant(document, roads, land);
-  const [leafy, broad, fir] = treeShapes();
-  const shapes: Record<Kind, BufferGeometry> = {
-    leafy: leafy!,
-    broad: broad!,
-    fir: fir!,
-    bush: bushShape(),
-    house: houseShape(2, 3, false, 1),
-    block: houseShape(4, 4, false, 3),
-    office: houseShape(5, 6, true, 2),
-    lamp: lampShape(),
-    post: postShape(),
-    box: box([1, 1, 1], 0xffffff, [0, 0, 0.5], 0, [1, 0]),
-  };
+  const [fine, plain] = [true, false].map(shapesOf) as [Shapes, Shapes];
   const cells = new Map<string, Planted[]>();
   for (const each of planted) {
     const name = `${each.kind} ${Math.floor(each.x / CELL)} ${Math.floor(each.y / CELL)}`;
@@ -56,10 +45,10 @@ export function buildPlanting(document: Document, roads: RoadMap, land: Land): P
     else cells.set(name, [each]);
   }
   const group = new Group();
-  const meshes: { mesh: InstancedMesh; x: number; y: number; tall: boolean }[] = [];
+  const meshes: { mesh: InstancedMesh; kind: Kind; x: number; y: number; tall: boolean }[] = [];
   for (const cell of cells.values()) {
     const { kind } = cell[0]!;
-    const mesh = new InstancedMesh(shapes[kind], kind === "post" || kind === "lamp" ? LIT : BODY, cell.length);
+    const mesh = new InstancedMesh(plain[kind], kind === "post" || kind === "lamp" ? LIT : BODY, cell.length);
     let [x, y] = [0, 0];
     cell.forEach((each, i) => {
       matrix.compose(place.set(each.x, each.y, each.z), turned.setFromAxisAngle(up, each.turn), size.set(...each.size));
@@ -69,15 +58,36 @@ export function buildPlanting(document: Document, roads: RoadMap, land: Land): P
       y += each.y / cell.length;
     });
     mesh.computeBoundingSphere();
-    meshes.push({ mesh, x, y, tall: kind === "house" || kind === "block" || kind === "office" });
+    meshes.push({ mesh, kind, x, y, tall: kind === "house" || kind === "block" || kind === "office" });
     group.add(mesh);
   }
   return {
     group,
     show: (x, y, reach) => {
-      for (const { mesh, x: mx, y: my, tall } of meshes)
-        mesh.visible = Math.hypot(mx - x, my - y) < (tall ? 1.3 : 1) * reach + CELL / 2;
+      for (const { mesh, kind, x: mx, y: my, tall } of meshes) {
+        const far = Math.hypot(mx - x, my - y);
+        mesh.visible = far < (tall ? 1.3 : 1) * reach + CELL / 2;
+        mesh.geometry = (far < Math.min(FINE, 0.3 * reach) ? fine : plain)[kind];
+      }
     },
+  };
+}
+
+type Shapes = Record<Kind, BufferGeometry>;
+
+function shapesOf(isFine: boolean): Shapes {
+  const [leafy, broad, fir] = treeShapes(isFine) as [BufferGeometry, BufferGeometry, BufferGeometry];
+  return {
+    leafy,
+    broad,
+    fir,
+    bush: bushShape(isFine),
+    house: houseShape(2, 3, false, 1, isFine),
+    block: houseShape(4, 4, false, 3, isFine),
+    office: houseShape(5, 6, true, 2, isFine),
+    lamp: lampShape(),
+    post: postShape(),
+    box: box([1, 1, 1], 0xffffff, [0, 0, 0.5], 0, [1, 0]),
   };
 }
 

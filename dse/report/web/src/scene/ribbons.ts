@@ -1,5 +1,5 @@
 // Bands along lines: lanes, markings, kerbs, rails and slopes are such, collected into one mesh each.
-import { BufferGeometry, Color, Float32BufferAttribute, Mesh, type MeshBasicMaterial } from "three";
+import { BufferGeometry, Color, Float32BufferAttribute, Group, Mesh, type MeshBasicMaterial } from "three";
 import { LIT } from "./light";
 
 export type Line = number[]; // x, y, z of each point
@@ -12,58 +12,105 @@ export interface Edge {
   free?: number;
 }
 
+const CELL = 320; // m: what is drawn, or left out, together
+
+/** One after another, so that what is out of sight costs nothing. */
 export class Ribbons {
+  private readonly pieces = new Map<string, Piece>();
+
+  /** The band with *section* along *line*; *keep* says where it is left out, by place. */
+  along(line: Line, section: Edge[], keep?: (x: number, y: number, at: number) => boolean): void {
+    this.each(line, (piece, from, to) => {
+      for (let i = from; i <= to; i++) {
+        const [nx, ny] = acrossOf(line, i);
+        section.forEach(({ left, up, colour, free }, k) => {
+          piece.point(line[3 * i]! + nx * left, line[3 * i + 1]! + ny * left, line[3 * i + 2]! + up, colour, free ?? 0);
+          const [before, after] = [section[Math.max(k - 1, 0)]!, section[Math.min(k + 1, section.length - 1)]!];
+          const [run, rise] = [after.left - before.left, after.up - before.up];
+          const size = Math.hypot(run, rise) || 1;
+          const sign = run < 0 || (run === 0 && rise > 0) ? -1 : 1;
+          piece.normal((-sign * rise * nx) / size, (-sign * rise * ny) / size, Math.abs(run) / size);
+        });
+      }
+      piece.rows(section.length, to - from, (row) => {
+        const i = from + row;
+        return !keep || keep(line[3 * i]!, line[3 * i + 1]!, i);
+      });
+    });
+  }
+
+  /** The band between two lines of equally many points, with *columns* in between at shares from left (0) to right. */
+  between(left: Line, right: Line, lift: number, columns: { share: number; colour: number; free: number }[]): void {
+    const shorter = left.length < right.length ? left : right;
+    this.each(shorter, (piece, from, to) => {
+      for (let i = from; i <= to; i++) {
+        for (const { share, colour, free } of columns) {
+          const at = (axis: number): number =>
+            left[3 * i + axis]! + share * (right[3 * i + axis]! - left[3 * i + axis]!);
+          piece.point(at(0), at(1), at(2) + lift, colour, free);
+          piece.normal(0, 0, 1);
+        }
+      }
+      piece.rows(columns.length, to - from, () => true);
+    });
+  }
+
+  group(material: MeshBasicMaterial = LIT): Group {
+    const group = new Group();
+    for (const piece of this.pieces.values()) group.add(piece.mesh(material));
+    return group;
+  }
+
+  /** Calls *use* for each part of *line*, from its point `from` to `to`, that is in one cell. */
+  private each(line: Line, use: (piece: Piece, from: number, to: number) => void): void {
+    const count = line.length / 3;
+    const cellOf = (i: number): string => `${Math.floor(line[3 * i]! / CELL)} ${Math.floor(line[3 * i + 1]! / CELL)}`;
+    for (let from = 0; from + 1 < count; ) {
+      const cell = cellOf(from);
+      let to = from + 1;
+      while (to + 1 < count && cellOf(to) === cell) to++;
+      let piece = this.pieces.get(cell);
+      if (!piece) {
+        piece = new Piece();
+        this.pieces.set(cell, piece);
+      }
+      use(piece, from, to);
+      from = to;
+    }
+  }
+}
+
+class Piece {
   private readonly points: number[] = [];
   private readonly normals: number[] = [];
   private readonly colours: number[] = [];
   private readonly surfaces: number[] = [];
   private readonly corners: number[] = [];
 
-  /** The band with *section* along *line*; *keep* says where it is left out, by place. */
-  along(line: Line, section: Edge[], keep?: (x: number, y: number, at: number) => boolean): void {
-    const count = line.length / 3;
-    if (count < 2) return;
-    const width = section.length;
-    const start = this.points.length / 3;
-    for (let i = 0; i < count; i++) {
-      const [nx, ny] = acrossOf(line, i);
-      for (let k = 0; k < width; k++) {
-        const { left, up, colour, free } = section[k]!;
-        this.point(line[3 * i]! + nx * left, line[3 * i + 1]! + ny * left, line[3 * i + 2]! + up, colour, free ?? 0);
-        const [from, to] = [section[Math.max(k - 1, 0)]!, section[Math.min(k + 1, width - 1)]!];
-        const [run, rise] = [to.left - from.left, to.up - from.up];
-        const size = Math.hypot(run, rise) || 1;
-        const sign = run < 0 || (run === 0 && rise > 0) ? -1 : 1;
-        this.normals.push((-sign * rise * nx) / size, (-sign * rise * ny) / size, Math.abs(run) / size);
+  point(x: number, y: number, z: number, colour: number, free: number): void {
+    const { r, g, b } = shade.set(colour);
+    this.points.push(x, y, z);
+    this.colours.push(r, g, b);
+    this.surfaces.push(free, 0);
+  }
+
+  normal(x: number, y: number, z: number): void {
+    this.normals.push(x, y, z);
+  }
+
+  /** Faces between the last *count* + 1 rows of *width* points, where *isKept*. */
+  rows(width: number, count: number, isKept: (row: number) => boolean): void {
+    const start = this.points.length / 3 - (count + 1) * width;
+    for (let row = 0; row < count; row++) {
+      if (!isKept(row)) continue;
+      for (let k = 0; k + 1 < width; k++) {
+        const [a, b] = [start + row * width + k, start + (row + 1) * width + k];
+        this.corners.push(a, a + 1, b, a + 1, b + 1, b);
       }
     }
-    for (let i = 0; i + 1 < count; i++) {
-      if (keep && !keep(line[3 * i]!, line[3 * i + 1]!, i)) continue;
-      for (let k = 0; k + 1 < width; k++) this.cell(start + i * width + k, start + (i + 1) * width + k);
-    }
   }
 
-  /** The band between two lines of equally many points, with *columns* in between at shares from left (0) to right. */
-  between(left: Line, right: Line, lift: number, columns: { share: number; colour: number; free: number }[]): void {
-    const count = Math.min(left.length, right.length) / 3;
-    const start = this.points.length / 3;
-    for (let i = 0; i < count; i++) {
-      for (const { share, colour, free } of columns) {
-        const at = (axis: number): number => left[3 * i + axis]! + share * (right[3 * i + axis]! - left[3 * i + axis]!);
-        this.point(at(0), at(1), at(2) + lift, colour, free);
-        this.normals.push(0, 0, 1);
-      }
-    }
-    const width = columns.length;
-    for (let i = 0; i + 1 < count; i++)
-      for (let k = 0; k + 1 < width; k++) this.cell(start + i * width + k, start + (i + 1) * width + k);
-  }
-
-  get count(): number {
-    return this.corners.length / 3;
-  }
-
-  mesh(material: MeshBasicMaterial = LIT): Mesh {
+  mesh(material: MeshBasicMaterial): Mesh {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new Float32BufferAttribute(this.points, 3));
     geometry.setAttribute("normal", new Float32BufferAttribute(this.normals, 3));
@@ -71,17 +118,6 @@ export class Ribbons {
     geometry.setAttribute("surface", new Float32BufferAttribute(this.surfaces, 2));
     geometry.setIndex(this.corners);
     return new Mesh(geometry, material);
-  }
-
-  private point(x: number, y: number, z: number, colour: number, free: number): void {
-    const { r, g, b } = shade.set(colour);
-    this.points.push(x, y, z);
-    this.colours.push(r, g, b);
-    this.surfaces.push(free, 0);
-  }
-
-  private cell(a: number, b: number): void {
-    this.corners.push(a, a + 1, b, a + 1, b + 1, b);
   }
 }
 

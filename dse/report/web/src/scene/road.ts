@@ -76,12 +76,12 @@ export function buildRoad(document: Document): Object3D {
       );
     }
   }
-  if (lanes.count) group.add(lanes.mesh(ROAD));
-  if (beside.count) group.add(beside.mesh(ROAD));
+  group.add(lanes.group(ROAD));
+  group.add(beside.group(ROAD));
   const marks = document.markings.length ? document.markings : usual(document.strips);
   const drawn = new Ribbons();
   for (const mark of marks) draw(mark, DASHES[document.kind], drawn);
-  if (drawn.count) group.add(drawn.mesh(MARK));
+  group.add(drawn.group(MARK));
   for (const [outline, friction] of document.areas) group.add(slippery(outline, friction));
   return group;
 }

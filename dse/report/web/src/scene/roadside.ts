@@ -2,6 +2,7 @@
 import { Group, type Object3D } from "three";
 import { ROAD } from "./asphalt";
 import type { Document, RoadKind, StandingObject } from "./data";
+import { LIT } from "./light";
 import { acrossOf, type Edge, type Line, Ribbons, refined } from "./ribbons";
 import { kerb, outerBorders } from "./road";
 import type { RoadMap } from "./roadmap";
@@ -20,7 +21,7 @@ export function buildRoadside(document: Document, roads: RoadMap): Object3D {
   const group = new Group();
   const [ground, steel] = [new Ribbons(), new Ribbons()];
   for (const { line, side, strip } of outerBorders(document.strips)) {
-    const fine = refined(line, 6);
+    const fine = refined(line, 9);
     const own = document.strips.indexOf(strip);
     // Nothing beside one road lies on another.
     const isFree =
@@ -35,7 +36,7 @@ export function buildRoadside(document: Document, roads: RoadMap): Object3D {
     if (document.kind === "motorway") rail(fine, side * (strip.isDriven ? RAIL : 0.5), steel, isFree(RAIL));
   }
   for (const each of document.objects) if (each.kind === "crosswalk") zebra(each, ground);
-  for (const ribbons of [ground, steel]) if (ribbons.count) group.add(ribbons.mesh(ROAD));
+  group.add(ground.group(ROAD), steel.group(LIT));
   return group;
 }
 

@@ -65,7 +65,7 @@ export class Shadows {
   }
 
   /** The shadow of *vehicle*, whose mesh is *geometry*. */
-  cast({ position, rotation }: Vehicle, geometry: BufferGeometry, shade: [number, number], level: number): void {
+  cast({ position, rotation }: Vehicle, geometry: BufferGeometry, shade: [number, number]): void {
     turned.setFromEuler(rotation);
     whole.compose(position, turned, unit);
     this.patch(whole, shade);
@@ -76,7 +76,6 @@ export class Shadows {
       mesh = new InstancedMesh(geometry, this.material, this.most);
       mesh.frustumCulled = false;
       mesh.renderOrder = 2;
-      mesh.userData.level = level;
       this.meshes.set(geometry, mesh);
       this.scene.add(mesh);
       geometry.addEventListener("dispose", () => this.drop(geometry));

@@ -83,6 +83,7 @@ export function buildSky(scene: Scene, source: Source): Sky {
       dome.visible = !above && dull < 0.95;
       dome.position.set(eye.x, eye.y, eye.z - 40);
       material.opacity = 1 - dull;
+      material.transparent = dull > 0;
       material.color.setRGB(1, 1, 1).lerp(NIGHT, 0.93 * dark);
       sun.visible = !above && AIR.sunShare.value > 0.05;
       sun.material.opacity = AIR.sunShare.value;

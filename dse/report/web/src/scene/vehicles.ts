@@ -24,7 +24,7 @@ const LIT_BRAKE = new Color(0xff2418);
 const TAIL = new Color(0xb01a12);
 const HEAD = new Color(0xfff6dc);
 const AMBER = new Color(0xffa318);
-const NEAR = [32, 95]; // m up to which a body is drawn finely, and with wheels that turn
+const NEAR = [26, 75]; // m up to which a body is drawn finely, and with wheels that turn
 const MOST_SHAPES = 96;
 
 /** One road user at a moment; the fleet draws what it is told by `add`. */
@@ -135,7 +135,7 @@ export class Fleet {
     const mesh = this.meshOf(shape, level);
     mesh.setColorAt(mesh.count, vehicle.colour);
     mesh.setMatrixAt(mesh.count++, whole);
-    if (this.detail.shadows && far < 160) this.shadows.cast(vehicle, mesh.geometry, body.shade, level);
+    if (this.detail.shadows && far < 160) this.shadows.cast(vehicle, this.meshOf(shape, 2).geometry, body.shade);
     else this.shadows.patch(whole, body.shade);
     if (level < 2 || body.wheels.length < 3) this.turnWheels(vehicle, body);
     this.swing(vehicle, body);
