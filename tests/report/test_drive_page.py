@@ -81,7 +81,7 @@ def test_only_what_can_be_built_can_be_chosen_and_the_page_says_why(opened):
     radar = page.get_by_role("button", name="Long-range radar")
     assert radar.locator(".more").text_content() == "\u2212650 EUR \u00b7 +0.5 kg"
     assert page.locator(".why").is_hidden()
-    page.get_by_role("button", name="One motor").click()
+    page.get_by_role("button", name="One motor").click(force=True)
     page.get_by_role("button", name="Change Sensor to get this").click()
     page.wait_for_selector(".go[disabled]")
     page.get_by_role("button", name="Long-range radar").click()
