@@ -76,7 +76,7 @@ def _graphs(flat: FlatSpace, pairs: Sequence[tuple[Literal, Literal]]) -> Iterat
         if len({variable for variable, _ in reached}) == len(reached):
             yield {one: joined[one] for one in reached}
             continue
-        names: dict[str, set[Literal]] = {}
+        names: dict[str | None, set[Literal]] = {}
         for variable, value in reached:
             names.setdefault(flat.variables[variable].values[value], set()).add((variable, value))
         yield from ({one: joined[one] & same for one in sorted(same)} for same in names.values())
