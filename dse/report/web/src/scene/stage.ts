@@ -113,6 +113,7 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
       cabin.show(at("steering"));
       if (!isInside) fleet.add(host);
       traffic.show(time, fleet);
+      fleet.lightStreet(planting.lamps);
       fleet.finish();
       lights.show(time);
       sensing.show(time);

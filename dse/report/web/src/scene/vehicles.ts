@@ -26,6 +26,8 @@ const HEAD = new Color(0xfff6dc);
 const AMBER = new Color(0xffa318);
 const NEAR = [26, 75]; // m up to which a body is drawn finely, and with wheels that turn
 const MOST_SHAPES = 96;
+const STREET = 64; // street lamps that glow at once
+const LAMPLIGHT = 260; // m
 
 /** One road user at a moment; the fleet draws what it is told by `add`. */
 export interface Vehicle {
@@ -109,7 +111,7 @@ export class Fleet {
       scene.add(mesh);
     }
     this.shadows = new Shadows(scene, most);
-    this.glow = new Glow(scene, 4 * most);
+    this.glow = new Glow(scene, 4 * most + STREET);
     this.clear(false, 0, this.eye);
   }
 
@@ -140,6 +142,17 @@ export class Fleet {
     if (level < 2 || body.wheels.length < 3) this.turnWheels(vehicle, body);
     this.swing(vehicle, body);
     this.light(vehicle, body, far);
+  }
+
+  /** Street lamps near the eye glow by night. */
+  lightStreet(lamps: Vector3[]): void {
+    if (!this.isDark) return;
+    let count = 0;
+    for (const lamp of lamps)
+      if (count < STREET && lamp.distanceTo(this.eye) < LAMPLIGHT) {
+        this.glow.add(lamp, HEAD, 1);
+        count++;
+      }
   }
 
   finish(): void {
