@@ -36,8 +36,8 @@ export interface Vehicle {
   position: Vector3;
   /** Roll, pitch (nose down) and heading in rad. */
   rotation: Euler;
-  /** Wheels turned about their axles (rad), and the front ones to the left. */
-  spun: number;
+  /** m that the wheels have rolled; rad that the front ones are turned to the left. */
+  rolled: number;
   steered: number;
   brakes: boolean;
   /** 1 to the left, -1 to the right, 0 for none. */
@@ -50,7 +50,7 @@ export interface Vehicle {
 
 export function vehicleOf(choice: Choice, colour: number): Vehicle {
   const rotation = new Euler(0, 0, 0, "ZYX");
-  const still = { spun: 0, steered: 0, brakes: false, indicates: 0, stride: 0, swing: 1 };
+  const still = { rolled: 0, steered: 0, brakes: false, indicates: 0, stride: 0, swing: 1 };
   return { choice, colour: new Color(colour), position: new Vector3(), rotation, ...still };
 }
 
@@ -170,7 +170,7 @@ export class Fleet {
 
   private turnWheels(vehicle: Vehicle, { wheels }: Body): void {
     for (const { x, y, radius, width, isSteered } of wheels) {
-      turn.setFromEuler(angles.set(0, vehicle.spun * (0.31 / radius), isSteered ? vehicle.steered : 0, "ZYX"));
+      turn.setFromEuler(angles.set(0, vehicle.rolled / radius, isSteered ? vehicle.steered : 0, "ZYX"));
       this.put(this.wheels, place.set(x, y, radius), size.set(radius, width, radius), HEAD);
     }
   }
