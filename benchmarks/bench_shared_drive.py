@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import resource
 import time
 from pathlib import Path
 
@@ -37,19 +38,29 @@ def main() -> None:
         live.start()
     while not all(live.session.newest or live.ended for live in lives):
         time.sleep(0.05)
+    before = _processor()
     _watch(lives, given.seconds)
+    own = (_processor() - before) / given.seconds
+    load = os.getloadavg()[0]
     for live in lives:
         live.finish()
     ended = [live.session.wait(60) for live in lives]
     paces = [each.pace for each in ended if each and each.pace]
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
     late = 1e3 * np.concatenate([live.seating.place.late[100:] for live in lives])
-    print(f"{given.bench}, {given.seats} seats on {os.cpu_count()} processors, load {os.getloadavg()[0]:.1f}")
+    print(f"{given.bench}, {given.seats} seats on {os.cpu_count()} processors, load {load:.1f}")
     print(f"opened in {opening:.2f} s each; {len(paces)} of {given.seats} ended well")
     print(f"{sum(each.steps for each in paces):,} steps, {sum(each.overruns for each in paces):,} overruns")
+    print(f"the world took {100 * own:.0f} % of a processor, all other processes {used.ru_utime + used.ru_stime:.0f} s")
     print(
         f"late by {np.median(late):.2f} ms in the median, {np.quantile(late, 0.99):.2f} ms p99, {late.max():.1f} ms max"
     )
     world.close()
+
+
+def _processor() -> float:
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime
 
 
 def _watch(lives: list[SharedDrive], seconds: float) -> None:

@@ -235,7 +235,7 @@ class FakeDrives:
 def offer(chosen: dict[str, str]) -> dict[str, Any]:
     """Two drives, three sensors, brakes that follow from the drive; the lidar needs the strong drive."""
     weak, lidar = chosen.get("drive") == "small", chosen.get("sensor") == "lidar"
-    alternative = {"is_possible": True, "because": [], "rules_out": []}
+    alternative = {"is_possible": True, "because": [], "rules_out": [], "change": [], "adds": []}
     drives = [
         {
             **alternative,
@@ -252,9 +252,15 @@ def offer(chosen: dict[str, str]) -> dict[str, Any]:
             "title": "One motor",
             "is_possible": False,
             "because": ["a lidar needs the power of two motors"],
+            "change": ["sensor"],
         }
     sensors = [
-        {**alternative, "name": "radar", "title": "Long-range radar, 77 GHz"},
+        {
+            **alternative,
+            "name": "radar",
+            "title": "Long-range radar, 77 GHz",
+            "adds": [{"name": "cost", "unit": "EUR", "value": 250}, {"name": "mass", "unit": "kg", "value": 2}],
+        },
         {**alternative, "name": "camera", "title": EVIL},
         {
             **alternative,
@@ -262,6 +268,8 @@ def offer(chosen: dict[str, str]) -> dict[str, Any]:
             "title": "Lidar",
             "is_possible": not weak,
             "because": ["a lidar needs the power of two motors"] * weak,
+            "change": ["drive"] * weak,
+            "adds": [{"name": "cost", "unit": "EUR", "value": 900}, {"name": "mass", "unit": "kg", "value": 1.5}],
         },
     ]
     brakes = [{**alternative, "name": "discs", "title": "Four discs"}]

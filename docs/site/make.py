@@ -28,6 +28,7 @@ SECTIONS = {
             "docs/bring-your-fmu",
             "docs/ssp",
             "docs/modelica",
+            "docs/powertrains",
             "docs/simulink",
             "docs/python",
             "docs/traces",

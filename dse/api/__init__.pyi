@@ -127,5 +127,9 @@ from .templates.component import new_component as new_component
 from .templates.design import new_design as new_design
 from .templates.road import new_road as new_road
 from .templates.study import new_study as new_study
+from .templates.vehicle_interfaces import (
+    VEHICLE_INTERFACES as VEHICLE_INTERFACES,
+    new_vehicle_interfaces as new_vehicle_interfaces,
+)
 from .templates.write import write_start as write_start
 from .workspace import Workspace as Workspace, open as open

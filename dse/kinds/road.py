@@ -14,7 +14,7 @@ from dse.kinds.scenario import Values, written_values
 from dse.loading import ComponentKind, Plain, Section, SourcePlace, SourceSection, Workspace
 
 if TYPE_CHECKING:
-    from dse.world import Network, RoadTables, Scenario
+    from dse.world import Network, RoadTables, Route, Scenario
 
 _INTERFACE = "road"
 _MOST = {"paths": 8, "traffic lights": 16, "conflicts, each counted on both of its paths": 16}
@@ -121,12 +121,11 @@ class RoadKind(ComponentKind[RoadSection, RoadSource]):
 
 def tables_along(source: RoadSource) -> RoadTables:
     """The paths along the ways of *source*. Raises DseError with what is wrong with them and the roads."""
-    from dse.world import Route, Tolerance, host_tables, road_tables
+    from dse.world import Tolerance, host_tables, road_tables
 
     if source.file.suffix == ".xosc":
         return host_tables(_scenario(source), source.ways[0].where)
-    routes = [Route(way.roads, way.lane, way.name, way.where) for way in source.ways]
-    return road_tables(roads_of(source), routes, Tolerance(*source.tolerated))
+    return road_tables(roads_of(source), _routes(source), Tolerance(*source.tolerated))
 
 
 def written_ways(section: WaysSection, place: SourcePlace) -> tuple[WrittenWay, ...]:
@@ -160,20 +159,18 @@ def tolerated_of(section: WaysSection, place: SourcePlace) -> tuple[float, float
     return found[0], found[1]
 
 
+def _routes(source: RoadSource) -> list[Route]:
+    from dse.world import Route
+
+    return [Route(way.roads, way.lane, way.name, way.where) for way in source.ways]
+
+
 def _notes(source: RoadSource) -> Iterator[Problem]:
     """What the roads along the ways have that is ignored, and where the ways end in the middle of the network."""
-    from dse.world import Route, lane_graph, way_end, way_of
+    from dse.world import route_notes
 
-    if source.file.suffix == ".xosc":
-        return
-    graph = lane_graph(roads_of(source))
-    for written in source.ways:
-        way = way_of(graph, Route(written.roads, written.lane, written.name, written.where))
-        for road in dict.fromkeys(way.roads):
-            yield from graph.network.roads[road].ignored
-        end = way_end(graph, way)
-        if end is not None:
-            yield end
+    if source.file.suffix != ".xosc":
+        yield from route_notes(roads_of(source), _routes(source))
 
 
 def _scenario(source: RoadSource) -> Scenario:

@@ -21,7 +21,7 @@ class SharedDrives:
     """One world on *bench* with *most* seats. *simulated* of them drive as the bench's own driver does, one more for
     each of *scripts*; they begin with the first person, and again until the last one has left.
 
-    A car that is late is waited for *grace* s. Raises DseError if the bench cannot be shared. All may be called from any thread.
+    A car that is late is waited for *grace* s. All may be called from any thread.
     """
 
     def __init__(

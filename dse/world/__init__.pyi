@@ -47,7 +47,7 @@ from .openscenario.scenario import (
 )
 from .pieces import from_cubics as from_cubics, value as value
 from .road_reader import open_roads as open_roads, opendrive_text as opendrive_text
-from .routes import Route as Route, Way as Way, list_ways as list_ways, way_length as way_length, way_of as way_of
+from .routes import Route as Route, list_ways as list_ways, way_of as way_of
 from .sumo.resources import sumo_resources as sumo_resources, sumo_version as sumo_version
 from .tables import (
     Conflict as Conflict,
@@ -60,5 +60,6 @@ from .tables import (
     RoadPath as RoadPath,
     RoadTables as RoadTables,
 )
-from .way_ends import way_end as way_end
+from .way_ends import route_notes as route_notes, way_end as way_end
+from .ways import Way as Way, way_length as way_length
 from .writing.opendrive import opendrive_of as opendrive_of

@@ -1,13 +1,31 @@
-"""Where a way ends, although its road goes on."""
+"""What a user should know of the ways along routes: what is ignored there, and where they end in the network."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+
 from dse.errors import Problem, some_of
 from dse.formats import shortened
-from dse.world.lane_graph import LaneGraph, lane_at, next_places
+from dse.world.lane_graph import LaneGraph, lane_at, lane_graph, next_places
 from dse.world.opendrive.driving import lanes_at, runs_along
-from dse.world.opendrive.structure import End
-from dse.world.routes import Way
+from dse.world.opendrive.structure import End, Network
+from dse.world.routes import Route, way_of
+from dse.world.ways import Way
+
+
+def route_notes(network: Network, routes: Iterable[Route]) -> Iterator[Problem]:
+    """What the roads along *routes* have that is ignored, and why ways end where their roads meet something.
+
+    Raises DseError located at a route along which there is no way.
+    """
+    graph = lane_graph(network)
+    for route in routes:
+        way = way_of(graph, route)
+        for road in dict.fromkeys(way.roads):
+            yield from network.roads[road].ignored
+        end = way_end(graph, way)
+        if end is not None:
+            yield end
 
 
 def way_end(graph: LaneGraph, way: Way) -> Problem | None:

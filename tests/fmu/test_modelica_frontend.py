@@ -11,7 +11,7 @@ import pytest
 from workspaces import written
 
 from dse.errors import DseError, Location
-from dse.modelica.frontend import misreadings, process, source_text
+from dse.modelica.frontend import misreadings, modifications, process, source_text
 from dse.modelica.frontend.compile import compile_model
 from dse.modelica.frontend.literal import literal, wrapper
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied
@@ -418,13 +418,13 @@ def work(monkeypatch: pytest.MonkeyPatch, text: str) -> int:
         return call
 
     with monkeypatch.context() as patch:
-        for module in (misreadings, shape):
+        for module in (misreadings, modifications, shape):
             patch.setattr(module, "inside", counted(source_text.inside, lambda result, *_: len(result)))
             patch.setattr(module, "arguments", counted(source_text.arguments, lambda _, given: len(given)))
         patch.setattr(shape, "value", counted(source_text.value, lambda result, *_: len(result)))
         read = used([SourceText("m.mo", text)], "M")
         count += sum(len(source.text) + len(source.pieces) for source in (*read.texts, *read.packages))
-        found = list(misreadings.misread_modifications(read))
+        found = list(modifications.misread_modifications(read))
         found += misreadings.mixed_up_constants(read, "M", ["f"])
         assert not found
         shape._written([source.text for source in read.texts])  # the pass, without a flat model
@@ -436,6 +436,7 @@ GROWING = {
     "comments": lambda n: "model M " + "/* a word */ // another\n" * n + " Real x = 1; end M;",
     "lines": lambda n: "model M " + "Real x[3](each start = 1, y(z = f(2)));\n" * n + " end M;",
     "classes": lambda n: "model M " + "A a(b = 1); replaceable model A parameter Real b = 1; end A;\n" * n + " end M;",
+    "brackets": lambda n: "model M Real x" + "(a" * n + " = 1" + ")" * n + "; end M;",
     "a long statement": lambda n: "model M Real x = " + "f(g(1), {2}) + " * n + "1; end M;",
 }
 

@@ -236,3 +236,8 @@ def connection_count(t: float, given: Given) -> Values:
 @case("StringParameter", stop=0.14, error=EXACT)
 def string_parameter(t: float, given: Given) -> Values:
     return {"y": 1}
+
+
+@case("InnerNested", given={"k": 3.0}, variants=({"k": -5.0},), error=1e-12)
+def inner_nested(t: float, given: Given) -> Values:
+    return {"y": [2 * t, 2 * given["k"] * t, -2 * t, -2 * t]}

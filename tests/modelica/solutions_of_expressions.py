@@ -301,3 +301,34 @@ def no_derivative(t: float, given: Given) -> Values:
 @case("ColumnEquation", given={"k": 2.0}, variants=({"k": -0.5},), error=1e-12)
 def column_equation(t: float, given: Given) -> Values:
     return {"y": [t, given["k"] * t, t * t]}
+
+
+def stairs(x: float) -> tuple[float, float]:
+    total = rows = 0.0
+    for i in range(1, 4):
+        row = 0.0
+        for j in range(1, 4):
+            row += j * x
+            if row > 2 * i:
+                break
+            if total > 5:
+                return total, rows
+            total += 1
+        rows += 1
+        total += row
+    return -total, rows
+
+
+JUMPS_AT = (0.2, 0.4, 0.7, *(n / 2 / k for n in (2, 4, 6) for k in (1, 3, 6)))
+
+
+@case("FunctionJumps", events=JUMPS_AT, error=1e-12)
+def function_jumps(t: float, given: Given) -> Values:
+    total, rows = stairs(2 * t)
+    place = next((k for k, value in enumerate((0.2, 0.4, 0.7), 1) if value > t), -1)
+    return {"place": place, "sum": total, "rows": rows}
+
+
+@case("EnumerationLoops", error=1e-12)
+def enumeration_loops(t: float, given: Given) -> Values:
+    return {"force": [t, 2 * t, 4 * t], "total": 11 * t, "squares": [1, 4, 16]}

@@ -53,8 +53,9 @@ def test_a_function_gets_the_name_of_its_model() -> None:
         (TWO, "model Own Real x = L.One.f(2); end Own;"),
         (TWO, "model Own L.Three t(redeclare model M = L.One); end Own;"),
         (TWO.replace("function f", "function g").replace("end f", "end g"), ""),
+        (TWO.replace("function f", "redeclare function f"), ""),
     ],
-    ids=["extended", "named", "redeclared", "alone"],
+    ids=["extended", "named", "redeclared", "alone", "of another"],
 )
 def test_a_function_that_others_may_name_keeps_its_name(second: str, own: str) -> None:
     assert "function f\n" in names(library(One=ONE, Two=second), own)["L/One.mo"]

@@ -128,12 +128,9 @@ def test_the_first_true_element_is_found(made: MakeModel, tmp_path: Path) -> Non
     assert [row["y"] for row in rows] == [0, 0, 2, 1, 1, 1, 1, 1, 2, 2]
 
 
-def test_what_is_none_of_the_known_functions_is_kept() -> None:
-    other = (
-        "function firstTrueIndex input Boolean b[:]; output Integer index; algorithm index := size(b, 1);"
-        " for i in 1:size(b, 1) loop if b[i] then index := i; return; end if; end for; end firstTrueIndex;"
-    )
-    for text in ("model M Real x = 1; end M;", other):
+def test_a_text_without_tables_is_kept() -> None:
+    other = "function getNextTimeEvent input Real x; output Real y; algorithm y := 2*x; end getNextTimeEvent;"
+    for text in ("model M Real x = 1; end M;", f"{other} // ExternalCombiTimeTable"):
         assert with_tables(text) == text
 
 

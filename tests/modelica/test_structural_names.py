@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from dse.modelica.frontend.process import FrontEnd
 from dse.modelica.frontend.sources import read_sources
 from dse.modelica.frontend.structural.probe import compile_probed
 
@@ -78,3 +81,27 @@ def test_a_parameter_is_structural_where_the_shape_depends_on_it(place: str, tmp
     file = tmp_path / "T.mo"
     file.write_text(f"package T {text} end T;", encoding="utf-8")
     assert compile_probed(read_sources("m", "T.M", [file])).structural == expected
+
+
+def test_three_requests_tell_a_library_models_structural_parameters(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The base, the base with all values named, and one with other values of all: each tells whose it is."""
+    (tmp_path / "L").mkdir()
+    parts = (
+        "package L model Source parameter Real start_time = 0; output Real y = if time < start_time then 0 else 1;"
+        " end Source; model Gain parameter Real k = 1; parameter Real unused = 5; output Real y = k*time; end Gain;"
+        " model Held parameter Real k = 2; Gain gain(final k = k); end Held;"
+        " model M Source a; Source b(start_time = 0.5); Held h; Gain g(k = 3); end M; end L;"
+    )
+    (tmp_path / "L" / "package.mo").write_text(parts, encoding="utf-8")
+    asked = []
+    ask = FrontEnd.ask
+
+    def counted(self: FrontEnd, request: Mapping[str, object]) -> dict[str, Any]:
+        asked.append(request)
+        return ask(self, request)
+
+    monkeypatch.setattr(FrontEnd, "ask", counted)
+    assert compile_probed(read_sources("m", "L.M", [], [tmp_path])).structural == {"h.k"}
+    assert len(asked) == 3

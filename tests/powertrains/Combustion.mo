@@ -182,6 +182,12 @@ package Combustion "Cars and benches around the combustion library, for comparis
     connect(converter.b, turbine.flange);
   end ConverterBench;
 
+  model ColdStopStartOnCycle
+    extends PoweredCar(redeclare AdasPowertrain.Powertrains.CombustionDualClutch powertrain(
+      initial_speed = initial_speed/radius, is_cold = true, has_stop_start = true));
+    extends Driver;
+  end ColdStopStartOnCycle;
+
   model SlipControlOnCycle
     extends PoweredCar(redeclare AdasPowertrain.Powertrains.CombustionAutomatic powertrain(initial_speed = initial_speed/radius, has_slip_control = true));
     extends Driver;
@@ -218,4 +224,37 @@ package Combustion "Cars and benches around the combustion library, for comparis
     der(loss) = gearbox.loss_power;
     der(work) = source.torque*engine.speed + load.torque*car.speed;
   end SlipControlBench;
+
+  model Heater "Takes heat"
+    AdasPowertrain.Interfaces.HeatPort port;
+  equation
+    port.Q_flow = 600;
+  end Heater;
+
+  model WarmingBench "Constant losses into the body of an engine, a heater that takes some"
+    AdasPowertrain.Engines.Warming body(is_modelled = true, losses = 9000);
+    Heater heater;
+    output Real temperature = body.temperature;
+    output Real friction_factor = body.friction_factor;
+  equation
+    connect(heater.port, body.heat);
+  end WarmingBench;
+
+  model StopStartBench "An idling engine that stops for 3 s"
+    parameter AdasPowertrain.Vehicles.TurboPetrol15 data;
+    AdasPowertrain.Engines.Dynamic engine(
+      data = data,
+      inertia = 0.15,
+      torque_demand = 0,
+      has_stop_start = true,
+      may_stop = time > 1 and time < 4);
+    output Real speed = engine.speed;
+    output Real electric = engine.electric_power;
+    output Real energy_in(start = 0, fixed = true);
+    output Real energy_loss(start = 0, fixed = true);
+    output Real energy = engine.energy;
+  equation
+    der(energy_in) = engine.fuel_power + engine.electric_power;
+    der(energy_loss) = engine.loss_power + engine.starter_loss;
+  end StopStartBench;
 end Combustion;

@@ -192,3 +192,55 @@ def test_the_lock_up_clutch_lets_go_and_keeps_its_slip_as_scipy_says(cache: Path
     assert kept.min() > 1
     assert kept.mean() == pytest.approx(6, abs=0.5)
     assert np.abs(found[:, 3] - found[:, 4] - (found[:, 5] - found[0, 5])).max() < 1e-6 * found[:, 3].max()
+
+
+@pytest.mark.thorough
+def test_an_engine_warms_up_along_an_exponential_and_its_friction_follows_the_oil(cache: Path) -> None:
+    times = np.linspace(0.0, 1200.0, 61)
+    found = run(opened("Combustion.WarmingBench", cache), ("temperature", "friction_factor"), times, 1e-8)
+    expected = 296.15 + (0.4 * 9000 - 600) / 15 * (1 - np.exp(-15 / 65e3 * times))
+    assert expected[-1] < 363.15  # before the thermostat
+    assert np.abs(found[:, 0] - expected).max() < 1e-4
+
+    def viscosity(celsius: float) -> float:
+        return 8.5 * (45 / 8.5) ** ((1 / (celsius + 95) - 1 / 195) / (1 / 135 - 1 / 195))  # Vogel's curve
+
+    # The constants of the model are rounded: 731 instead of 731.06 K.
+    factors = [(viscosity(kelvin - 273.15) / viscosity(90.0)) ** 0.25 for kelvin in expected]
+    assert found[:, 1] == pytest.approx(factors, rel=1e-3)
+    assert factors[0] == pytest.approx(1.75, abs=0.02)
+
+
+@pytest.mark.thorough
+def test_an_engine_stops_by_its_friction_and_is_turned_by_its_starter_as_scipy_says(cache: Path) -> None:
+    times = np.linspace(0.0, 6.0, 121)
+    names = ("speed", "energy_in", "energy_loss", "energy", "electric")
+    found = run(opened("Combustion.StopStartBench", cache), names, times, 1e-9)
+    petrol = Petrol()
+
+    def derivative(t: float, y: np.ndarray) -> list[float]:
+        speed, air = y
+        burning = 0.0 if is_stopped else min(1.0, max(0.0, (speed - 40) / 20))
+        turning = 80 * max(0.0, 1 - speed / 90) if is_starting else 0.0
+        torque = burning * max(0.0, air) - petrol.drag(speed) + turning
+        return [torque / 0.15, (petrol.target(speed, 0.0) - air) / 0.12]
+
+    def runs(t: float, y: np.ndarray) -> float:
+        return float(y[0] - 60)
+
+    runs.terminal = True  # type: ignore[attr-defined]
+    state, now, rows = np.array([90.0, 0.0]), 0.0, {}
+    for until, mode in ((1.0, "runs"), (4.0, "stands"), (6.0, "is started"), (6.0, "runs")):
+        is_stopped, is_starting = mode == "stands", mode == "is started"
+        done = solve_ivp(
+            derivative, (now, until), state, "LSODA", events=runs if is_starting else None,
+            dense_output=True, rtol=1e-10, atol=1e-10, max_step=0.02,
+        )  # fmt: skip
+        rows |= {t: done.sol(t)[0] for t in times if now <= t <= done.t[-1]}
+        now, state = float(done.t[-1]), done.y[:, -1]
+    assert np.abs(found[:, 0] - [rows[t] for t in times]).max() < 1e-4
+    assert abs(found[78, 0]) < 5  # at 3.9 s
+    assert found[-1, 0] > 80
+    assert found[60, 4] == 500  # what the auxiliaries take from the battery
+    balance = found[:, 1] - found[:, 2] - (found[:, 3] - found[0, 3])
+    assert np.abs(balance).max() < 1e-6 * found[-1, 1]

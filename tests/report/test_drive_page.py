@@ -72,8 +72,18 @@ def test_only_what_can_be_built_can_be_chosen_and_the_page_says_why(opened):
     page.wait_for_selector(".alternative.out")
     lidar = page.get_by_role("button", name="Lidar", exact=False)
     assert lidar.get_attribute("aria-disabled") == "true"
-    assert "a lidar needs the power of two motors" in lidar.text_content()
+    assert "Not possible: A lidar needs the power of two motors." in lidar.text_content()
+    assert page.text_content(".why") == ("A drive needs one car. Choose Sensor, or have the rest chosen for you.")
     lidar.click(force=True)
+    page.get_by_role("button", name="Change Drive to get this").click()
+    page.wait_for_function("() => document.querySelector('.go:not([disabled])')")
+    assert page.locator("[aria-pressed=true] .name").all_text_contents() == ["Two motors", "Lidar", "Four discs"]
+    radar = page.get_by_role("button", name="Long-range radar")
+    assert radar.locator(".more").text_content() == "\u2212650 EUR \u00b7 +0.5 kg"
+    assert page.locator(".why").is_hidden()
+    page.get_by_role("button", name="One motor").click(force=True)
+    page.get_by_role("button", name="Change Sensor to get this").click()
+    page.wait_for_selector(".go[disabled]")
     page.get_by_role("button", name="Long-range radar").click()
     page.wait_for_selector(".go:not([disabled])")
     assert page.locator(".count").text_content() == "1 possible car of 49,400"

@@ -13,7 +13,8 @@ from opendrive_texts import factors, geometry, lane, opendrive, road, section
 from dse.world import LanePlace, RoadPath, lane_graph, place, project, read_network, value
 from dse.world.flatten import path_along
 from dse.world.lane_graph import entries
-from dse.world.routes import Way, list_ways
+from dse.world.routes import list_ways
+from dse.world.ways import Way
 
 ALKS = Path(__file__).parents[3] / "shared/data/alks/road_networks"
 FILES = ["different_curvatures", "straight"] + [

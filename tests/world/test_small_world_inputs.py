@@ -91,7 +91,7 @@ connections:
 CROWD = """test_components:
   traffic:
     component: stream_traffic
-    parameters: {count: 16, start_from: 10 m, desired_speed: 60 km/h, truck_speed: 50 km/h, truck_share: 0.2, cyclists: 3}
+    parameters: {count: 16, start_from: 10 m, desired_speed: 60 km/h, truck_speed: 50 km/h, cyclists: 3}
 connections:
   - road.paths -> traffic.paths
   - traffic.movers -> road.movers

@@ -3,6 +3,9 @@ partial model Engine "What all combustion engines share: friction, full load, fu
   parameter Vehicles.EngineData data;
   parameter Real scale(min = 0) = 1 "Displacement, torque and what the auxiliaries take, against the data";
   parameter Vehicles.Fuel fuel;
+  parameter Boolean is_cold = false "Warms up from initial_temperature; else it is warm";
+  parameter Real initial_temperature(unit = "K", min = 230, max = 400) = 296.15 "Of a cold engine";
+  Warming body(is_modelled = is_cold, initial_temperature = initial_temperature, heat_capacity = scale*65e3, losses = loss_power);
   Interfaces.RealInput torque_demand(unit = "N.m", start = 0) "On the crankshaft, beyond what the auxiliaries take; >= 0";
   Real speed(unit = "rad/s") "Of the crankshaft";
   Interfaces.RealOutput torque(unit = "N.m") "On the crankshaft, before its inertia";
@@ -22,7 +25,7 @@ protected
   Real combustion(unit = "N.m") "Torque of the combustion, >= 0";
   Real slope "Of the Willans line";
 equation
-  friction = scale*data.displacement/(4*pi)*(data.friction_pressure + data.friction_pressure_1*abs(speed)
+  friction = body.friction_factor*scale*data.displacement/(4*pi)*(data.friction_pressure + data.friction_pressure_1*abs(speed)
     + data.friction_pressure_2*speed*speed)*Smooth.direction(speed, standing);
   auxiliaries = scale*data.auxiliary_power*speed/(speed*speed + 400);
   drag = friction + auxiliaries;

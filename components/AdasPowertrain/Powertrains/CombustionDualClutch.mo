@@ -4,6 +4,9 @@ model CombustionDualClutch "Petrol engine, seven-speed dual-clutch gearbox, comp
   parameter Vehicles.TurboPetrol15 engine_data;
   parameter Vehicles.SevenSpeedDualClutch gearbox_data(final_ratio = final_ratio, shift_time = shift_time);
   parameter Vehicles.Fuel fuel;
+  parameter Boolean is_cold = false "The engine starts at initial_temperature; else it is warm";
+  parameter Real initial_temperature(unit = "K", min = 230, max = 400) = 296.15 "Of a cold engine";
+  parameter Boolean has_stop_start = false "The engine stops at standstill while nothing is demanded";
   parameter Real engine_scale(min = 0.3, max = 3) = 1 "Displacement and torque against the engine's data";
   parameter Real engine_inertia(unit = "kg.m2", min = 0.02, max = 1) = 0.15 "With flywheel or flexplate";
   parameter Real final_ratio(min = 2, max = 6) = 4.438;
@@ -16,6 +19,10 @@ model CombustionDualClutch "Petrol engine, seven-speed dual-clutch gearbox, comp
     fuel = fuel,
     scale = engine_scale,
     inertia = engine_inertia,
+    is_cold = is_cold,
+    initial_temperature = initial_temperature,
+    has_stop_start = has_stop_start,
+    may_stop = may_stop,
     initial_speed = max(engine_data.idle_speed, gearbox.initial_input_speed));
   Gearboxes.DualClutch gearbox(
     data = gearbox_data,
@@ -27,7 +34,11 @@ model CombustionDualClutch "Petrol engine, seven-speed dual-clutch gearbox, comp
   Driveline.Differential differential(ratio = final_ratio);
   Driveline.DriveShaft shaft(stiffness = shaft_stiffness, damping = shaft_damping);
   Driveline.Wheels wheels(speed = wheel_speed_front);
+protected
+  constant Real standing(unit = "rad/s") = 0.3 "Wheel speed below which the car stands";
+  Boolean may_stop(start = false, fixed = true);
 equation
+  may_stop = abs(wheel_speed_front) < standing and torque_demand < (if pre(may_stop) then 30 else 5);
   connect(engine.flange, gearbox.a);
   connect(gearbox.b, differential.a);
   connect(differential.b, shaft.a);
@@ -36,8 +47,8 @@ equation
   torque_front = wheels.torque;
   torque_rear = 0;
   fuel_power = engine.fuel_power;
-  battery_power = 0;
+  battery_power = engine.electric_power;
   co2 = engine.co2;
-  loss_power = engine.loss_power + gearbox.loss_power + shaft.loss_power;
+  loss_power = engine.loss_power + engine.starter_loss + gearbox.loss_power + shaft.loss_power;
   energy_stored = engine.energy + gearbox.energy + shaft.energy;
 end CombustionDualClutch;

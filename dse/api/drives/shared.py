@@ -91,6 +91,7 @@ def open_shared_drive(
     sharing = sharing_of(bench, chosen)
     wired = wire(without_traffic(bench, sharing), chosen)
     view = View(wired, bench.simulation.stop)
+    view.document["subtitle"] = "shared: the other drivers are the traffic"
     car = next((n.removesuffix(".motion.heading") for n in wired.signals if n.endswith(".motion.heading")), "")
     if not car:
         raise fail(f"bench '{bench.name}' cannot be shared: no part gives 'motion', which others see", bench.where)

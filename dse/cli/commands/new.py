@@ -31,16 +31,25 @@ def new_component(
         str | None,
         typer.Option("--implements", metavar="INTERFACE", help="An interface of the workspace; default: a new one."),
     ] = None,
+    template: Annotated[
+        str,
+        typer.Option("--template", help="vehicle_interfaces: a powertrain of models that follow VehicleInterfaces."),
+    ] = "",
     workspace: At = Path(),
 ) -> None:
     """Write a component that can be built, with its ports and a parameter.
 
     The files are in components/NAME of the workspace. Outside of a workspace, the current folder becomes one.
     """
-    from dse.api import new_component as started
+    from dse.api import VEHICLE_INTERFACES, new_component as started, new_vehicle_interfaces
 
+    if template not in ("", VEHICLE_INTERFACES):
+        raise typer.BadParameter(
+            f"there is no template '{template}', only '{VEHICLE_INTERFACES}'", param_hint="--template"
+        )
     space = _opened(workspace)
-    _write(space, name, started(space, name, kind, implements))
+    made = new_vehicle_interfaces(space, name, implements) if template else started(space, name, kind, implements)
+    _write(space, name, made)
     print_line(f"next: dse build {name}; dse new design NAME {name}")
 
 

@@ -76,26 +76,37 @@ def _functions(found: Classes) -> Iterator[tuple[int, list[tuple[int, int, str]]
     for number, own in enumerate(found.classes):
         if own.kind == "function":
             named.setdefault(own.name.rpartition(".")[2], []).append(number)
+    used = _used_elsewhere(found)
     for short, numbers in named.items():
         owners = {found.classes[number].around for number in numbers}
-        if len(numbers) == 1 or len(owners) < len(numbers):
+        texts = [found.texts[found.classes[number].source].text for number in numbers]
+        heads = [
+            text[found.classes[one].start : found.classes[one].body] for text, one in zip(texts, numbers, strict=True)
+        ]
+        is_redeclared = any(re.search(r"\b(?:redeclare|replaceable|extends)\b", head) for head in heads)
+        if len(numbers) == 1 or len(owners) < len(numbers) or is_redeclared:
             continue
         for around in owners:
             outer = found.classes[around]
             last = outer.name.rpartition(".")[2]
-            if outer.kind in _MODELS and not _is_extended(found, last):
+            if outer.kind in _MODELS and last not in used:
                 text = found.texts[outer.source].text
                 changes = list(_renamed(text, outer, short, f"{short}_of_{last}"))
                 if all(changes):
                     yield around, [change for change in changes if change is not None]
 
 
-def _is_extended(found: Classes, name: str) -> bool:
-    """Whether another class may have the functions of a class called *name*, or name them."""
-    pattern = re.compile(
-        rf"\bextends\s+(?:\w+\s*\.\s*)*{re.escape(name)}\b|\b{re.escape(name)}\s*\.|=\s*(?:\w+\s*\.\s*)*{name}\b"
-    )
-    return any(pattern.search(text.text) for text in found.texts)
+_USES = re.compile(r"\bextends\s+((?:\w+\s*\.\s*)*)(\w+)|=\s*((?:\w+\s*\.\s*)*)(\w+)\b|\b(\w+)\s*\.")
+
+
+def _used_elsewhere(found: Classes) -> set[str]:
+    """The last names of what is extended, or given in a redeclaration, and all names before a dot."""
+    names: set[str] = set()
+    for text in found.texts:
+        for match in _USES.finditer(text.text):
+            path = f"{match[1] or ''}{match[3] or ''}"
+            names.update(re.findall(r"\w+", path), (match[2] or match[4] or match[5],))
+    return names
 
 
 def _renamed(text: str, outer: Class, name: str, new: str) -> Iterator[tuple[int, int, str] | None]:

@@ -6,8 +6,7 @@ The library keeps a table in an external object, which a class declares once and
 name, and the functions are others that take them. Lines stay where they are.
 
 Straight lines and constant segments are translated. A smooth table, and a point outside of a table without
-extrapolation, give no number (NaN), which ends the run. Tables of files have no points, and are refused. The function
-that returns from its loop at the first true element, which the front-end does not take, is replaced as well.
+extrapolation, give no number (NaN), which ends the run. Tables of files have no points, and are refused.
 """
 
 from __future__ import annotations
@@ -31,16 +30,12 @@ _TAKEN = {
 _OBJECT = re.compile(rf"\b(?:final\s+)?parameter\s+(?:\w+\.)*({'|'.join(_KINDS)})\s+(\w+)\s*=\s*(?:\w+\.)*\1\s*(\()")
 _CLASS = re.compile(r"\b(?:block|model)\s+(\w+)(?!\s*[=.])")
 # What a function must contain to be the one that is meant, and not another of its name.
-_IS_KNOWN = re.compile(
-    r"\binput\s+[\w.]*ExternalCombiT"
-    r"|\bindex\s*:=\s*0\s*;\s*for\s+i\s+in\s+1:size\(b,\s*1\)\s*loop\s+if\s+b\[i\]\s*then\s+"
-    r"index\s*:=\s*i\s*;\s*return\s*;\s*end\s+if\s*;\s*end\s+for"
-)
+_IS_KNOWN = re.compile(r"\binput\s+[\w.]*ExternalCombiT")
 
 
 def with_tables(text: str) -> str:
     """*text* of a file of the library with tables in Modelica."""
-    if not any(kind in text for kind in (*_KINDS, "firstTrueIndex")):
+    if not any(kind in text for kind in _KINDS):
         return text
     clean = code(text)
     changes: list[tuple[int, int, str]] = []
@@ -220,6 +215,4 @@ _FUNCTIONS = {
     "getTimeTableTmin": _end("getTimeTableTmin", _TIMES, "timeMin", "1"),
     "getTimeTableTmax": _end("getTimeTableTmax", _TIMES, "timeMax", "size(table, 1)"),
     "getNextTimeEvent": _NEXT,
-    "firstTrueIndex": """function firstTrueIndex input Boolean b[:]; output Integer index; algorithm index := 0;
-      for i in 1:size(b, 1) loop index := if index == 0 and b[i] then i else index; end for; end firstTrueIndex;""",
 }

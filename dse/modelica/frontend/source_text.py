@@ -6,6 +6,7 @@ import re
 from bisect import bisect
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 from dse.errors import Location
 
@@ -13,6 +14,7 @@ CLASS_KINDS = "class|model|block|record|connector|type|package|function"
 PREFIXES = r"(?:(?:each|final|replaceable|encapsulated|partial|pure|impure)\s+)*"
 # Quoted names are not hidden, but what looks like a comment or a string in them begins none.
 _HIDDEN = re.compile(r"""'(?:\\.|[^'\\\n])*'|"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/""", re.DOTALL)
+_LINE_END = re.compile("\n")
 _BLANK = re.compile(r"[^\n]")
 
 
@@ -31,10 +33,11 @@ class SourceText:
 
     def location(self, offset: int) -> Location:
         """Line and column of the byte *offset* of the text in UTF-8; columns count characters."""
-        content = self.text.encode()
-        before = content[: max(offset, 0)].decode("utf-8", "replace")
-        line_start = before.rfind("\n") + 1
-        return Location(self.path, before.count("\n") + 1, len(before) - line_start + 1)
+        content, starts = _encoded(self.text)
+        offset = min(max(offset, 0), len(content))
+        line = bisect(starts, offset)
+        column = len(content[starts[line - 1] : offset].decode("utf-8", "replace"))
+        return Location(self.path, line, column + 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +47,17 @@ class Declaration:
     where: Location
     is_partial: bool
     description: str
+
+
+@lru_cache(maxsize=16)
+def _line_starts(text: str) -> list[int]:
+    return [0, *(match.end() for match in _LINE_END.finditer(text))]
+
+
+@lru_cache(maxsize=16)
+def _encoded(text: str) -> tuple[bytes, list[int]]:
+    content = text.encode()
+    return content, [0, *(match.end() for match in re.finditer(b"\n", content))]
 
 
 def code(text: str) -> str:
@@ -89,8 +103,9 @@ def place(source: SourceText, start: int) -> Location:
     if source.pieces:
         here, there = source.pieces[bisect(source.pieces, (start, len(source.whole))) - 1]
         text, start = source.whole, there + start - here
-    line_start = text.rfind("\n", 0, start) + 1
-    return Location(source.path, text.count("\n", 0, start) + 1, start - line_start + 1)
+    starts = _line_starts(text)
+    line = bisect(starts, start)
+    return Location(source.path, line, start - starts[line - 1] + 1)
 
 
 def _description(following: str) -> str:
@@ -98,13 +113,13 @@ def _description(following: str) -> str:
     return re.sub(r"\\(.)", r"\1", match[1]) if match else ""
 
 
-_BRACKET = re.compile(r"[()\[\]{},;]")
+BRACKET = re.compile(r"[()\[\]{},;]")
 
 
 def inside(text: str, start: int) -> str:
     """What stands between the bracket at *start* and the one that closes it, or the end of *text*."""
     depth = 0
-    for match in _BRACKET.finditer(text, start):
+    for match in BRACKET.finditer(text, start):
         depth += (match[0] in "([{") - (match[0] in ")]}")
         if depth == 0:
             return text[start + 1 : match.start()]
@@ -114,7 +129,7 @@ def inside(text: str, start: int) -> str:
 def value(text: str, start: int) -> str:
     """The expression at *start*: up to a comma, a semicolon or a bracket that closes what stands around it."""
     depth = 0
-    for match in _BRACKET.finditer(text, start):
+    for match in BRACKET.finditer(text, start):
         depth += (match[0] in "([{") - (match[0] in ")]}")
         if depth < 0 or (depth == 0 and match[0] in ",;"):
             return text[start : match.start()]
@@ -124,7 +139,7 @@ def value(text: str, start: int) -> str:
 def arguments(text: str) -> list[tuple[int, int]]:
     """Start and end of the parts of *text* between its commas, but for those in brackets."""
     depth, starts, ends = 0, [0], []
-    for match in _BRACKET.finditer(text):
+    for match in BRACKET.finditer(text):
         depth += (match[0] in "([{") - (match[0] in ")]}")
         if match[0] == "," and depth == 0:
             ends.append(match.start())

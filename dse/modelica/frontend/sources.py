@@ -9,6 +9,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.modelica.frontend.enumeration_loops import counted
+from dse.modelica.frontend.jumps import without_jumps
 from dse.modelica.frontend.library_names import distinct
 from dse.modelica.frontend.library_tables import with_tables
 from dse.modelica.frontend.source_text import SourceText
@@ -115,7 +117,22 @@ def read_sources(
         what = f"component '{component}': more than {_MOST_FILES} Modelica files"
         raise fail(what, where, "name large libraries under 'modelica_path'")
     sources = ModelSources(component, model, contents, origins, tuple(roots), where)
-    return _with_parts(sources, keep) if sources.roots else sources
+    return _accepted(_with_parts(sources, keep) if sources.roots else sources)
+
+
+def _accepted(sources: ModelSources) -> ModelSources:
+    """*sources* without what the front-end refuses though the same can be written in other words."""
+    contents, parts = (
+        counted(files, {**sources.parts, **sources.contents}) for files in (sources.contents, sources.parts)
+    )
+    return replace(sources, contents=_without_jumps(contents), parts=_without_jumps(parts))
+
+
+def _without_jumps(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    return {
+        name: without_jumps(_text(content)).encode() if name.endswith(".mo") else content
+        for name, content in files.items()
+    }
 
 
 def _with_parts(sources: ModelSources, keep: Keep) -> ModelSources:

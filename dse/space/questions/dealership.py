@@ -20,7 +20,7 @@ from dse.space.methods.mdd.diagram import DecisionDiagram, count, extremes, rest
 from dse.space.methods.mdd.scenarios import ScenarioBits, Scenarios, bits_of, possible, taken, whole
 from dse.space.output.sums import PropertySum, property_sums
 from dse.space.questions.conflict import minimal_conflict
-from dse.space.questions.offer import ChoicePoint, Offer, OfferedChoice, OfferedTotal, titled
+from dse.space.questions.offer import Addition, ChoicePoint, Offer, OfferedChoice, OfferedTotal, titled
 from dse.space.restriction.choices import ABSENT_NAME, read_choices
 
 _ALSO = ("cost", "mass")
@@ -79,14 +79,14 @@ class Dealership:
             chosen,
             self._total,
             number,
-            tuple(self._points(chosen, scenarios)),
+            tuple(self._points(chosen, scenarios, masks)),
             tuple(_range(left, total) for total in self._totals) if number else (),
             identify(choices) if number == 1 else "",
             choices,
             () if number else self._because(scenarios, [1 << _NOW])[0],
         )
 
-    def _points(self, chosen: Choices, scenarios: Scenarios) -> Iterator[ChoicePoint]:
+    def _points(self, chosen: Choices, scenarios: Scenarios, masks: Mapping[str, Masks]) -> Iterator[ChoicePoint]:
         found = taken(self._diagram, scenarios)
         possible = whole(np.bitwise_or.reduce(found[0], axis=0)) if found else 0
         # In which scenarios each choice is made in some configuration.
@@ -100,6 +100,7 @@ class Dealership:
         seen = {*chosen, *(path for path, _ in ways)}
         shown = [choice for choice in self._of if choice[0] in seen]
         cannot = [choice for choice in shown if not possible & self._groups[choice]]
+        changes = self._changes(cannot, masks)
         why = dict(zip(cannot, self._because(scenarios, [self._groups[choice] for choice in cannot]), strict=True))
         for path in dict.fromkeys(path for path, _ in shown):
             can = [name for place, name in open_ if place == path]
@@ -110,10 +111,35 @@ class Dealership:
                 group, is_news = self._groups[choice], choice not in why and choice[1] not in told
                 gone = [each for each in open_ if is_news and each[0] != choice[0] and not made[each] & group]
                 title = titled(choice[1], self._titles.get(choice, ""))
-                return OfferedChoice(choice[1], title, choice not in why, why.get(choice, ()), tuple(gone))
+                change, adds = changes.get(choice, ()), self._adds(choice)
+                return OfferedChoice(
+                    choice[1], title, choice not in why, why.get(choice, ()), tuple(gone), change, adds
+                )
 
             offers = tuple(offered(choice) for choice in shown if choice[0] == path)
             yield ChoicePoint(path, titled(path), chosen.get(path, ""), implied, is_certain, offers)
+
+    def _changes(self, cannot: Sequence[PlaceChoice], masks: Mapping[str, Masks]) -> dict[PlaceChoice, tuple[str, ...]]:
+        """Of what cannot be chosen, the places of which each alone, if nothing were chosen there, would allow it."""
+        found: dict[PlaceChoice, tuple[str, ...]] = {}
+        for path in masks if cannot else ():
+            others = {each: mask for each, mask in masks.items() if each != path}
+            left = whole(possible(self._diagram, self._scenarios(others)))
+            for choice in cannot:
+                if choice[0] != path and left & self._groups[choice]:
+                    found[choice] = (*found.get(choice, ()), path)
+        return found
+
+    def _adds(self, choice: PlaceChoice) -> tuple[Addition, ...]:
+        """What a choice adds by itself to the sums that any design may have."""
+        path, name = choice
+        number = next(n for n in self._at[path] if (name if name != ABSENT_NAME else None) in self._variables[n].values)
+        place = self._variables[number].values.index(None if name == ABSENT_NAME else name)
+        return tuple(
+            Addition(total.name, total.unit.symbol, float(int(weights[place]) * total.scale / total.unit.factor))
+            for total in self._totals
+            if total.name in _ALSO and (weights := total.weights.get(number)) is not None
+        )
 
     def _scenarios(self, masks: Mapping[str, Masks]) -> Scenarios:
         """Each choice with all that is chosen elsewhere, as *masks* by path; not with what is chosen inside it."""

@@ -13,13 +13,23 @@ NO_PLACE = "the other choices leave no place for it"
 
 
 @dataclass(frozen=True, slots=True)
+class Addition:
+    """What a choice adds to the sum *name*: *value* in *unit*."""
+
+    name: str
+    unit: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
 class OfferedChoice:
     """One thing that can be chosen at a place, ``absent`` for leaving it out.
 
     It is possible if a valid configuration has it and all that is chosen elsewhere; what is chosen inside the place
     itself would go with it. If it is not, *because* are constraints that nothing meets together, all but any one of
     them can be met; none if the choices exclude each other whatever the constraints. *rules_out* are the choices,
-    (path, name), at places that are not chosen yet which are possible now and would not be any more.
+    (path, name), at places that are not chosen yet which are possible now and would not be any more. *change* are the
+    places whose choice, given up alone, would make it possible. *adds* is what it adds itself to sums such as the cost.
     """
 
     name: str
@@ -27,6 +37,8 @@ class OfferedChoice:
     is_possible: bool
     because: tuple[Constraint, ...] = ()
     rules_out: tuple[tuple[str, str], ...] = ()
+    change: tuple[str, ...] = ()
+    adds: tuple[Addition, ...] = ()
 
     def texts(self) -> tuple[str, ...]:
         """Why it is not possible, for a person; () if it is."""
@@ -133,6 +145,8 @@ def _point(point: ChoicePoint) -> dict[str, object]:
                 "because": list(each.texts()),
                 "constraints": [constraint.name for constraint in each.because],
                 "rules_out": [{"path": path, "name": name} for path, name in each.rules_out],
+                "change": list(each.change),
+                "adds": [{"name": one.name, "unit": one.unit, "value": one.value} for one in each.adds],
             }
             for each in point.choices
         ],

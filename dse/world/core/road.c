@@ -203,6 +203,7 @@ static double ahead_of(const host_place *host, double along) {
  * at *foot*, of whose lanes it is some m aside; or the host's road does so before it, where the host is now: then it is
  * near, although far along the road. */
 static double above(const road *self, const host_place *host, const road_actor *actor, const path_foot *foot) {
+    if (actor->z == 0 && host->path->height.count == 0 && host->path->bank.count == 0) return 0;
     const path_rule *rule = &road_tables.rule;
     double aside = HUGE_VAL, over = actor->z - ground_at(host->path, foot).height;
     for (int32_t k = 0; k < host->path->lane_count; ++k) {

@@ -89,7 +89,7 @@ def sign_speed(signal: XmlElement, ignored: list[Problem]) -> float | None:
     country, kind = _country(signal), _kind(signal.get("type"))
     catalogue = CATALOGUES.get(country)
     if catalogue is None or not any(_is_of(signal, kind, types) for types in (catalogue.begins, catalogue.ends)):
-        _tell_unknown(signal, country, kind, ignored)
+        _report_unknown(signal, country, kind, ignored)
         return None
     if _is_of(signal, kind, catalogue.ends):
         return 0.0
@@ -131,7 +131,7 @@ def _of_subtype(signal: XmlElement, catalogue: Catalogue) -> float | None:
     return told if told is None or not catalogue.in_tens or told > 15 else 10 * told
 
 
-def _tell_unknown(signal: XmlElement, country: str, kind: str, ignored: list[Problem]) -> None:
+def _report_unknown(signal: XmlElement, country: str, kind: str, ignored: list[Problem]) -> None:
     """A sign with the unit of a speed, or with a type that limits the speed in another country."""
     if signal.get("unit").strip() in SPEED_UNITS:
         known = f"of '{country}': {', '.join(sorted(CATALOGUES[country].begins))}" if country in CATALOGUES else ""

@@ -23,8 +23,9 @@ from dse.world.opendrive.curves import curve_of
 from dse.world.opendrive.driving import runs_along
 from dse.world.opendrive.structure import Network, Road, Section
 from dse.world.pieces import value
-from dse.world.routes import Onward, Route, Way, straight_on, way_in, way_of
+from dse.world.routes import Route, way_of
 from dse.world.tables import RoadPath
+from dse.world.ways import Onward, Way, straight_on, way_in
 
 _MOST_PATHS = 40
 _UPSTREAM = 1000.0

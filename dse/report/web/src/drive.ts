@@ -67,6 +67,7 @@ async function join(
   try {
     stop = showDrive(page, driven);
     if (driven.seat !== undefined) page.querySelector(".panels")?.prepend(buildRoster(driven));
+    page.querySelector(".drive")?.classList.toggle("watching", driven.watched !== undefined);
   } catch (error) {
     driven.leave();
     const canWebGl = Boolean(document.createElement("canvas").getContext("webgl2"));

@@ -1,6 +1,7 @@
 // Which car, and where: only what can be built can be chosen.
 import { el } from "../dom";
-import { type Alternative, ask, type Offer, offerAddress, type Point, written } from "./messages";
+import { drawPoint, type Pick, whyNot } from "./choices";
+import { ask, type Offer, offerAddress, written } from "./messages";
 
 export interface Order {
   bench: string;
@@ -12,8 +13,6 @@ export interface Bench {
   name: string;
   title: string;
 }
-
-const MOST_NAMES = 3;
 
 /** Shows itself in *page*; `go` may fail in words. */
 export function showDealership(
@@ -27,6 +26,7 @@ export function showDealership(
   const left = el("p", { class: "count", "aria-live": "polite" });
   const totals = el("dl", { class: "totals" });
   const problem = el("p", { class: "problem", role: "alert" });
+  const why = el("p", { id: "why-not", class: "why" });
   const about = el("p", { class: "muted" });
   const link = el("a", { class: "share" }, "Link to this car on this road");
   const driver = el("input", {
@@ -42,6 +42,7 @@ export function showDealership(
     {
       type: "button",
       class: "go",
+      "aria-describedby": "why-not",
       click: () =>
         void run(async () => {
           start.disabled = true;
@@ -96,6 +97,7 @@ export function showDealership(
     start.textContent = "Drive";
     start.disabled = !offer?.configuration;
     rest.hidden = !offer || Boolean(offer.configuration) || offer.left === "0";
+    why.textContent = offer ? whyNot(offer) : "";
     if (!offer) return;
     const focused = (document.activeElement as HTMLElement | null)?.dataset.choice;
     about.textContent = offer.title;
@@ -109,15 +111,13 @@ export function showDealership(
         el("div", {}, el("dt", {}, title), el("dd", {}, range(low, high, unit))),
       ),
     );
-    points.replaceChildren(
-      ...offer.conflict.map((text) => el("p", { class: "problem" }, text)),
-      ...offer.points.map((point) => drawPoint(offer!, point, pick)),
-    );
+    points.replaceChildren(...offer.points.map((point) => drawPoint(offer!, point, pick)));
     if (focused) points.querySelector<HTMLElement>(`[data-choice="${CSS.escape(focused)}"]`)?.focus();
     link.href = address(order);
   };
-  const pick = (point: Point, { name }: Alternative): void => {
+  const pick: Pick = (point, { name }, change) => {
     const chosen = { ...order.chosen };
+    if (change) delete chosen[change];
     if (chosen[point.path] === name) delete chosen[point.path];
     else chosen[point.path] = name;
     void choose(chosen);
@@ -130,6 +130,7 @@ export function showDealership(
     totals,
     el("label", { class: "field", for: "driver" }, el("span", {}, "Driver"), driver),
     start,
+    why,
     rest,
     problem,
     el("p", { class: "links" }, link, none),
@@ -162,60 +163,6 @@ export function showDealership(
 
 export function address({ bench, chosen }: Order): string {
   return `#${new URLSearchParams({ bench, chosen: written(chosen) })}`;
-}
-
-function drawPoint(offer: Offer, point: Point, pick: (point: Point, alternative: Alternative) => void): HTMLElement {
-  const has = point.chosen ?? point.implied;
-  const state = point.chosen ? "" : point.implied ? "implied by other choices" : "open";
-  return el(
-    "section",
-    { class: "card point", "aria-label": point.title },
-    el("h2", {}, point.title, state ? el("span", { class: `state ${has ? "" : "open"}` }, state) : null),
-    el(
-      "div",
-      { class: "alternatives", role: "group", "aria-label": point.title },
-      ...point.alternatives.map((each) =>
-        drawAlternative(offer, point, each, has === each.name, () => pick(point, each)),
-      ),
-    ),
-  );
-}
-
-function drawAlternative(
-  offer: Offer,
-  point: Point,
-  each: Alternative,
-  isTaken: boolean,
-  pick: () => void,
-): HTMLElement {
-  const names = each.rules_out.map(({ path, name }) => titleOf(offer, path, name));
-  const more = names.length > MOST_NAMES ? ` and ${names.length - MOST_NAMES} more` : "";
-  const note = each.is_possible
-    ? names.length && !isTaken
-      ? `excludes ${names.slice(0, MOST_NAMES).join(", ")}${more}`
-      : ""
-    : each.because.join("; ") || "not possible with the other choices";
-  return el(
-    "button",
-    {
-      type: "button",
-      class: `alternative${each.is_possible ? "" : " out"}`,
-      "data-choice": `${point.path}:${each.name}`,
-      "aria-pressed": String(isTaken),
-      "aria-disabled": each.is_possible ? undefined : "true",
-      title: names.length > MOST_NAMES && each.is_possible ? `excludes ${names.join(", ")}` : undefined,
-      click: () => {
-        if (each.is_possible) pick();
-      },
-    },
-    el("span", { class: "name" }, each.title || each.name),
-    note ? el("span", { class: "note" }, note) : null,
-  );
-}
-
-function titleOf(offer: Offer, path: string, name: string): string {
-  const point = offer.points.find((each) => each.path === path);
-  return point?.alternatives.find((each) => each.name === name)?.title || name;
 }
 
 function grouped(count: string): string {

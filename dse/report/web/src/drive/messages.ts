@@ -9,6 +9,10 @@ export interface Alternative {
   is_possible: boolean;
   because: string[];
   rules_out: { path: string; name: string }[];
+  /** Places whose choice, given up alone, would make it possible. */
+  change: string[];
+  /** What it adds by itself to the price and the mass. */
+  adds: { name: string; unit: string; value: number }[];
 }
 
 export interface Point {

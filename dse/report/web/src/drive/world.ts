@@ -82,9 +82,9 @@ export function buildSeats(watch: (seat: number) => Promise<void>): HTMLElement 
   return box;
 }
 
-function nameOf({ number, driver, simulated }: Seat, drive?: Drive): string {
+function nameOf({ number, driver }: Seat, drive?: Drive): string {
   const mine = number === drive?.seat ? (drive.watched === undefined ? " (you)" : " (watched)") : "";
-  return `${number} ${driver}${simulated ? " \u00b7 simulated" : ""}${mine}`;
+  return `${number} ${driver}${mine}`;
 }
 
 function speedOf({ speed, time }: Seat): string {

@@ -1,18 +1,18 @@
-model BreakInLoop // refused: loop
+model BreakInWhile // refused: loop
   function f
     input Real x;
     output Real y;
   algorithm
     y := 0;
-    for i in 1:5 loop
-      y := y + i;
+    while true loop
+      y := y + 1;
       if y > x then
         break;
       end if;
-    end for;
+    end while;
   end f;
   input Real u(start = 1);
   output Real y;
 equation
   y = f(u);
-end BreakInLoop;
+end BreakInWhile;
