@@ -51,10 +51,16 @@ def test_signs_have_the_number_in_their_own_unit(tmp_path: Path) -> None:
         f'<signal {place} id="2" orientation="-" country="DE" type="274" subtype="60"/>'
         f'<signal {place} id="3" orientation="+" country="DE" type="206"/>'
         f'<signal {place} id="4" orientation="+" country="DE" type="101"/>'
+        f'<signal {place} id="5" orientation="+" country="GB" type="670" value="40"/>'
     )
     signs = standing_signs(read(tmp_path, signals=signals))
-    assert [(sign.kind, sign.text) for sign in signs] == [("limit", "35"), ("limit", "60"), ("206", "")]
-    assert [round(np.degrees(sign.heading)) for sign in signs] == [0, 180, 0]
+    assert [(sign.kind, sign.text) for sign in signs] == [
+        ("limit", "35"),
+        ("limit", "60"),
+        ("206", ""),
+        ("limit", "40"),
+    ]
+    assert [round(np.degrees(sign.heading)) for sign in signs] == [0, 180, 0, 0]
     assert signs[0].place.tolist() == [20.0, -5.0, 0.0]
 
 

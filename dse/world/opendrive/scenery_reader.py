@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 
+from dse.errors import DseError
 from dse.formats import XmlElement, real_of, whole_of
 from dse.world.opendrive.lanes import SPEED_UNITS
 from dse.world.opendrive.scenery import PlacedObject, PlacedSign, RoadMark, Scenery
+from dse.world.opendrive.speed_signs import is_german, sign_speed
 
 _MOST_REPEATED = 2000
 _WIDTHS = {"bold": 0.25, "standard": 0.12}
-_LIMIT = "274"
+_WRITTEN = ("km/h", "mph")
+_WHOLE = 0.01
 _ORDERS = {"205", "206", "301", "306", "307"}
 
 
@@ -55,15 +59,17 @@ def _signs(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[Placed
 
 
 def _face(signal: XmlElement) -> tuple[str, str]:
-    """What is on a sign: a speed limit in its own unit, whatever its country, or an order of the German catalogue."""
-    kind, unit, value = signal.get("type"), signal.get("unit").strip(), real_of(signal.get("value"))
-    if unit in SPEED_UNITS and value is not None and 0.0 < value < math.inf and signal.get("dynamic") != "yes":
-        shown = value * SPEED_UNITS[unit] / SPEED_UNITS["km/h"] if unit == "m/s" else value
-        return "limit", f"{shown:.0f}"
-    if kind == _LIMIT:
-        subtype = real_of(signal.get("subtype")) or value
-        return ("limit", f"{subtype:.0f}") if subtype and 0.0 < subtype < math.inf else ("", "")
-    return (kind, "") if kind in _ORDERS else ("", "")
+    """What is on a sign: a speed limit in the unit it is written in, or an order of the German catalogue."""
+    speed = None
+    with suppress(DseError):  # which is reported where limits are read
+        speed = sign_speed(signal, [])
+    if speed:
+        written = signal.get("unit").strip()
+        units = (written,) if written in _WRITTEN else _WRITTEN
+        numbers = [speed / SPEED_UNITS[unit] for unit in units]
+        return "limit", f"{next((each for each in numbers if abs(each - round(each)) < _WHOLE), numbers[0]):.0f}"
+    kind = signal.get("type")
+    return (kind, "") if kind in _ORDERS and is_german(signal) else ("", "")
 
 
 def _objects(element: XmlElement) -> Iterator[PlacedObject]:

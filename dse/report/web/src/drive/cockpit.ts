@@ -230,7 +230,7 @@ function buildHelp(): HTMLDialogElement {
       `Gamepad: triggers for the pedals, left stick to steer, A cruise control, B gap (${GAPS.join(", ")}), bumpers for the set speed. With hands off the wheel, lane keeping steers, if the car has it.`,
     ),
     buildCalibration(() => undefined),
-    el("button", { type: "button", click: () => dialog.close() }, "Resume"),
+    el("button", { type: "button", autofocus: true, click: () => dialog.close() }, "Resume"),
   );
   return dialog;
 }

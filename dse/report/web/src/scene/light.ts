@@ -52,7 +52,9 @@ uniform float snowCover;
 uniform vec3 horizon;
 uniform vec3 zenith;
 varying vec3 vBefore;
-varying vec3 vFlat;`;
+#ifdef PLACED
+varying vec3 vFlat;
+#endif`;
 
 const PAINT = `vColor.xyz = color;
 #ifdef USE_INSTANCING_COLOR
@@ -69,7 +71,9 @@ outward = mat3(instanceMatrix) * outward;
 #endif
 worldPlace = modelMatrix * worldPlace;
 outward = normalize(mat3(modelMatrix) * outward);
+#ifdef PLACED
 vFlat = worldPlace.xyz;
+#endif
 float laying = snowCover * smoothstep(0.5, 0.85, outward.z) * (1.0 - 0.75 * surface.y);
 #ifndef USE_INSTANCING
 laying *= 1.0 - surface.x; // driven away
@@ -103,14 +107,16 @@ export function lit(material: MeshBasicMaterial, fragment = "", name = "lit"): M
   material.customProgramCacheKey = () => name;
   material.onBeforeCompile = (shader: WebGLProgramParametersWithUniforms) => {
     Object.assign(shader.uniforms, AIR, { headlampsLit: HEADLAMPS.lit, headlampsFrom: HEADLAMPS.from, grain: GRAIN });
+    // Only what has more to paint pays for its place.
+    const placed = fragment ? "#define PLACED\n" : "";
     shader.vertexShader = shader.vertexShader
-      .replace("#include <common>", BEFORE)
+      .replace("#include <common>", placed + BEFORE)
       .replace("#include <color_vertex>", PAINT)
       .replace("#include <project_vertex>", SHADE);
-    const uniforms =
-      "uniform float headlampsLit;\nuniform float wetness;\nuniform vec3 horizon;\nuniform sampler2D grain;";
+    const own = "uniform float wetness;\nuniform vec3 horizon;\nuniform sampler2D grain;\nvarying vec3 vFlat;";
+    const varying = `uniform float headlampsLit;\nvarying vec3 vBefore;\n${fragment ? own : ""}`;
     shader.fragmentShader = shader.fragmentShader
-      .replace("#include <common>", `#include <common>\n${uniforms}\nvarying vec3 vBefore;\nvarying vec3 vFlat;`)
+      .replace("#include <common>", `#include <common>\n${varying}`)
       .replace("#include <color_fragment>", `${BEAM}\n${fragment}`);
   };
   return material;

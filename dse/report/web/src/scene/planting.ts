@@ -30,6 +30,8 @@ interface Planted {
 
 export interface Planting {
   group: Group;
+  /** Heads of street lamps. */
+  lamps: Vector3[];
   /** Draws what is within *reach* m. */
   show(x: number, y: number, reach: number): void;
 }
@@ -61,8 +63,15 @@ export function buildPlanting(document: Document, roads: RoadMap, land: Land): P
     meshes.push({ mesh, kind, x, y, tall: kind === "house" || kind === "block" || kind === "office" });
     group.add(mesh);
   }
+  const lamps = planted
+    .filter(({ kind }) => kind === "lamp")
+    .map(({ x, y, z, turn, size: [wide, , high] }) => {
+      const arm = 0.24 * wide;
+      return new Vector3(x - arm * Math.cos(turn), y - arm * Math.sin(turn), z + 0.98 * high);
+    });
   return {
     group,
+    lamps,
     show: (x, y, reach) => {
       for (const { mesh, kind, x: mx, y: my, tall } of meshes) {
         const far = Math.hypot(mx - x, my - y);

@@ -107,12 +107,13 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
       // Bodies are built around their middles, the car is told where its centre of gravity is.
       host.position.set(front - length / 2, 0, 0).applyMatrix4(frame.matrixWorld);
       host.rotation.copy(frame.rotation);
-      host.spun = source.rolled(time) / wheel;
+      host.rolled = source.rolled(time);
       host.steered = at("steering");
       host.brakes = source.has("host.brake") ? at("brake") > PRESSED : slows(source, "host", time);
       cabin.show(at("steering"));
       if (!isInside) fleet.add(host);
       traffic.show(time, fleet);
+      fleet.lightStreet(planting.lamps);
       fleet.finish();
       lights.show(time);
       sensing.show(time);

@@ -2,7 +2,6 @@
 import type { Source } from "./data";
 import { buildOther, type Fleet, type Vehicle } from "./vehicles";
 
-const WHEEL = 0.31;
 const BRAKES = -0.8; // m/s2 at which brake lights are lit
 const STRIDE = 1.45; // m of a walker's double step
 const ASIDE = 0.35; // m/s across its own heading that is a change of lane
@@ -56,7 +55,7 @@ class Place {
     vehicle.rotation.z = isLast ? held("heading") : this.source.angle(`${stem}.heading`, time);
     this.way += at("speed") * (time - this.last);
     this.last = time;
-    vehicle.spun = this.way / WHEEL;
+    vehicle.rolled = this.way;
     vehicle.stride = this.way / STRIDE;
     vehicle.swing = Math.min(1, Math.abs(at("speed")) / 1.2);
     vehicle.brakes = kind !== "bicycle" && slows(this.source, stem, time);

@@ -26,6 +26,8 @@ const HEAD = new Color(0xfff6dc);
 const AMBER = new Color(0xffa318);
 const NEAR = [26, 75]; // m up to which a body is drawn finely, and with wheels that turn
 const MOST_SHAPES = 96;
+const STREET = 64; // street lamps that glow at once
+const LAMPLIGHT = 260; // m
 
 /** One road user at a moment; the fleet draws what it is told by `add`. */
 export interface Vehicle {
@@ -34,8 +36,8 @@ export interface Vehicle {
   position: Vector3;
   /** Roll, pitch (nose down) and heading in rad. */
   rotation: Euler;
-  /** Wheels turned about their axles (rad), and the front ones to the left. */
-  spun: number;
+  /** m that the wheels have rolled; rad that the front ones are turned to the left. */
+  rolled: number;
   steered: number;
   brakes: boolean;
   /** 1 to the left, -1 to the right, 0 for none. */
@@ -48,7 +50,7 @@ export interface Vehicle {
 
 export function vehicleOf(choice: Choice, colour: number): Vehicle {
   const rotation = new Euler(0, 0, 0, "ZYX");
-  const still = { spun: 0, steered: 0, brakes: false, indicates: 0, stride: 0, swing: 1 };
+  const still = { rolled: 0, steered: 0, brakes: false, indicates: 0, stride: 0, swing: 1 };
   return { choice, colour: new Color(colour), position: new Vector3(), rotation, ...still };
 }
 
@@ -109,7 +111,7 @@ export class Fleet {
       scene.add(mesh);
     }
     this.shadows = new Shadows(scene, most);
-    this.glow = new Glow(scene, 4 * most);
+    this.glow = new Glow(scene, 4 * most + STREET);
     this.clear(false, 0, this.eye);
   }
 
@@ -142,6 +144,17 @@ export class Fleet {
     this.light(vehicle, body, far);
   }
 
+  /** Street lamps near the eye glow by night. */
+  lightStreet(lamps: Vector3[]): void {
+    if (!this.isDark) return;
+    let count = 0;
+    for (const lamp of lamps)
+      if (count < STREET && lamp.distanceTo(this.eye) < LAMPLIGHT) {
+        this.glow.add(lamp, HEAD, 1);
+        count++;
+      }
+  }
+
   finish(): void {
     const meshes = [this.wheels, this.lamps, this.limbs];
     for (const { levels } of this.shapes.values()) for (const mesh of levels) if (mesh) meshes.push(mesh);
@@ -157,7 +170,7 @@ export class Fleet {
 
   private turnWheels(vehicle: Vehicle, { wheels }: Body): void {
     for (const { x, y, radius, width, isSteered } of wheels) {
-      turn.setFromEuler(angles.set(0, vehicle.spun * (0.31 / radius), isSteered ? vehicle.steered : 0, "ZYX"));
+      turn.setFromEuler(angles.set(0, vehicle.rolled / radius, isSteered ? vehicle.steered : 0, "ZYX"));
       this.put(this.wheels, place.set(x, y, radius), size.set(radius, width, radius), HEAD);
     }
   }
