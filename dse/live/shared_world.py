@@ -140,7 +140,7 @@ class SharedWorld:
         with self._lock:
             if len(self._places) >= self.most:
                 raise fail(
-                    f"all {self.most} seats of this world are taken", hint="wait until somebody leaves, or watch"
+                    f"all {self.most} seats of this world are taken", hint="wait for a free seat, or watch"
                 )
             taken = [each.station for each in self._places.values()]
             stations = (start + _SPACING * number for number in range(_MOST_PLACES))

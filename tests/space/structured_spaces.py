@@ -126,7 +126,7 @@ def _link(random: Random, name: str, places: list[Place]) -> dict[str, Any]:
     elif random.random() < 0.3:
         a, b = random.choice(sources)[2], random.choice(targets)[2]
         written["exclude"] = [f"{a} -> {b}"]
-        link["excluded"].add((a, b))
+        link["excluded"] |= {(a, b), (b, a)} if link["undirected"] else {(a, b)}
     for key, (text, low, high) in texts.items():
         link[key] = (low, high)
         if text != "0..*":

@@ -91,7 +91,7 @@ simulation: {stop: 0.3 s, step: 10 ms, algorithm: gauss_seidel, record: [eye.sca
 @pytest.fixture
 def root(tmp_path: Path) -> Path:
     components = tmp_path / "w/components"
-    for part in ("osi", "sensors/objects", "sensors/object_perfect", "sensors/sensing"):
+    for part in ("osi", "sensors/objects", "sensors/object_perfect", "sensors/sensing", "road_users"):
         shutil.copytree(ROOT / "components" / part, components / part)
     shutil.copy(ROOT / "components/interfaces.yaml", components)
     files = {**DRIVING, **THEIRS, "components/driving/interfaces.yaml": WORLD}

@@ -15,6 +15,7 @@ from dse.modelica.frontend.used_classes import Classes
 
 _TOKEN = re.compile(r"[()\[\]{};]|\b(?:if|then|elseif|else|for|while|when|loop|return|break)\b|\bend\s+\w+")
 _JUMP = re.compile(r"\b(?:return|break)\s*;")
+_ANNOTATION = re.compile(r"(?<=;)\s*annotation\b")
 _RETURNED = "dse_returned"
 
 
@@ -32,7 +33,8 @@ def without_jumps(text: str) -> str:
         begins = re.compile(r"\balgorithm\b").search(clean, own.body, own.finish)
         if begins is None or not _JUMP.search(clean, begins.end(), own.finish):
             continue
-        body = _Body(clean, begins.end(), own.finish)
+        last = _ANNOTATION.search(clean, begins.end(), own.finish)
+        body = _Body(clean, begins.end(), last.start() if last else own.finish)
         try:
             block = body.block()
         except (IndexError, ValueError):

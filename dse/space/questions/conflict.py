@@ -20,7 +20,7 @@ def conflict(engine: Engine) -> tuple[Constraint, ...]:
     """
     if not engine.is_empty():
         raise _no_conflict(engine)
-    if engine.is_solved or (engine.is_structural() and len(engine.flat.constraints) > _MANY and engine.late):
+    if engine.is_solved or (len(engine.flat.constraints) > _MANY and engine.late):
         from dse.space.methods.solver import answers
 
         found = answers.conflict(engine.flat) or ()

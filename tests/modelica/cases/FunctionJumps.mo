@@ -13,6 +13,7 @@ model FunctionJumps
       end if;
     end for;
     place := -1;
+    annotation(Inline = false);
   end first;
 
   function stairs "sums rows while they are small, and ends at a large sum"

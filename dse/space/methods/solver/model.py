@@ -42,6 +42,7 @@ from dse.space.flat import (
     Table,
     Wide,
 )
+from dse.space.lowering.cliques import with_cliques
 from dse.space.methods.budget import TooMuchError
 from dse.space.methods.dnnf.cnf import boxes
 from dse.space.methods.listing.recheck import recheck
@@ -103,7 +104,8 @@ class SolverModel:
         self._taken: list[list[cp_model.LiteralT]] = []
         for number in range(len(flat.variables)):
             self._taken.append(self._decision(number))
-        for rule in flat.rules:
+        # Owners of what is merged are lost, and nothing switches a rule without one.
+        for rule in flat.rules if switched else with_cliques(flat).rules:
             match rule:
                 case Clause():
                     self._add_clause(rule.literals, rule.owner)
