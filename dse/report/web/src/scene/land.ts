@@ -10,7 +10,7 @@ const MOST = 30_000; // points
 const FINEST = 24; // m between points
 const FLAT = 14; // m beside the road without relief
 const BELOW = 0.35; // m under the road where it meets the land
-const CHUNK = 12;
+const CHUNK = 32;
 const SEEN = 1100; // m up to which it is drawn
 
 const FIELDS = [0x8aa653, 0xc2ac63, 0x6f9448, 0x9db463, 0xa98f5e, 0x7d9f4f, 0xd0bd7a, 0x5f8a45];

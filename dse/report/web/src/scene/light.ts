@@ -15,7 +15,7 @@ import {
   Vector3,
   type WebGLProgramParametersWithUniforms,
 } from "three";
-import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
+import { mergeGeometries, mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
 
 // Colours are those of the screen throughout: a conversion for each pixel is the dearest part of drawing it.
 ColorManagement.enabled = false;
@@ -180,6 +180,13 @@ export function box(
 
 export function joined(parts: BufferGeometry[]): BufferGeometry {
   return mergeGeometries(parts);
+}
+
+/** The same with each corner once: programs in place of a card compute it once, too. */
+export function indexed(geometry: BufferGeometry): BufferGeometry {
+  const merged = mergeVertices(geometry, 1e-5);
+  geometry.dispose();
+  return merged;
 }
 
 /** Whether a program draws in place of a graphics card. */

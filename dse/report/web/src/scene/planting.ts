@@ -3,13 +3,13 @@ import { type BufferGeometry, Color, Group, InstancedMesh, Matrix4, Quaternion, 
 import type { Document, StandingObject } from "./data";
 import { bushShape, houseShape, lampShape, postShape, treeShapes } from "./growth";
 import type { Land } from "./land";
-import { BODY, box, LIT } from "./light";
+import { BODY, box, indexed, LIT } from "./light";
 import { hash, noise, sequence } from "./random";
 import { every } from "./ribbons";
 import { outerBorders } from "./road";
 import type { RoadMap } from "./roadmap";
 
-const CELL = 160; // m: what is drawn, or left out, together
+const CELL = 300; // m: what is drawn, or left out, together
 const LEAVES = [0x6f8f45, 0x5d8540, 0x7f9a4a, 0x55773a, 0x8a9c50];
 const NEEDLES = [0x4f7048, 0x48684a, 0x587a50];
 const WALLS = [0xe8dcc4, 0xd9c2a0, 0xcfd3d2, 0xe6d3b8, 0xb9a58c, 0xdfe3df, 0xc98f73, 0xe9e2d2, 0xa9b4b0];
@@ -86,7 +86,7 @@ type Shapes = Record<Kind, BufferGeometry>;
 
 function shapesOf(isFine: boolean): Shapes {
   const [leafy, broad, fir] = treeShapes(isFine) as [BufferGeometry, BufferGeometry, BufferGeometry];
-  return {
+  const shapes: Shapes = {
     leafy,
     broad,
     fir,
@@ -98,6 +98,8 @@ function shapesOf(isFine: boolean): Shapes {
     post: postShape(),
     box: box([1, 1, 1], 0xffffff, [0, 0, 0.5], 0, [1, 0]),
   };
+  for (const kind of Object.keys(shapes) as Kind[]) shapes[kind] = indexed(shapes[kind]);
+  return shapes;
 }
 
 /** Everything that is planted; from the objects of the road's file where it has such. */

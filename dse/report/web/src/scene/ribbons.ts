@@ -12,7 +12,7 @@ export interface Edge {
   free?: number;
 }
 
-const CELL = 320; // m: what is drawn, or left out, together
+const CELL = 900; // m: what is drawn, or left out, together
 
 /** One after another, so that what is out of sight costs nothing. */
 export class Ribbons {

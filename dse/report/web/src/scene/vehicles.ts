@@ -15,7 +15,7 @@ import {
 } from "three";
 import type { Body, Lamp } from "./bodies/body";
 import { type Choice, chooseBody } from "./bodies/choose";
-import { BODY, box, joined, LIT, painted } from "./light";
+import { BODY, box, indexed, joined, LIT, painted } from "./light";
 import { Glow, Shadows } from "./shadows";
 
 const COLOURS = [0xb6362c, 0xe9e9e4, 0x878f97, 0x2f5f46, 0xcaa548, 0x3f4f9c, 0x6e4a68, 0x33373d, 0xc6cacf, 0x274a6d];
@@ -88,7 +88,7 @@ export class Fleet {
     private readonly scene: Scene,
     private readonly most: number,
   ) {
-    this.wheels = new InstancedMesh(wheel(), LIT, 10 * most);
+    this.wheels = new InstancedMesh(indexed(wheel()), LIT, 10 * most);
     this.lamps = new InstancedMesh(new BoxGeometry(0.03, 1, 1), new MeshBasicMaterial(), 8 * most);
     this.limbs = new InstancedMesh(
       painted(
@@ -222,7 +222,7 @@ export class Fleet {
   private meshOf(shape: Shape, level: number): InstancedMesh {
     const known = shape.levels[level];
     if (known) return known;
-    const mesh = new InstancedMesh(shape.body.levels[level]!(), BODY, this.most);
+    const mesh = new InstancedMesh(indexed(shape.body.levels[level]!()), BODY, this.most);
     mesh.frustumCulled = false;
     mesh.setColorAt(0, HEAD);
     mesh.count = 0;
