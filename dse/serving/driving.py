@@ -145,7 +145,7 @@ async def _watch(socket: WebSocket, drives: LiveDrives) -> None:
     live = drives.shared.drive(socket.query_params["watch"]) if drives.shared else None
     if live is None:
         with suppress(WebSocketDisconnect, RuntimeError):
-            await socket.send_json(_ended("there is no drive in this seat"))
+            await socket.send_json(_ended("this seat has no driver"))
             await socket.close()
         return
 

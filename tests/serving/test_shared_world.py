@@ -102,7 +102,7 @@ def test_seats_are_listed_and_watched_and_a_watcher_changes_nothing(client) -> N
         assert goes_on(bea)
         for gone in ("1", "99", "", "../1"):
             with sits(client, f"watch={gone}") as watcher:
-                assert until(watcher, "ended")["text"] == "there is no drive in this seat"
+                assert until(watcher, "ended")["text"] == "this seat has no driver"
 
 
 @pytest.mark.thorough

@@ -57,7 +57,7 @@ def drive(
     is given; then the printed address contains a token. Ctrl-C ends it.
 
     With --shared, all who open the page drive in one world, as traffic for each other. It can have simulated drivers
-    (--simulated, --script), and anybody can watch. --most includes them.
+    (--simulated, --script), and every page can watch a drive. --most includes them.
 
     With --replay, the same view shows an earlier run, in a page that needs no server.
     """
