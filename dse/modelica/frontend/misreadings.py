@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from dse.errors import Location, Problem
+from dse.modelica.frontend.lost_redeclarations import lost_redeclarations
 from dse.modelica.frontend.modifications import NO_TYPES, misread_modifications
 from dse.modelica.frontend.result import FrontEndResult
 from dse.modelica.frontend.source_text import (
@@ -25,6 +26,7 @@ def misread(result: FrontEndResult) -> Iterator[Problem]:
     read = used(result.sources.values(), result.model)
     names = [str(function["name"]) for function in result.dae["storage"]["functions"]]
     yield from misread_modifications(read)
+    yield from lost_redeclarations(read)
     yield from _functions_of_one_name(read, names)
     yield from mixed_up_constants(read, result.model, [name.rpartition(".")[2] for name in names])
     yield from _outer_classes(read)
