@@ -139,7 +139,7 @@ class SharedWorld:
         """
         with self._lock:
             if len(self._places) >= self.most:
-                raise fail(f"all {self.most} seats of this world are taken", hint="wait for a free seat, or watch")
+                raise fail(f"all {self.most} seats of this world are taken", hint="wait until one is free, or watch")
             taken = [each.station for each in self._places.values()]
             stations = (start + _SPACING * number for number in range(_MOST_PLACES))
             free = next((s for s in stations if all(abs(s - other) >= _CLEAR for other in taken)), None)
