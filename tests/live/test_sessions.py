@@ -102,7 +102,7 @@ def test_an_fmu_that_crashes_is_named_and_the_next_drive_goes_on(driven: LiveDri
 
 @pytest.mark.thorough
 def test_a_run_that_does_not_begin_is_ended(driven: LiveDrive, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dse.live.session._TURN", 0.0)  # a run may well begin in a quarter of a second
+    monkeypatch.setattr("dse.live.session.TURN", 0.0)  # a run may well begin in a quarter of a second
     driven.start(Patience(start=0.0))
     ended = driven.session.wait(LIMIT)
     assert ended is not None
