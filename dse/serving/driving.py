@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Awaitable, Callable, Mapping
-from contextlib import suppress
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -106,13 +106,26 @@ def drive_routes(drives: LiveDrives, aside: Aside) -> list[BaseRoute]:
 
 async def _show(socket: WebSocket, drives: LiveDrives, held: Held, aside: Aside) -> None:
     """Send the scene, then the newest of the run as often as the page takes it, in the end why it is over."""
-    from starlette.websockets import WebSocketDisconnect
-
-    with suppress(WebSocketDisconnect, RuntimeError, OSError):  # the page is gone
+    async with _hung_up_on(socket):
         await _stream(socket, drives, held.live, {"token": held.token})
         told = await aside(partial(drives.told, held))
         await socket.send_text(json.dumps(told))
         await socket.close()
+
+
+@asynccontextmanager
+async def _hung_up_on(socket: WebSocket) -> AsyncIterator[None]:
+    """Within the block the page may be gone; if anything else fails, it is hung up on, and does not wait for ever."""
+    from starlette.websockets import WebSocketDisconnect
+
+    try:
+        yield
+    except (WebSocketDisconnect, RuntimeError, OSError):
+        return
+    except Exception:
+        with suppress(RuntimeError):
+            await socket.close(1011, "the server has failed")
+        raise
 
 
 async def _stream(socket: WebSocket, drives: LiveDrives, live: LiveDrive, also: Mapping[str, object]) -> None:
@@ -150,7 +163,7 @@ async def _watch(socket: WebSocket, drives: LiveDrives) -> None:
         return
 
     async def show() -> None:
-        with suppress(WebSocketDisconnect, RuntimeError, OSError):
+        async with _hung_up_on(socket):
             await _stream(socket, drives, live, {"watched": live.driver})
             await socket.send_json(_ended(f"{live.driver} has left the world"))
             await socket.close()

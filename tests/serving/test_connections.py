@@ -49,6 +49,7 @@ class Drives:
     def told(self, _: Any) -> Any:
         return self.ended
 
+    shared = None
     boards = list
     __enter__ = __exit__ = lambda *_: None
 
@@ -123,6 +124,20 @@ def test_an_open_socket_and_a_long_answer_outlast_the_deadline_of_heads(tmp_path
         threading.Event().wait(0.5)
         page.send('{"type": "finish"}')
         assert json.loads([*page][-1])["type"] == "ended"
+
+
+def test_a_page_is_hung_up_on_if_its_drive_cannot_be_shown(tmp_path: Path, served) -> None:
+    class Broken(Drives):
+        def enter(self, token: str) -> Any:
+            held = super().enter(token)
+            held.live.scene = {}.popitem
+            return held
+
+    on = cast(LiveDrives, Broken(1))
+    with served(application(StudyIndex(tmp_path), drives=on)) as client, page_of("a", client) as page:
+        with pytest.raises(ConnectionClosed):
+            page.recv(timeout=LIMIT)
+        assert page.close_code == 1011
 
 
 class Line(SimpleNamespace):
