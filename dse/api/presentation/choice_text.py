@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -147,7 +148,9 @@ def _values(choice: Choice, definition: StudyDefinition) -> str:
     ]
     if choice.price and all(each.name != choice.price for each in decision.objectives):
         told.append(f"{choice.price} {_cost(definition, side.configuration, choice.price)}")
-    text = ", ".join([*told, f"least margin {share_text(side.slack)} of the bound"])
+    if math.isfinite(side.slack):
+        told.append(f"least margin {share_text(side.slack)} of the bound")
+    text = ", ".join(told) or "its margins are undefined"
     return f"{text[0].upper()}{text[1:]}."
 
 

@@ -193,7 +193,9 @@ function values(model: Model, aims: Aim[], { slack }: DesignOrder, first: number
   const told = aims.map((aim) => `${aim.title} ${withUnit(aim.text(aim.values[first]!), aim.unit)}`);
   const price = priceOf(model.store.study);
   if (price && !aims.some(({ title }) => title === price.title)) told.push(`${price.title} ${costText(model, first)}`);
-  const text = [...told, `least margin ${shareText(slack[first]!)} of the bound`].join(", ");
+  const margin = slack[first]!;
+  if (Number.isFinite(margin)) told.push(`least margin ${shareText(margin)} of the bound`);
+  const text = told.join(", ") || "its margins are undefined";
   return `${text[0]!.toUpperCase()}${text.slice(1)}.`;
 }
 
