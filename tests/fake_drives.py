@@ -176,7 +176,7 @@ class FakeDrives:
         way = np.linspace(-100, 3000, 200)
         lane = [np.column_stack([way, 0 * way + at, 0 * way]).reshape(-1).tolist() for at in (5.25, 1.75, -1.75, -5.25)]
         strips = [
-            {"left": left, "right": right, "isDriven": True, "isInside": False}
+            {"left": left, "right": right, "isDriven": True, "isInside": False, "kind": "driving"}
             for left, right in itertools.pairwise(lane)
         ]
         instrument = {"unit": "", "items": [], "hasTarget": False}
@@ -190,7 +190,11 @@ class FakeDrives:
             "areas": [],
             "lights": [],
             "colours": [],
-            "host": {"length": 4.5, "width": 1.8, "front": 2.3},
+            "kind": "motorway",
+            "markings": [],
+            "signs": [],
+            "objects": [],
+            "host": {"length": 4.5, "width": 1.8, "front": 2.3, "wheel": 0.31},
             "others": self.others,
             "sensors": [
                 {

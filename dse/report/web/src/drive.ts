@@ -58,9 +58,10 @@ async function join(
   open: (over: (ended: Ended) => void) => Promise<Drive | null>,
 ): Promise<void> {
   let stop = (): void => undefined;
+  let isShown = true;
   const driven = await open((ended) => {
     stop();
-    after(ended);
+    if (isShown) after(ended);
   });
   if (!driven) return;
   show("drive");
@@ -69,6 +70,7 @@ async function join(
     if (driven.seat !== undefined) page.querySelector(".panels")?.prepend(buildRoster(driven));
     page.querySelector(".drive")?.classList.toggle("watching", driven.watched !== undefined);
   } catch (error) {
+    isShown = false;
     driven.leave();
     const canWebGl = Boolean(document.createElement("canvas").getContext("webgl2"));
     finished({
