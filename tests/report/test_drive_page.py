@@ -119,7 +119,7 @@ def test_a_car_is_chosen_driven_braked_and_its_result_opened(opened):
     assert it.drives.orders[-1]["driver"] == EVIL
     assert it.drives.orders[-1]["bench"] == "drive_following"
     page.keyboard.press("c")
-    page.get_by_text("cruise", exact=True).wait_for()
+    page.get_by_text("active", exact=True).wait_for()
     page.keyboard.press("+")
     page.keyboard.press("g")
     page.keyboard.down("ArrowUp")
@@ -130,7 +130,7 @@ def test_a_car_is_chosen_driven_braked_and_its_result_opened(opened):
     page.keyboard.up("a")
     wait_for(it, lambda: heard(it, "steering")[-1] == 0 and heard(it, "hands_on")[-1] == 0)
     page.keyboard.down("Space")
-    page.get_by_text("override", exact=True).wait_for()
+    page.get_by_text("you accelerate", exact=True).wait_for()
     wait_for(it, lambda: heard(it, "brake")[-1] == 1)
     page.wait_for_function("() => Number(document.querySelector('.digits b').textContent) < 20")
     page.keyboard.up("Space")
