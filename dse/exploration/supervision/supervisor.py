@@ -275,6 +275,8 @@ class Supervisor:
         setup = self._setup
         for assignment in worker.assignments:
             for logged in read_log(setup.log_folder, setup.measures, setup.study, assignment.batch.name):
+                if logged.block.maker != worker.maker:
+                    continue  # a batch before it had the same name: what is repeated must not be taken from there
                 missing = assignment.missing
                 rows = [row for row, number in enumerate(logged.block.numbers.tolist()) if number in missing]
                 if rows:
