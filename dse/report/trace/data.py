@@ -40,14 +40,12 @@ class Trace:
         """The parts that output tracks."""
         for name in sorted(self.signals):
             if found := _TRACK.match(name):
-                stem = f"{found[1]}.{found[2]}"
-                places = sorted(int(n) for n in re.findall(rf"{re.escape(stem)}\[(\d+)\]\.id\n", self._names))
+                stem, count = f"{found[1]}.{found[2]}", 1
+                while f"{stem}[{count + 1}].id" in self.signals:
+                    count += 1
+                places = range(1, count + 1)
                 columns = tuple({port: self.signals[f"{stem}[{n}].{port}"] for port in _TRACKED} for n in places)
                 yield Tracker(found[1], columns)
-
-    @property
-    def _names(self) -> str:
-        return "".join(f"{name}\n" for name in self.signals)
 
 
 def rear_axle_of(settings: Mapping[str, float]) -> float:

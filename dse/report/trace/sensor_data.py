@@ -109,10 +109,13 @@ def _put_return(item: Any, row: Mapping[str, float], identifier: int) -> None:
     put_vector(item.base.position, reach * float(np.cos(angle)), reach * float(np.sin(angle)), 0.0)
     if row.get("width", 0.0) > 0:
         item.base.dimension.width = row["width"]
-    kind = CLASSES[int(row.get("class", 0))]
-    if kind != "none":
-        put_type(item.candidate.add(), kind)
-        item.candidate[0].probability = 1.0
+    _put_class(item, int(row.get("class", 0)))
+
+
+def _put_class(item: Any, number: int) -> None:
+    if (kind := CLASSES[number]) != "none":
+        candidate = item.candidate.add(probability=1.0)
+        put_type(candidate, kind)
 
 
 def _of_tracker(trace: Trace, tracker: Tracker, identifier: int) -> Iterator[Any]:
@@ -138,8 +141,5 @@ def _of_tracker(trace: Trace, tracker: Tracker, identifier: int) -> Iterator[Any
             put_vector(item.base.velocity, row["vx"] - float(host["speed"][at]), row["vy"] - float(lateral[at]), 0.0)
             if row["width"] > 0:
                 item.base.dimension.width = row["width"]
-            kind = CLASSES[int(row["class"])]
-            if kind != "none":
-                put_type(item.candidate.add(), kind)
-                item.candidate[0].probability = 1.0
+            _put_class(item, int(row["class"]))
         yield message

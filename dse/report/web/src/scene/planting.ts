@@ -108,15 +108,7 @@ export function plant(document: Document, roads: RoadMap, land: Pick<Land, "heig
   const found: Planted[] = objects.flatMap(fromObject);
   const has = (...kinds: Kind[]): boolean => found.some((each) => kinds.includes(each.kind));
   const [hasTrees, hasHouses, hasLamps] = [has("leafy", "fir", "broad"), has("house", "block", "office"), has("lamp")];
-  const put = (
-    what: Kind,
-    x: number,
-    y: number,
-    turn: number,
-    size: [number, number, number],
-    colour: number,
-    free: number,
-  ): void => {
+  const put: Put = (what, x, y, turn, size, colour, free) => {
     if (found.length >= MOST) return;
     if (roads.nearest(x, y).gap < free) return;
     const z = land.height(x, y);
