@@ -89,11 +89,14 @@ def opened(
     """The design space of `space_of`, opened for questions about a part of it. Raises DseError with all problems."""
     from dse.space import open_space
 
-    return open_space(space_of(design), choose, condition_of(where), on, off)
+    space = space_of(design)
+    return open_space(space, choose, condition_of(where, space), on, off)
 
 
-def condition_of(text: str | None) -> Expression | None:
-    """The condition of ``--where``; its problems are located in the text of the option. Raises DseError."""
+def condition_of(text: str | None, space: DesignSpace) -> Expression | None:
+    """The condition of ``--where`` on *space*; its problems are located in the text of the option. Raises DseError."""
     from dse.expression import parse_expression
+    from dse.units import own_units
 
-    return None if text is None else parse_expression(text, Location("--where", 1, 1))
+    with own_units(space.units):
+        return None if text is None else parse_expression(text, Location("--where", 1, 1))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from dse.domain.component import NO_INTERFACE, Component, Interface
 from dse.domain.expression import Expression
 from dse.errors import Location
-from dse.units import Quantity
+from dse.units import OwnUnits, Quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +147,7 @@ class DesignSpace:
     """All designs: a tree of containers and the rules that prune it.
 
     *constraints* are those that are on; *all_constraints*, by default the same, those of sets that are off as well,
-    in the order of the file.
+    in the order of the file. *units* are those that its texts may use besides the usual ones.
     """
 
     name: str
@@ -157,6 +157,7 @@ class DesignSpace:
     where: Location | None = None
     sets: tuple[ConstraintSet, ...] = ()
     all_constraints: tuple[Constraint, ...] = ()
+    units: OwnUnits = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.all_constraints:

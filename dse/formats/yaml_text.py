@@ -76,7 +76,7 @@ def write_parameter(parameter: Parameter, *others: Parameter) -> str:
         case Kind.ENUMERATION:
             entries["enum"] = f"[{', '.join(map(write_name, parameter.type.items))}]"
         case Kind.REAL:
-            entries["unit"] = write_text(unit.symbol or "1")
+            entries["unit"] = write_text(str(unit) or "1")
         case kind:
             entries["type"] = str(kind)
     if not parameter.tunable:

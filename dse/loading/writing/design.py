@@ -28,6 +28,7 @@ from dse.expression import show_expression, text_of
 from dse.formats import write_file, write_flow, write_name, write_parameter, write_text
 from dse.loading.design.scope import Scope, constraint_name
 from dse.loading.writing.unscope import relative_rule
+from dse.units import definition_of
 
 
 def write_design(space: DesignSpace) -> str:
@@ -41,6 +42,8 @@ def write_design(space: DesignSpace) -> str:
         data["title"] = write_text(space.title)
     if space.sets:
         data["constraint_sets"] = {one.name: _set(one) for one in space.sets}
+    if space.units:
+        data["units"] = {name: _unit(symbol) for name, symbol in sorted(space.units.items())}
     data["root"] = writer.compound(space.root, Scope())
     rest = [constraint for constraint in space.all_constraints if constraint.name not in writer.written]
     taken = {constraint.name for constraint in rest}
@@ -132,6 +135,11 @@ def _wire(connection: Connection) -> str:
         return str(connection)
     path, names = connection.when
     return f"{connection} if {show_expression(Chosen(path, names or ('present',), (0, 0)))}"
+
+
+def _unit(symbol: str) -> str:
+    text = definition_of(symbol)
+    return write_text(text) if text else "{currency: true}"
 
 
 def _set(one: ConstraintSet) -> str:

@@ -33,10 +33,10 @@ def space_best(
     """
     from dse.space import read_aims
 
-    wanted = read_aims(minimize or [], maximize or [])
-    if len(wanted) != 1:
+    if len(minimize or []) + len(maximize or []) != 1:
         raise typer.BadParameter("give one objective; for several ask 'dse space pareto'", param_hint="--minimize")
     part = opened(design, choose, where, on, off)
+    wanted = read_aims(minimize or [], maximize or [], part.space.units)
     with status_line() as tell:
         found = part.best(wanted[0], number, tell)
     _show(Ranking(part, wanted, found), output)
@@ -59,10 +59,10 @@ def space_pareto(
     """
     from dse.space import read_aims
 
-    wanted = read_aims(minimize or [], maximize or [])
-    if len(wanted) < 2:
+    if len(minimize or []) + len(maximize or []) < 2:
         raise typer.BadParameter("give two objectives or more", param_hint="--minimize, --maximize")
     part = opened(design, choose, where, on, off)
+    wanted = read_aims(minimize or [], maximize or [], part.space.units)
     _show(Ranking(part, wanted, part.pareto(wanted)), output)
 
 
@@ -70,7 +70,7 @@ def _show(ranking: Ranking, output: Output) -> None:
     part, values = ranking.opened, ranking.shown()
     if output is Output.JSON:
         aims = [
-            {"value": str(aim), "aim": "greatest" if aim.largest else "least", "unit": unit.symbol}
+            {"value": str(aim), "aim": "greatest" if aim.largest else "least", "unit": str(unit)}
             for aim, unit in zip(ranking.aims, ranking.units, strict=True)
         ]
         configurations = [
