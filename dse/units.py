@@ -264,7 +264,9 @@ def own_unit(name: str, text: str) -> str:
     if any(exponent.denominator != 1 for _, exponent in unit.dimension):
         raise UnitError(f"'{unit}' has a fractional exponent")
     if "{" in text:  # definitions are not nested
-        text = f"{Fraction(meaning[1]) * unit.factor} {_symbol(unit.dimension)}"
+        factor = Fraction(meaning[1]) * unit.factor
+        number = repr(float(factor)) if Fraction(repr(float(factor))) == factor else str(factor)
+        text = f"{number} {_symbol(unit.dimension)}"
     _unit(symbol := f"{name}{{{text}}}")
     return symbol
 

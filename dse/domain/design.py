@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from dse.domain.component import NO_INTERFACE, Component, Interface
 from dse.domain.expression import Expression
@@ -72,11 +73,22 @@ class Allocation:
 
 
 @dataclass(frozen=True, slots=True)
+class Form:
+    """What a file says of a compound: *data*, which means these *parts* and *connections*, and these constraints."""
+
+    data: Mapping[str, Any]
+    parts: Mapping[str, Node]
+    connections: tuple[Connection, ...] = ()
+    constraints: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Compound:
     """An architecture: named parts and their wiring.
 
     An end of a connection that does not start with a part's name is a port of *interface*. The parts of a *repeated*
-    one are its instances. The parts of one with an *allocation* are its decisions.
+    one are its instances. The parts of one with an *allocation* are its decisions. What *form* says is true only of
+    what was not changed since.
     """
 
     name: str
@@ -86,6 +98,7 @@ class Compound:
     where: Location | None = None
     repeated: bool = False
     allocation: Allocation | None = None
+    form: Form | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +135,8 @@ class Constraint:
     """A static constraint: *rule* must hold in every configuration.
 
     One that stands in a container has the container in its name (``powertrain.hybrid_p2: budget``) and in its rule.
-    *set* is the name of the constraint set it belongs to, "" for none.
+    *set* is the name of the constraint set it belongs to, "" for none. *form* is what its file says, {} of one that
+    the structure imposes, None if it is not known.
     """
 
     name: str
@@ -130,6 +144,7 @@ class Constraint:
     because: str = ""
     where: Location | None = None
     set: str = ""
+    form: Mapping[str, Any] | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

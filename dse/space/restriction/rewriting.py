@@ -52,7 +52,7 @@ def rewritten_constraints(before: DesignSpace, after: DesignSpace) -> tuple[Cons
         root = rewriter.condition(constraint.rule.root, True)
         if not (isinstance(root, Truth) and root.value):
             with own_units(after.units):
-                found.append(replace(constraint, rule=_expression(root, constraint)))
+                found.append(replace(constraint, rule=_expression(root, constraint), form=None))
     return tuple(found)
 
 
