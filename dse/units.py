@@ -265,7 +265,8 @@ def own_unit(name: str, text: str) -> str:
         raise UnitError(f"'{unit}' has a fractional exponent")
     if "{" in text:  # definitions are not nested
         factor = Fraction(meaning[1]) * unit.factor
-        number = repr(float(factor)) if Fraction(repr(float(factor))) == factor else str(factor)
+        number = repr(_as_float(factor))
+        number = number if _PLAIN_NUMBER.fullmatch(number) and Fraction(number) == factor else str(factor)
         text = f"{number} {_symbol(unit.dimension)}"
     _unit(symbol := f"{name}{{{text}}}")
     return symbol
@@ -293,9 +294,10 @@ _DEFINITION = re.compile(r"¤|\{[^{}]*\}")
 _OWN_SYMBOL = re.compile(r"¤[^\W\d_]+|[^\W\d_]+\{[^{}]*\}")
 _OWN_OR_NAME = re.compile(rf"{_OWN_SYMBOL.pattern}|[^\W\d_]+")
 _OWN_MEANING = re.compile(
-    r"([1-9][0-9]{0,999}/[1-9][0-9]{0,999}|(?=[0-9.]{0,99}[1-9])[0-9]{0,99}\.?[0-9]{1,99}(?:[eE][+-]?[0-9]{1,3})?)"
-    r" ?((?![0-9.]).*)"
+    r"((?=[0-9.]{0,99}[1-9])[0-9]{0,99}\.?[0-9]{1,99}(?:[eE][+-]?[0-9]{1,3})?"
+    r"|[1-9][0-9]{0,999}(?:/[1-9][0-9]{0,999})?) ?((?![0-9./]).*)"
 )
+_PLAIN_NUMBER = re.compile(r"[0-9]{1,15}\.[0-9]{1,15}")
 _STAND_INS = tuple(f"dseown{letter}" for letter in "abcdefgh")
 """What pint reads in place of units that a workspace defines, in one unit."""
 

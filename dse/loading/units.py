@@ -101,7 +101,8 @@ class _Reader:
                 return None
         try:
             with own_units(self.known):
-                return own_unit(written.name, text)
+                # A quotient may be defined if it means what it means anyway.
+                return own_unit(written.name if written.name.isalpha() else "unit", text)
         except UnitError as error:
             hint = "write a number and a unit, as '0.25 s', or {currency: true}"
             raise fail(str(error), written.entry.where, hint) from None

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from dse.domain.component import NO_INTERFACE, Component
@@ -19,7 +20,6 @@ from dse.domain.design import (
     Constraint,
     ConstraintSet,
     DesignSpace,
-    Form,
     Node,
     Optional,
     Part,
@@ -87,6 +87,7 @@ def write_components(components: Iterable[Component]) -> str:
     return write_file({"components": data})
 
 
+_WORD = re.compile(r"\w+")
 _NUMBER = re.compile(r"-?(?:0|[1-9][0-9]{0,14})(?:\.[0-9]{1,9})?")
 
 
@@ -97,13 +98,14 @@ class _TreeWriter:
         self.constraints = [constraint for constraint in space.all_constraints if ": " in constraint.name]
         self.unchanged = {constraint.name for constraint in space.all_constraints if constraint.form is not None}
         self.written: set[str] = set()
+        self.shortened: set[int] = set()
 
     def compound(self, compound: Compound, scope: Scope) -> dict[str, Any]:
         short = self.short(compound)
         if short is not None:
             return short
         parts = {
-            name: self.node(node, scope.part(name), compound.name if compound.repeated else name)
+            name: self.node(_without_stale_form(node, compound), scope.part(name), _called(compound, name))
             for name, node in compound.parts.items()
         }
         data: dict[str, Any] = {"compound": parts}
@@ -124,13 +126,14 @@ class _TreeWriter:
         if compound.parts is not form.parts or not self.unchanged.issuperset(form.constraints):
             return None
         self.written.update(form.constraints)
+        self.shortened.add(id(compound))
         return {key: write_data(value) for key, value in form.data.items()}
 
     def connections(self, compound: Compound) -> list[str]:
         """As the file has them, unless something that they depend on was changed."""
-        form, parts = compound.form, compound.parts.values()
-        chosen = [part.form for part in parts if isinstance(part, Compound) and part.form and _is_choice(part.form)]
-        if form and compound.connections is form.connections and all(self.written >= {*c.constraints} for c in chosen):
+        form = compound.form
+        chosen = {id(part) for part in compound.parts.values() if _is_choice(part)}
+        if form and compound.connections is form.connections and chosen <= self.shortened:
             return [write_text(text) for text in form.data.get("connections", ())]
         return [_wire(connection) for connection in compound.connections]
 
@@ -187,8 +190,25 @@ def _set(one: ConstraintSet) -> str:
     return write_flow({"on": str(one.on).lower(), **title})
 
 
-def _is_choice(form: Form) -> bool:
-    return "connect" in form.data or "allocate" in form.data
+def _called(compound: Compound, name: str) -> str:
+    """What a compound that is the part *name* has to be called."""
+    return compound.name if compound.repeated else name
+
+
+def _is_choice(node: Node) -> bool:
+    return (
+        isinstance(node, Compound) and node.form is not None and not {"connect", "allocate"}.isdisjoint(node.form.data)
+    )
+
+
+def _without_stale_form(node: Node, around: Compound) -> Node:
+    """*node*, without the form of a choice between parts of *around* that were changed since."""
+    if not isinstance(node, Compound) or not _is_choice(node) or node.form is None or around.form is None:
+        return node
+    before = around.form.parts
+    words = {*_WORD.findall(str([node.form.data.get(key) for key in ("connect", "allocate", "to")]))}
+    is_stale = any(around.parts.get(name) is not before[name] for name in words if name in before)
+    return replace(node, form=None) if is_stale else node
 
 
 def _constraint(constraint: Constraint, text: str, form: Mapping[str, Any] | None) -> dict[str, Any]:
