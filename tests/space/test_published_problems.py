@@ -22,7 +22,7 @@ root:
     moon:
       alternatives:
         - rendezvous: {compound: {crew: {alternatives: [lm_1, lm_2, lm_3]}, fuel: {alternatives: [lm_cold, lm_hot]}}}
-        - alone: {compound: {arrival: {alternatives: [into_orbit, straight]}, departure: {alternatives: [orbital, off]}}}
+        - alone: {compound: {arrival: {alternatives: [orbiting, straight]}, departure: {alternatives: [orbital, off]}}}
     crew: {alternatives: [cm_2, cm_3]}
     service_fuel: {alternatives: [sm_cryogenic, sm_storable]}
 constraints:
@@ -31,7 +31,7 @@ constraints:
 SUCCESS = {
     "rendezvous": 0.95 * 0.99, "orbit": 0.98 * 0.99, "direct": 0.98 * 0.9,
     "lm_1": 0.95 * 0.99 * 0.9 * 0.9, "lm_2": 0.95 * 0.99 * 0.9, "lm_3": 0.95 * 0.99 * 0.9,
-    "lm_cold": 0.9025, "lm_hot": 1, "into_orbit": 0.99, "straight": 0.95, "orbital": 0.9, "off": 0.9,
+    "lm_cold": 0.9025, "lm_hot": 1, "orbiting": 0.99, "straight": 0.95, "orbital": 0.9, "off": 0.9,
     "cm_2": 1, "cm_3": 1, "sm_cryogenic": 0.95, "sm_storable": 1,
 }  # fmt: skip
 """Probabilities of the mission's elements, with those that follow from them."""
