@@ -99,6 +99,7 @@ class Compound:
     repeated: bool = False
     allocation: Allocation | None = None
     form: Form | None = field(default=None, compare=False)
+    title: str = ""
 
 
 @dataclass(frozen=True, slots=True)

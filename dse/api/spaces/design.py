@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Required, TypedDict, overload
 
 from dse.api.authoring.defined import Defined, FileKind, InWorkspace
-from dse.api.lookup import condition_of, space_of
+from dse.api.lookup import aims_of, condition_of, space_of
 from dse.api.presentation.html import table
 from dse.domain.design import DesignSpace
 
@@ -129,9 +129,8 @@ class Design(Defined[DesignSpace]):
     ) -> Ranking:
         """The *n* best valid configurations under one objective, as ``sum(cost)``. Exact: no other one is better."""
         from dse.errors import fail
-        from dse.space import read_aims
 
-        wanted = read_aims([minimize] if minimize else [], [maximize] if maximize else [], self.space.units)
+        wanted = aims_of([minimize] if minimize else [], [maximize] if maximize else [], self.space)
         if len(wanted) != 1:
             raise fail("one objective is needed", None, "give minimize or maximize; for several ask for 'pareto'")
         part = self._part(**narrowing)
@@ -142,9 +141,8 @@ class Design(Defined[DesignSpace]):
     ) -> Ranking:
         """The complete Pareto set: configurations that no other one beats, one for each point."""
         from dse.errors import fail
-        from dse.space import read_aims
 
-        wanted = read_aims(several(minimize), several(maximize), self.space.units)
+        wanted = aims_of(several(minimize), several(maximize), self.space)
         if len(wanted) < 2:
             raise fail("two objectives or more are needed", None, "for one ask for 'best'")
         part = self._part(**narrowing)

@@ -24,7 +24,7 @@ FindComponent = Callable[[str, Location], Component]
 MODEL = "model"
 """What a component is called within what stands for it."""
 _CHOICES = ("connect", "allocate")
-_COMPOUND = ("compound", "connections", "implements", "constraints", "repeated")
+_COMPOUND = ("compound", "title", "connections", "implements", "constraints", "repeated")
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +136,12 @@ class _TreeReader:
         interface = self.interface(entry["implements"], written["implements"]) if "implements" in written else None
         connections = (*connections, *wires)
         form = Form(written, parts, connections)
-        return Compound(name, parts, connections, interface, entry.key, is_repeated is True, form=form)
+        title = written.get("title", "")
+        if not isinstance(title, str):
+            self.problems.add("'title': expected text", entry["title"].where, "title: Front radar")
+        return Compound(
+            name, parts, connections, interface, entry.key, is_repeated is True, form=form, title=str(title)
+        )
 
     def choice(self, entry: Entry, content: dict[str, Any], parts: Mapping[str, Node], scope: Scope) -> ChosenStructure:
         """What *content* chooses between *parts*. Raises DseError."""

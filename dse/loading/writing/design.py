@@ -108,7 +108,8 @@ class _TreeWriter:
             name: self.node(_without_stale_form(node, compound), scope.part(name), _called(compound, name))
             for name, node in compound.parts.items()
         }
-        data: dict[str, Any] = {"compound": parts}
+        data: dict[str, Any] = {"title": write_text(compound.title)} if compound.title else {}
+        data["compound"] = parts
         if compound.repeated:
             data["repeated"] = "true"
         if compound.interface is not None:
