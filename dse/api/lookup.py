@@ -100,20 +100,23 @@ def condition_of(text: str | None, space: DesignSpace) -> Expression | None:
     from dse.units import own_units
 
     with own_units(space.units):
-        return None if text is None else parse_expression(unquoted(text, space), Location("--where", 1, 1))
+        return None if text is None else parse_expression(unquoted(text, space, "--where"), Location("--where", 1, 1))
 
 
 def aims_of(minimize: Iterable[str], maximize: Iterable[str], space: DesignSpace) -> tuple[Aim, ...]:
     """The objectives on *space* written in texts, those to be minimised first. Raises DseError."""
     from dse.space import read_aims
 
-    smallest, largest = ([unquoted(text, space) for text in texts] for texts in (minimize, maximize))
-    return read_aims(smallest, largest, space.units)
+    return read_aims(
+        [unquoted(text, space, "--minimize") for text in minimize],
+        [unquoted(text, space, "--maximize") for text in maximize],
+        space.units,
+    )
 
 
-def unquoted(text: str, space: DesignSpace) -> str:
+def unquoted(text: str, space: DesignSpace, option: str) -> str:
     """*text* with names for the titles that it has in quotes: those of parts, of compounds and of features that a
-    feature model calls so. Raises DseError for one that nothing in *space* has, or that has several names."""
+    feature model calls so. Raises DseError for one that nothing in *space* has, or several parts, in *option*."""
     from dse.domain.design import Compound, Part, walk
 
     names: dict[str, set[str]] = {}
@@ -126,7 +129,7 @@ def unquoted(text: str, space: DesignSpace) -> str:
         if len(found) != 1:
             what = f"nothing is called '{match[1]}'" if not found else f"several parts are called '{match[1]}'"
             hint = closest(match[1], filter(None, names)) if not found else f"write one of {', '.join(sorted(found))}"
-            raise fail(what, Location("text", 1, match.start() + 1), hint)
+            raise fail(what, Location(option, 1, match.start() + 1), hint)
         return next(iter(found))
 
     return re.sub(r'"([^"]+)"', name_of, text)
