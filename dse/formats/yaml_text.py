@@ -70,12 +70,12 @@ def inline(written: Any) -> Any:
     if isinstance(written, str):
         return written
     if isinstance(written, Mapping):
-        found = {key: inline(value) for key, value in written.items()}
-        line = write_flow(found) if all(isinstance(value, str) for value in found.values()) else ""
-    else:
-        found = [inline(value) for value in written]
-        line = f"[{', '.join(found)}]" if all(isinstance(value, str) for value in found) else ""
-    return line if line and len(line) <= _SHORT else found
+        entries = {key: inline(value) for key, value in written.items()}
+        line = write_flow(entries) if all(isinstance(value, str) for value in entries.values()) else ""
+        return line if line and len(line) <= _SHORT else entries
+    items = [inline(value) for value in written]
+    line = f"[{', '.join(items)}]" if all(isinstance(item, str) for item in items) else ""
+    return line if line and len(line) <= _SHORT else items
 
 
 def write_scalar(value: Any) -> str:
