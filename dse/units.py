@@ -298,7 +298,7 @@ _OWN_MEANING = re.compile(
     r"|[1-9][0-9]{0,999}(?:/[1-9][0-9]{0,999})?) ?((?![0-9./]).*)"
 )
 _PLAIN_NUMBER = re.compile(r"[0-9]{1,15}\.[0-9]{1,15}")
-_STAND_INS = tuple(f"dseown{letter}" for letter in "abcdefgh")
+_PLACEHOLDERS = tuple(f"dseown{letter}" for letter in "abcdefgh")
 """What pint reads in place of units that a workspace defines, in one unit."""
 
 
@@ -319,14 +319,14 @@ def _unit(symbol: str) -> Unit:
         return DIMENSIONLESS
     own: list[str] = []
 
-    def stand_in(match: re.Match[str]) -> str:
+    def placeholder(match: re.Match[str]) -> str:
         if match[0] not in own:
             own.append(match[0])
-        if len(own) > len(_STAND_INS):
+        if len(own) > len(_PLACEHOLDERS):
             raise UnitError(f"'{short_symbol(symbol)}' consists of too many units")
-        return _STAND_INS[own.index(match[0])]
+        return _PLACEHOLDERS[own.index(match[0])]
 
-    text = symbol if "dseown" in symbol else _OWN_SYMBOL.sub(stand_in, symbol)
+    text = symbol if "dseown" in symbol else _OWN_SYMBOL.sub(placeholder, symbol)
     if _TOO_LARGE.search(text) or len(_GROUP_POWER.findall(text)) > 1 or (not own and "dseown" in text):
         raise UnitError(f"unknown unit '{symbol}'")
     if text in _MISREAD:
@@ -341,13 +341,13 @@ def _unit(symbol: str) -> Unit:
 
 
 def _with_own(own: list[str], factor: Fraction, offset: Fraction, dimension: Dimension) -> _Meaning:
-    """A meaning of stand-ins as that of the units that they stand for. Raises UnitError."""
+    """A meaning of placeholders as that of the units that they stand for. Raises UnitError."""
     found: Dimension = ()
     for name, exponent in dimension:
-        if name not in _STAND_INS:
+        if name not in _PLACEHOLDERS:
             found = multiply(found, ((name, exponent),))
             continue
-        symbol = own[_STAND_INS.index(name)]
+        symbol = own[_PLACEHOLDERS.index(name)]
         if symbol.startswith("¤"):
             found = multiply(found, ((symbol, exponent),))
             continue
@@ -433,7 +433,7 @@ def _registry() -> pint.UnitRegistry[Any]:
     registry: pint.UnitRegistry[Any] = pint.UnitRegistry(non_int_type=Fraction, cache_folder=None)
     for line in (
         *_OWN_UNITS.strip().splitlines(),
-        *(f"{name} = [{name}]" for name in (*_CURRENCIES.split(), *_STAND_INS)),
+        *(f"{name} = [{name}]" for name in (*_CURRENCIES.split(), *_PLACEHOLDERS)),
     ):
         registry.define(line)
     return registry

@@ -88,7 +88,7 @@ def write_scalar(value: Any) -> str:
 
 
 _SHORT = 100
-_PLAIN_RANGE = re.compile(r"[0-9]+\.\.(?:[0-9]+|\*)|-?[0-9]+(?:\.[0-9]+)? [A-Za-z%][A-Za-z0-9/.^]*")
+_PLAIN_RANGE = re.compile(r"[0-9]+\.\.(?:[0-9]+|\*)|-?[0-9]+(?:\.[0-9]+)? [A-Za-z%1][A-Za-z0-9/.^]*")
 """Texts that need no quotes: a range of numbers, a quantity."""
 
 

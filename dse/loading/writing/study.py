@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from dse.domain.sampler import DesignVariable
 from dse.errors import fail
-from dse.formats import write_file, write_text
+from dse.formats import write_data, write_file
 from dse.units import Unit
 
 
@@ -53,37 +52,13 @@ def _narrowed(entry: dict[str, Any], variable: DesignVariable, low: float, high:
     return {"values": [_shown(value, variable.unit) for value in values], **kept}
 
 
-def _shown(value: float, unit: Unit) -> str:
-    near = unit.from_si(value)
-    text = f"{near:.6g}"
-    return f"{text} {unit}".rstrip() if unit.symbol else text
+def _shown(value: float, unit: Unit) -> str | int | float:
+    text = f"{unit.from_si(value):.6g}"
+    if str(unit):
+        return f"{text} {unit}"
+    return int(text) if text.lstrip("-").isdecimal() else float(text)
 
 
 def _written(value: Any) -> Any:
-    """What `write_file` takes: what stands in a mapping one entry a line, each in one line."""
-    if isinstance(value, Mapping):
-        return {key: _flow(entry) for key, entry in value.items()}
-    return _flow(value)
-
-
-def _flow(value: Any) -> str:
-    match value:
-        case bool():
-            return str(value).lower()
-        case int() | float():
-            return repr(value)
-        case str():
-            return write_text(value) if not _reads_as_number(value) else value
-        case list():
-            return f"[{', '.join(map(_flow, value))}]"
-        case Mapping():
-            return f"{{{', '.join(f'{write_text(str(key))}: {_flow(entry)}' for key, entry in value.items())}}}"
-    return json.dumps(value)
-
-
-def _reads_as_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+    """What `write_file` takes: a mapping one entry a line."""
+    return {key: write_data(entry) for key, entry in value.items()} if isinstance(value, Mapping) else write_data(value)
