@@ -12,6 +12,7 @@ import pytest
 from scipy.stats import chisquare
 
 import dse
+from dse.loading import Workspace
 
 # Simmons (2008), as in adsg-core: rendezvous in orbit of the Earth or of the Moon, crews and fuels; 108 missions.
 APOLLO = """\
@@ -69,7 +70,7 @@ def design(folder: Path, text: str, name: str) -> dse.Design:
     others = [f"  {one}: {{}}\n" for one in ("shaft", "gear", "separate", "mixed", "burner", "tube")]
     (folder / "components/parts.yaml").write_text("components:\n" + "".join((*stated, *others)), encoding="utf-8")
     (folder / f"designs/{name}.yaml").write_text(text, encoding="utf-8")
-    return dse.open(folder).designs[name]
+    return dse.Design.of(Workspace(folder).design(name))
 
 
 @pytest.mark.parametrize(
