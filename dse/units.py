@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from decimal import Context, Decimal
 from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from dse.cache import cache_folder, keep, kept
@@ -45,7 +48,11 @@ class UnitError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit of measurement: ``si = value * factor + offset``, exactly."""
+    """A unit of measurement: ``si = value * factor + offset``, exactly.
+
+    `parse_unit` reads *symbol* anywhere: it contains the definitions of units that a workspace defines, which ``str``
+    leaves out.
+    """
 
     symbol: str
     factor: Fraction
@@ -84,7 +91,7 @@ class Unit:
         return self.factor == 1 and self.offset == 0
 
     def __str__(self) -> str:
-        return self.symbol
+        return short_symbol(self.symbol)
 
 
 _FEW_DIGITS = (6, 12, 15)
@@ -139,7 +146,7 @@ def describe(dimension: Dimension) -> str:
     """A dimension in words for a message, as ``length/time`` or ``a plain number``."""
     if not dimension:
         return "a plain number"
-    return _quotient(dimension, lambda name, exponent: name if exponent == 1 else f"{name}^{exponent}")
+    return short_symbol(_quotient(dimension, lambda name, n: name if n == 1 else f"{name}^{n}"))
 
 
 def si_unit(dimension: Dimension) -> Unit:
@@ -212,17 +219,116 @@ SI_SYMBOLS = {
 _OTHER_SYMBOLS = {"currency": "EUR", "operation": "op"}
 
 
-@lru_cache(maxsize=4096)
+OwnUnits = Mapping[str, str]
+"""Units that a workspace defines: the symbol of each with its definition, by name: ``{"tick": "tick{1/4 s}"}``.
+
+A currency is ``¤CR``. Such a symbol can be read anywhere: in a stored study, in another process.
+"""
+
+_own_units: ContextVar[OwnUnits] = ContextVar("own_units", default=MappingProxyType({}))
+
+
+@contextmanager
+def own_units(units: OwnUnits) -> Iterator[None]:
+    """While this lasts, and in this thread alone, `parse_unit` and `parse_quantity` also know *units* by name."""
+    before = _own_units.set(units)
+    try:
+        yield
+    finally:
+        _own_units.reset(before)
+
+
+def known_units() -> OwnUnits:
+    """Those that `parse_unit` knows by name here and now."""
+    return _own_units.get()
+
+
+def own_currency(name: str) -> str:
+    """The symbol of a currency called *name*, which a workspace defines."""
+    return f"¤{name}"
+
+
+def own_unit(name: str, text: str) -> str:
+    """The symbol of a unit called *name*, which a workspace defines as *text*: ``0.25 s``, ``1/3 m``, ``12``.
+
+    Raises UnitError.
+    """
+    own = _own_units.get()
+    text = " ".join(_OWN_OR_NAME.sub(lambda word: own.get(word[0], word[0]), text).split())
+    meaning = _OWN_MEANING.fullmatch(text)
+    if meaning is None:
+        raise UnitError(f"'{text}' is not a positive number with a unit")
+    unit = _unit(meaning[2])
+    if unit.offset:
+        raise UnitError(f"'{unit}' begins at another zero than {coherent(unit)}")
+    if any(exponent.denominator != 1 for _, exponent in unit.dimension):
+        raise UnitError(f"'{unit}' has a fractional exponent")
+    if "{" in text:  # definitions are not nested
+        factor = Fraction(meaning[1]) * unit.factor
+        number = repr(_as_float(factor))
+        number = number if _PLAIN_NUMBER.fullmatch(number) and Fraction(number) == factor else str(factor)
+        text = f"{number} {_symbol(unit.dimension)}"
+    _unit(symbol := f"{name}{{{text}}}")
+    return symbol
+
+
+def definition_of(symbol: str) -> str:
+    """What `own_unit` made *symbol* of, as a person writes it; "" for a currency."""
+    return short_symbol(symbol.partition("{")[2].removesuffix("}"))
+
+
+def is_currency(dimension: Dimension) -> bool:
+    """Whether amounts of *dimension* are money."""
+    return len(dimension) == 1 and dimension[0][1] == 1 and (dimension[0][0] in _MONEY or dimension[0][0][0] == "¤")
+
+
+_MONEY = {"currency", *_CURRENCIES.split()}
+
+
+def short_symbol(symbol: str) -> str:
+    """*symbol* as it is shown: without the definitions of units that a workspace defines."""
+    return _DEFINITION.sub("", symbol) if "{" in symbol or "¤" in symbol else symbol
+
+
+_DEFINITION = re.compile(r"¤|\{[^{}]*\}")
+_OWN_SYMBOL = re.compile(r"¤[^\W\d_]+|[^\W\d_]+\{[^{}]*\}")
+_OWN_OR_NAME = re.compile(rf"{_OWN_SYMBOL.pattern}|[^\W\d_]+")
+_OWN_MEANING = re.compile(
+    r"((?=[0-9.]{0,99}[1-9])[0-9]{0,99}\.?[0-9]{1,99}(?:[eE][+-]?[0-9]{1,3})?"
+    r"|[1-9][0-9]{0,999}(?:/[1-9][0-9]{0,999})?) ?((?![0-9./]).*)"
+)
+_PLAIN_NUMBER = re.compile(r"[0-9]{1,15}\.[0-9]{1,15}")
+_STAND_INS = tuple(f"dseown{letter}" for letter in "abcdefgh")
+"""What pint reads in place of units that a workspace defines, in one unit."""
+
+
 def parse_unit(text: str) -> Unit:
     """Read a unit as FMI, Modelica or people write it: ``m/s2``, ``N.m``, ``km/h``, ``%``, ``EUR``.
 
     The empty string, ``1`` and ``-`` are the plain number. Raises UnitError.
     """
-    text = text.strip()
-    if text in ("", "1", "-"):
+    own = _own_units.get()
+    return _unit(_OWN_OR_NAME.sub(lambda word: own.get(word[0], word[0]), text) if own else text)
+
+
+@lru_cache(maxsize=4096)
+def _unit(symbol: str) -> Unit:
+    """The unit of a symbol with all definitions. Raises UnitError."""
+    symbol = symbol.strip()
+    if symbol in ("", "1", "-"):
         return DIMENSIONLESS
-    if _TOO_LARGE.search(text) or len(_GROUP_POWER.findall(text)) > 1:
-        raise UnitError(f"unknown unit '{text}'")
+    own: list[str] = []
+
+    def stand_in(match: re.Match[str]) -> str:
+        if match[0] not in own:
+            own.append(match[0])
+        if len(own) > len(_STAND_INS):
+            raise UnitError(f"'{short_symbol(symbol)}' consists of too many units")
+        return _STAND_INS[own.index(match[0])]
+
+    text = symbol if "dseown" in symbol else _OWN_SYMBOL.sub(stand_in, symbol)
+    if _TOO_LARGE.search(text) or len(_GROUP_POWER.findall(text)) > 1 or (not own and "dseown" in text):
+        raise UnitError(f"unknown unit '{symbol}'")
     if text in _MISREAD:
         raise UnitError(f"unknown unit '{text}': write {_MISREAD[text]}")
     known = _remembered()
@@ -230,9 +336,33 @@ def parse_unit(text: str) -> Unit:
         known[text] = _read(text)
     meaning = known[text]
     if meaning is None:
-        raise UnitError(f"unknown unit '{text}'")
-    return Unit(text, *meaning)
+        raise UnitError(f"unknown unit '{short_symbol(symbol)}'")
+    return Unit(symbol, *(_with_own(own, *meaning) if own else meaning))
 
+
+def _with_own(own: list[str], factor: Fraction, offset: Fraction, dimension: Dimension) -> _Meaning:
+    """A meaning of stand-ins as that of the units that they stand for. Raises UnitError."""
+    found: Dimension = ()
+    for name, exponent in dimension:
+        if name not in _STAND_INS:
+            found = multiply(found, ((name, exponent),))
+            continue
+        symbol = own[_STAND_INS.index(name)]
+        if symbol.startswith("¤"):
+            found = multiply(found, ((symbol, exponent),))
+            continue
+        meaning = _OWN_MEANING.fullmatch(symbol.partition("{")[2][:-1])
+        if meaning is None or exponent.denominator != 1 or abs(exponent) > _LARGEST_POWER:
+            raise UnitError(f"unknown unit '{short_symbol(symbol)}'")
+        unit = _unit(meaning[2])
+        factor *= (Fraction(meaning[1]) * unit.factor) ** int(exponent)
+        found = multiply(found, power(unit.dimension, exponent))
+    if not Fraction(1, LARGEST) <= abs(factor) <= LARGEST:
+        raise UnitError("the unit is beyond the range of numbers")
+    return factor, offset, found
+
+
+_LARGEST_POWER = 9
 
 _Meaning = tuple[Fraction, Fraction, Dimension]
 
@@ -256,9 +386,13 @@ def _read(text: str) -> _Meaning | None:
     return factor, offset, dimension
 
 
-@lru_cache(maxsize=4096)
 def parse_quantity(text: str) -> Quantity:
     """Read ``number unit``, as ``70 km/h``, ``45 EUR``, ``2 %`` or ``0.3``. Raises UnitError."""
+    return _quantity.__wrapped__(text) if _own_units.get() else _quantity(text)
+
+
+@lru_cache(maxsize=4096)
+def _quantity(text: str) -> Quantity:
     match = _QUANTITY.fullmatch(text.strip())
     if _DECIMAL_COMMA.match(text):
         raise UnitError(f"'{text}' has a decimal comma: write '{text.strip().replace(',', '.', 1)}'")
@@ -297,7 +431,10 @@ def _registry() -> pint.UnitRegistry[Any]:
     import pint
 
     registry: pint.UnitRegistry[Any] = pint.UnitRegistry(non_int_type=Fraction, cache_folder=None)
-    for line in (*_OWN_UNITS.strip().splitlines(), *(f"{name} = [{name}]" for name in _CURRENCIES.split())):
+    for line in (
+        *_OWN_UNITS.strip().splitlines(),
+        *(f"{name} = [{name}]" for name in (*_CURRENCIES.split(), *_STAND_INS)),
+    ):
         registry.define(line)
     return registry
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dse.analysis.design_ranking import Missed, Ranking, Standing, unit_of_objective
 from dse.analysis.phrases import listed, outwards
 from dse.domain.definition import StudyDefinition
-from dse.units import parse_unit, shown
+from dse.units import parse_unit, short_symbol, shown
 
 
 def claim(ranking: Ranking) -> str:
@@ -51,7 +51,7 @@ def _must(ranking: Ranking, definition: StudyDefinition, winner: Standing, other
     if not apart:
         return f"{_label(objective.name, definition)} {change} at all: they are equal"
     share = f" ({shown(100 * apart / abs(other.values[0]), 2)} %)" if other.values[0] else ""
-    by = f"{shown(outwards(apart / float(parse_unit(unit).factor), math.ceil))} {unit}".rstrip()
+    by = f"{shown(outwards(apart / float(parse_unit(unit).factor), math.ceil))} {short_symbol(unit)}".rstrip()
     return f"{_label(objective.name, definition)} {change} by more than {by}{share}"
 
 
@@ -63,7 +63,7 @@ def _needs(missed: Missed, definition: StudyDefinition) -> str:
     bound = (requirement.at_most if is_above else requirement.at_least) or 0.0
     word, towards = ("at most", math.ceil) if is_above else ("at least", math.floor)
     enough = shown(outwards(parse_unit(requirement.unit).from_si(missed.worst), towards))
-    instead = f"{enough} {requirement.unit}".rstrip()
+    instead = f"{enough} {short_symbol(requirement.unit)}".rstrip()
     return f"{missed.requirement} were {word} {instead} instead of {_quantity(bound, requirement.unit)}"
 
 
@@ -73,7 +73,7 @@ def _values(ranking: Ranking, definition: StudyDefinition, design: Standing) -> 
 
 
 def _quantity(si: float, unit: str) -> str:
-    return f"{shown(parse_unit(unit).from_si(si))} {unit}".rstrip()
+    return f"{shown(parse_unit(unit).from_si(si))} {short_symbol(unit)}".rstrip()
 
 
 def _label(name: str, definition: StudyDefinition) -> str:

@@ -41,7 +41,7 @@ from dse.domain.sampler import Objective, Role
 from dse.exploration import design_variable, designs_of
 from dse.storage import RunTable, over_draws
 from dse.testbench import with_composites
-from dse.units import UnitError, parse_unit
+from dse.units import UnitError, is_currency, parse_unit
 
 _MOST_LEVELS = 12
 """With more values than that a straight line is fitted through the differences."""
@@ -341,7 +341,7 @@ def _sides(
 def is_price(unit: str) -> bool:
     """Whether *unit* is a currency; one that is not known is none."""
     try:
-        return parse_unit(unit).dimension == parse_unit("EUR").dimension
+        return is_currency(parse_unit(unit).dimension)
     except UnitError:
         return False
 

@@ -18,6 +18,7 @@ from dse.domain.definition import StudyDefinition
 from dse.domain.sampler import Role
 from dse.exploration import VerdictModel, allowing, conditions_of, design_variable, scaled, unit_of
 from dse.expression import parse_expression
+from dse.units import own_units
 
 _POINTS, _MOST_DRAWN = 2**12, 2**16
 _MOST_CONFIGURATIONS = 16
@@ -65,7 +66,8 @@ def points_of(definition: StudyDefinition) -> NDArray[np.float64]:
     free = tuple(variable for variable in variables if variable.role is not Role.CONDITION)
     correlations = {(each.one, each.other): each.value for each in definition.correlations}
     conditions = np.array(conditions_of(variables) or [()], dtype=np.float64)
-    allowed = allowing([parse_expression(text) for text in definition.constraints], variables)
+    with own_units(definition.units):
+        allowed = allowing([parse_expression(text) for text in definition.constraints], variables)
     sequence = qmc.Sobol(max(len(free), 1), seed=np.random.default_rng(0))
     found: list[Floats] = []
     while sum(map(len, found)) < _POINTS and sequence.num_generated < _MOST_DRAWN:

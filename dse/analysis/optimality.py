@@ -14,7 +14,7 @@ from dse.exploration import design_variable, designs_of, hypervolume
 from dse.space import OpenedSpace, read_aims
 from dse.storage import RunTable
 from dse.testbench import with_composites
-from dse.units import parse_unit
+from dse.units import parse_unit, short_symbol
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +54,7 @@ def strength(ranking: Ranking, runs: int, bounds: Sequence[float | None], defini
             continue
         values = [one.values[column] for one in ranking.best]
         word, best = ("more", max) if objective.maximize else ("less", min)
-        shown = f"{parse_unit(unit).from_si(bound):.6g} {unit}".rstrip()
+        shown = f"{parse_unit(unit).from_si(bound):.6g} {short_symbol(unit)}".rstrip()
         proven = ", which is reached" if values and best(values) == bound else ""
         said.append(f"no configuration has {word} than sum({objective.name}) = {shown}{proven}")
     return "; ".join(said)

@@ -135,7 +135,9 @@ def case_label(definition: StudyDefinition, case: Iterable[float]) -> str:
 
 def value_label(variable: DefinedVariable, value: float) -> str:
     """A variable and its value (SI) in words: ``speed 60 km/h``."""
-    shown = variable.label(value) or f"{_shown(value, variable.unit)} {variable.unit}".rstrip()
+    from dse.units import short_symbol
+
+    shown = variable.label(value) or f"{_shown(value, variable.unit)} {short_symbol(variable.unit)}".rstrip()
     return f"{variable.title or variable.name} {shown}"
 
 

@@ -10,17 +10,17 @@ import numpy as np
 from dse.analysis.data import ALL, Factor, StudyData
 from dse.analysis.limits import Limit
 from dse.analysis.probability import Interval
-from dse.units import parse_unit, shown
+from dse.units import parse_unit, short_symbol, shown
 
 
 def quantity(si: float, unit: str) -> str:
     """An SI number in *unit*, to three digits."""
-    return f"{shown(parse_unit(unit).from_si(si), 3)} {unit}".rstrip()
+    return f"{shown(parse_unit(unit).from_si(si), 3)} {short_symbol(unit)}".rstrip()
 
 
 def difference(si: float, unit: str) -> str:
     """A difference of SI numbers in *unit*, to three digits: one of 20 degC is 20 K."""
-    return f"{shown(si / float(parse_unit(unit).factor), 3)} {unit}".rstrip()
+    return f"{shown(si / float(parse_unit(unit).factor), 3)} {short_symbol(unit)}".rstrip()
 
 
 def outwards(value: float, towards: Callable[[float], int]) -> float:
@@ -103,7 +103,7 @@ def _limit(limit: Limit) -> str:
         return _is(factor.name, [quantity(v, factor.unit) for v in inside])
     low, high = (quantity(factor.value(p), factor.unit) if p == p else "" for p in (limit.low, limit.high))  # noqa: PLR0124  # NaN
     if low and high:
-        text = f"{low.removesuffix(factor.unit).rstrip()} < {factor.name} < {high}"
+        text = f"{low.removesuffix(short_symbol(factor.unit)).rstrip()} < {factor.name} < {high}"
     else:
         text = f"{factor.name} < {high}" if high else f"{factor.name} > {low}"
     return f"{text} (where it is there)" if limit.conditional else text

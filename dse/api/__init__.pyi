@@ -11,6 +11,7 @@ from .drives.live import MOST_DRIVER as MOST_DRIVER, LiveDrive as LiveDrive, ope
 from .drives.score_board import SCORING as SCORING, Board as Board, Score as Score, board_of as board_of
 from .drives.shared import SharedDrive as SharedDrive, open_shared_drive as open_shared_drive
 from .lookup import (
+    aims_of as aims_of,
     condition_of as condition_of,
     new_folder as new_folder,
     opened as opened,

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.errors import DseError, Location, fail
+from dse.errors import DseError, Location, closest, fail
 from dse.places import OUT
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from dse.domain.design import DesignSpace
     from dse.domain.expression import Expression
     from dse.loading import Workspace
-    from dse.space import OpenedSpace
+    from dse.space import Aim, OpenedSpace
 
 _NO_YAML = {
     ".fmu": ("an FMU", "'dse import fmu {0}' makes a component of it; 'dse probe {0}' finds out what it does"),
@@ -89,11 +90,46 @@ def opened(
     """The design space of `space_of`, opened for questions about a part of it. Raises DseError with all problems."""
     from dse.space import open_space
 
-    return open_space(space_of(design), choose, condition_of(where), on, off)
+    space = space_of(design)
+    return open_space(space, choose, condition_of(where, space), on, off)
 
 
-def condition_of(text: str | None) -> Expression | None:
-    """The condition of ``--where``; its problems are located in the text of the option. Raises DseError."""
+def condition_of(text: str | None, space: DesignSpace) -> Expression | None:
+    """The condition of ``--where`` on *space*; its problems are located in the text of the option. Raises DseError."""
     from dse.expression import parse_expression
+    from dse.units import own_units
 
-    return None if text is None else parse_expression(text, Location("--where", 1, 1))
+    with own_units(space.units):
+        return None if text is None else parse_expression(unquoted(text, space, "--where"), Location("--where", 1, 1))
+
+
+def aims_of(minimize: Iterable[str], maximize: Iterable[str], space: DesignSpace) -> tuple[Aim, ...]:
+    """The objectives on *space* written in texts, those to be minimised first. Raises DseError."""
+    from dse.space import read_aims
+
+    return read_aims(
+        [unquoted(text, space, "--minimize") for text in minimize],
+        [unquoted(text, space, "--maximize") for text in maximize],
+        space.units,
+    )
+
+
+def unquoted(text: str, space: DesignSpace, option: str) -> str:
+    """*text* with names for the titles that it has in quotes: those of parts, of compounds and of features that a
+    feature model calls so. Raises DseError for one that nothing in *space* has, or several parts, in *option*."""
+    from dse.domain.design import Compound, Part, walk
+
+    names: dict[str, set[str]] = {}
+    for _, node in walk(space.root) if '"' in text else ():
+        if isinstance(node, Part | Compound):
+            names.setdefault(node.component.title if isinstance(node, Part) else node.title, set()).add(node.name)
+
+    def name_of(match: re.Match[str]) -> str:
+        found = names.get(match[1], set())
+        if len(found) != 1:
+            what = f"nothing is called '{match[1]}'" if not found else f"several parts are called '{match[1]}'"
+            hint = closest(match[1], filter(None, names)) if not found else f"write one of {', '.join(sorted(found))}"
+            raise fail(what, Location(option, 1, match.start() + 1), hint)
+        return next(iter(found))
+
+    return re.sub(r'"([^"]+)"', name_of, text)

@@ -41,12 +41,15 @@ def _finite(value: Any) -> Any:
 def show_decision(decision: Decision, definition: StudyDefinition) -> None:
     """Print *decision*."""
     from dse.api import quantity, requirement_labels
+    from dse.units import short_symbol
 
     sides = decision.first, decision.second
     both = [definition.configuration(side.configuration) for side in sides]
     for name, design, other in zip("AB", both, reversed(both), strict=True):
         own = (f"{place} {what}" for place, what in design.choices.items() if other.choices.get(place) != what)
-        totals = (f"{what} {quantity(total.value, '')} {total.unit}" for what, total in design.totals.items())
+        totals = (
+            f"{what} {quantity(total.value, '')} {short_symbol(total.unit)}" for what, total in design.totals.items()
+        )
         print_line(f"{name}  {design.id}: {', '.join((*totals, *own))}", style="bold")
     print_line(order_text(decision, definition))
     print_line(certainty_text(decision))
@@ -173,6 +176,6 @@ def _show_effects(decision: Decision, definition: StudyDefinition, named: Mappin
 
 def _difference(value: float, unit: str) -> str:
     """A difference (SI) in *unit*, signed."""
-    from dse.units import parse_unit, shown
+    from dse.units import parse_unit, short_symbol, shown
 
-    return f"{'+' if value > 0 else ''}{shown(value / float(parse_unit(unit).factor), 3)} {unit}".rstrip()
+    return f"{'+' if value > 0 else ''}{shown(value / float(parse_unit(unit).factor), 3)} {short_symbol(unit)}".rstrip()

@@ -219,8 +219,9 @@ class StudyDefinition:
     hold others, of which there are runs. Of a sampler that proposes configurations none are explored from the start:
     *space* says of which design space (a digest), and *configurations* are those it has asked for.
 
-    *derived* parameters and *constraints* between variables are expressions as the user wrote them. Of a study on
-    several benches *simulation* is the first one's, *other_simulations* are those of the others by name.
+    *derived* parameters and *constraints* between variables are expressions as the user wrote them; *units* are those
+    that these and other texts may use besides the usual ones. Of a study on several benches *simulation* is the first
+    one's, *other_simulations* are those of the others by name.
     """
 
     study: str
@@ -247,6 +248,7 @@ class StudyDefinition:
     space: str = ""
     other_simulations: Mapping[str, DefinedSimulation] = field(default_factory=dict)
     replicates: DefinedReplicates | None = None
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def configuration(self, name: str) -> DefinedConfiguration:
         """The configuration with the id *name*; KeyError if there is none."""
@@ -301,6 +303,7 @@ def _deciding(definition: StudyDefinition) -> dict[str, object]:
         "figures": [(figure.name, figure.current, figure.target) for figure in definition.figures],
         "simulation": (definition.simulation, dict(definition.other_simulations)),
         "derived": dict(definition.derived),
+        "units": dict(definition.units),
         "dse": definition.dse,
     }
 

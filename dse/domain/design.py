@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from dse.domain.component import NO_INTERFACE, Component, Interface
 from dse.domain.expression import Expression
 from dse.errors import Location
-from dse.units import Quantity
+from dse.units import OwnUnits, Quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,11 +73,22 @@ class Allocation:
 
 
 @dataclass(frozen=True, slots=True)
+class Form:
+    """What a file says of a compound: *data*, which means these *parts* and *connections*, and these constraints."""
+
+    data: Mapping[str, Any]
+    parts: Mapping[str, Node]
+    connections: tuple[Connection, ...] = ()
+    constraints: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Compound:
     """An architecture: named parts and their wiring.
 
     An end of a connection that does not start with a part's name is a port of *interface*. The parts of a *repeated*
-    one are its instances. The parts of one with an *allocation* are its decisions.
+    one are its instances. The parts of one with an *allocation* are its decisions. What *form* says is true only of
+    what was not changed since.
     """
 
     name: str
@@ -86,6 +98,8 @@ class Compound:
     where: Location | None = None
     repeated: bool = False
     allocation: Allocation | None = None
+    form: Form | None = field(default=None, compare=False)
+    title: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +136,8 @@ class Constraint:
     """A static constraint: *rule* must hold in every configuration.
 
     One that stands in a container has the container in its name (``powertrain.hybrid_p2: budget``) and in its rule.
-    *set* is the name of the constraint set it belongs to, "" for none.
+    *set* is the name of the constraint set it belongs to, "" for none. *form* is what its file says, {} of one that
+    the structure imposes, None if it is not known.
     """
 
     name: str
@@ -130,6 +145,7 @@ class Constraint:
     because: str = ""
     where: Location | None = None
     set: str = ""
+    form: Mapping[str, Any] | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +163,7 @@ class DesignSpace:
     """All designs: a tree of containers and the rules that prune it.
 
     *constraints* are those that are on; *all_constraints*, by default the same, those of sets that are off as well,
-    in the order of the file.
+    in the order of the file. *units* are those that its texts may use besides the usual ones.
     """
 
     name: str
@@ -157,6 +173,7 @@ class DesignSpace:
     where: Location | None = None
     sets: tuple[ConstraintSet, ...] = ()
     all_constraints: tuple[Constraint, ...] = ()
+    units: OwnUnits = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.all_constraints:

@@ -22,10 +22,13 @@ from .yaml import (
 )
 from .yaml_text import (
     dump_yaml as dump_yaml,
+    inline as inline,
+    write_data as write_data,
     write_file as write_file,
     write_flow as write_flow,
     write_name as write_name,
     write_parameter as write_parameter,
+    write_scalar as write_scalar,
     write_text as write_text,
     write_value as write_value,
 )

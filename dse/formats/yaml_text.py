@@ -58,6 +58,40 @@ def _block(data: Mapping[str, Any], level: int) -> Iterator[str]:
             yield from rest
 
 
+def write_data(value: Any) -> Any:
+    """Plain data as `write_file` takes it: in one line where that is short, else one entry a line."""
+    if isinstance(value, Mapping):
+        return inline({str(key): write_data(entry) for key, entry in value.items()})
+    return inline([write_data(entry) for entry in value]) if isinstance(value, list) else write_scalar(value)
+
+
+def inline(written: Any) -> Any:
+    """What `write_file` takes, with all that is short in one line."""
+    if isinstance(written, str):
+        return written
+    if isinstance(written, Mapping):
+        entries = {key: inline(value) for key, value in written.items()}
+        line = write_flow(entries) if all(isinstance(value, str) for value in entries.values()) else ""
+        return line if line and len(line) <= _SHORT else entries
+    items = [inline(value) for value in written]
+    line = f"[{', '.join(items)}]" if all(isinstance(item, str) for item in items) else ""
+    return line if line and len(line) <= _SHORT else items
+
+
+def write_scalar(value: Any) -> str:
+    """A number, text, truth value or None; ranges of numbers and quantities without quotes."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return value if _PLAIN_RANGE.fullmatch(value) else write_text(value)
+    return "null" if value is None else repr(value)
+
+
+_SHORT = 100
+_PLAIN_RANGE = re.compile(r"[0-9]+\.\.(?:[0-9]+|\*)|-?[0-9]+(?:\.[0-9]+)? [A-Za-z%][A-Za-z0-9/.^]*")
+"""Texts that need no quotes: a range of numbers, a quantity."""
+
+
 def write_flow(data: Mapping[str, str]) -> str:
     """A mapping in one line, of what is written already."""
     return f"{{{', '.join(f'{write_name(key)}: {value}' for key, value in data.items())}}}"
@@ -76,7 +110,7 @@ def write_parameter(parameter: Parameter, *others: Parameter) -> str:
         case Kind.ENUMERATION:
             entries["enum"] = f"[{', '.join(map(write_name, parameter.type.items))}]"
         case Kind.REAL:
-            entries["unit"] = write_text(unit.symbol or "1")
+            entries["unit"] = write_text(str(unit) or "1")
         case kind:
             entries["type"] = str(kind)
     if not parameter.tunable:

@@ -97,7 +97,7 @@ def _write(drive: Drive, types: Mapping[str, Type], folder: Path) -> Path:
     columns = [drive.time - drive.step / 2, *(_changes(drive.inputs[name]) for name in types)]
     fields = [pa.field("time", pa.float64(), metadata={"unit": "s"})]
     fields += [
-        pa.field(n, pa.float64(), metadata={"unit": t.unit.symbol} if t.unit.symbol else None) for n, t in types.items()
+        pa.field(n, pa.float64(), metadata={"unit": str(t.unit)} if t.unit.symbol else None) for n, t in types.items()
     ]
     arrays = [pa.array(column, pa.float64()) for column in columns]
     written = BytesIO()

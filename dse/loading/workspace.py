@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.domain.component import Component, Interface
-from dse.errors import Location, Problems, closest, fail, raise_if_any
+from dse.errors import DseError, Location, Problems, closest, fail, raise_if_any
 from dse.formats import Entry, remember, shown
 from dse.loading.component.component import read_collection, read_component
-from dse.loading.component.interfaces import read_interfaces, read_stand_ins, read_types
+from dse.loading.component.interfaces import read_interfaces, read_own_units, read_stand_ins, read_types
+from dse.loading.include import read_document
 from dse.loading.paths import find_root
 from dse.places import NO_BENCHES, PROCEDURE, RATING, STUDY
+from dse.units import OwnUnits, own_units
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
@@ -60,19 +63,26 @@ class Workspace:
         )
 
     @cached_property
+    def units(self) -> OwnUnits:
+        """The units that its ``interfaces.yaml`` files define. Raises DseError."""
+        with own_units({}):
+            return read_own_units(self._components_yaml.get("interfaces.yaml", []), self.root)
+
+    @cached_property
     def interfaces(self) -> dict[str, Interface]:
         """Every interface of the workspace, by name."""
         found: dict[str, Interface] = {}
         problems = Problems()
         paths = self._components_yaml.get("interfaces.yaml", [])
-        types = read_types(paths, self.root)
-        for path in paths:
-            with problems:
-                for name, interface in read_interfaces(path, self.root, types).items():
-                    if name in found:
-                        hint = f"see {found[name].where}"
-                        problems.add(f"interface '{name}' is defined twice", interface.where, hint)
-                    found.setdefault(name, interface)
+        with own_units(self.units):
+            types = read_types(paths, self.root)
+            for path in paths:
+                with problems:
+                    for name, interface in read_interfaces(path, self.root, types).items():
+                        if name in found:
+                            hint = f"see {found[name].where}"
+                            problems.add(f"interface '{name}' is defined twice", interface.where, hint)
+                        found.setdefault(name, interface)
         raise_if_any(problems)
         return found
 
@@ -107,7 +117,7 @@ class Workspace:
         found: list[tuple[Component, Path]] = []
         problems = Problems()
         for path in self._components_yaml.get("", []):
-            with problems:
+            with problems, own_units(self.units):
                 found += [(component, path) for component in read_collection(path, self.interfaces, self.root)]
         raise_if_any(problems)
         return found
@@ -121,7 +131,8 @@ class Workspace:
             if path.name != "component.yaml":
                 self._components |= {component.name: component for component, _ in self._collected}
                 return self._components[name]
-            component = read_component(path, self.interfaces, self.root)
+            with own_units(self.units):
+                component = read_component(path, self.interfaces, self.root)
             if component.name != name:
                 raise fail(
                     f"component '{component.name}' is in a folder called '{name}'",
@@ -137,7 +148,8 @@ class Workspace:
         if path not in self._designs:
             from dse.loading.design.design import read_design
 
-            design = read_design(path, self.component, self.interfaces, self.stand_ins, self.root)
+            with own_units(self.units):
+                design = read_design(path, self.component, self.interfaces, self.stand_ins, self.root)
             _require_name(design.name, path, ".yaml", design.where)
             self._designs[path] = design
         return self._designs[path]
@@ -148,7 +160,8 @@ class Workspace:
         if path not in self._benches:
             from dse.loading.bench.bench import read_bench
 
-            bench = read_bench(path, self.component, self.design, self.root)
+            with own_units(self._units_of(path, "design", self.design)):
+                bench = read_bench(path, self.component, self.design, self.root)
             _require_name(bench.name, path, ".yaml", bench.where)
             self._benches[path] = bench
         return self._benches[path]
@@ -158,7 +171,8 @@ class Workspace:
         from dse.loading.bench.study import read_study
 
         path = self._file(name, "testbenches", STUDY, where)
-        study = read_study(path, self.bench, self.root)
+        with own_units(self._units_of(path, "testbench", lambda name, where: self.bench(name, where).design)):
+            study = read_study(path, self.bench, self.root)
         _require_name(study.name, path, STUDY, study.where)
         return study
 
@@ -167,7 +181,8 @@ class Workspace:
         from dse.loading.bench.rating import read_rating
 
         path = self._file(name, "testbenches", RATING, where)
-        rating = read_rating(path, self.bench, self.root)
+        with own_units(self.units):
+            rating = read_rating(path, self.bench, self.root)
         _require_name(rating.name, path, RATING, rating.where)
         return rating
 
@@ -176,7 +191,8 @@ class Workspace:
         from dse.loading.bench.procedure import read_procedure
 
         path = self._file(name, "testbenches", PROCEDURE, where)
-        procedure = read_procedure(path, self.bench, self.root)
+        with own_units(self.units):
+            procedure = read_procedure(path, self.bench, self.root)
         _require_name(procedure.name, path, PROCEDURE, procedure.where)
         return procedure
 
@@ -202,6 +218,16 @@ class Workspace:
         for path in self.files("components"):
             name = path.name
             found.setdefault(name if name in ("component.yaml", "interfaces.yaml") else "", []).append(path)
+        return found
+
+    def _units_of(self, path: Path, key: str, find: Callable[[str, Location], DesignSpace]) -> OwnUnits:
+        """What the file at *path* may use: also the units of the design that *find* finds by what *key* names."""
+        found = dict(self.units)
+        with suppress(DseError):  # who reads the file tells of it
+            named = read_document(path, self.root)[key]
+            for name in named.data if isinstance(named.data, list) else [named.data]:
+                if isinstance(name, str):
+                    found |= find(name, named.where).units
         return found
 
     def _file(self, name: str, folder: str, suffix: str, where: Location | None) -> Path:

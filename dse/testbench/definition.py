@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from fractions import Fraction
@@ -40,7 +41,7 @@ from dse.domain.system import Element
 from dse.errors import Location
 from dse.space import alternatives, summed_properties
 from dse.testbench.multi_bench import Prepared, singly
-from dse.units import DIMENSIONLESS, Unit
+from dse.units import DIMENSIONLESS, OwnUnits, Unit
 
 
 def define(study: Study, prepared: Mapping[str, Prepared], space: str = "") -> StudyDefinition:
@@ -51,7 +52,7 @@ def define(study: Study, prepared: Mapping[str, Prepared], space: str = "") -> S
     bench, benches, draws = study.bench, study.benches, study.replicates
     figures = {figure.name: figure for bench in benches for figure in bench.figures}
     metrics = _metrics(study, prepared)
-    return StudyDefinition(
+    defined = StudyDefinition(
         study=study.name,
         title=study.title or bench.title or study.name,
         bench=DefinedBench(" + ".join(b.name for b in benches), " + ".join(b.title for b in benches if b.title)),
@@ -77,6 +78,16 @@ def define(study: Study, prepared: Mapping[str, Prepared], space: str = "") -> S
         correlations=tuple(DefinedCorrelation(*pair, value) for pair, value in sorted(study.correlations.items())),
         replicates=DefinedReplicates(draws.at_least, draws.at_most, draws.confidence) if draws else None,
     )
+    return replace(defined, units=_units(defined, bench.design.units))
+
+
+def _units(definition: StudyDefinition, known: OwnUnits) -> OwnUnits:
+    """Those of the *known* units that texts of *definition* may use."""
+    texts = [*definition.derived.values(), *definition.constraints, *(each.name for each in definition.objectives)]
+    texts += [each.expression for each in definition.metrics]
+    texts += [each.exercised_when or "" for each in definition.requirements]
+    words = set(re.findall(r"[^\W\d_]+", " ".join(texts)))
+    return {name: symbol for name, symbol in sorted(known.items()) if name in words}
 
 
 def places(space: DesignSpace) -> tuple[str, ...]:
@@ -155,7 +166,7 @@ def _allocated(configuration: Configuration, place: str, allocation: Allocation)
             DefinedLoad(
                 load,
                 capacity,
-                unit.symbol,
+                str(unit),
                 {function: float(amount.si / unit.factor) for function, amount in amounts.items()},
                 {host: float(sum((q.si for q in some), Fraction(0)) / unit.factor) for host, some in given.items()},
             )

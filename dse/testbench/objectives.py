@@ -22,7 +22,7 @@ from dse.errors import Location, fail
 from dse.expression import descend, parse_expression, rewritten, show_expression
 from dse.metrics import RowProgram, compile_number
 from dse.storage import groups_of
-from dse.units import Unit, parse_unit, si_unit
+from dse.units import Unit, own_units, parse_unit, si_unit
 
 _EXPECTED = "expected"
 
@@ -37,7 +37,8 @@ def compile_objective(objective: Objective, definition: StudyDefinition) -> tupl
         **{metric.name: _type(metric.unit) for metric in definition.metrics},
         **{f"sum({name})": _type(unit) for name, unit in totals.items()},
     }
-    written = parse_expression(objective.name, Location("objective"))
+    with own_units(definition.units):
+        written = parse_expression(objective.name, Location("objective"))
     root = rewritten(written.root, _as_name)
     for inner in _expectations(root):
         _, unit = compile_objective(Objective(inner, is_composite=True), definition)
@@ -102,7 +103,9 @@ def _expectations(root: Node) -> list[str]:
 def _require_means(inner: str, definition: StudyDefinition) -> None:
     """DseError for a metric that has the value of the draw that decides, as a requirement is about it."""
     judged = {requirement.metric for requirement in definition.requirements}
-    for node in descend(_parsed(inner)):
+    with own_units(definition.units):
+        root = parse_expression(inner, Location("objective")).root
+    for node in descend(root):
         if isinstance(node, Name) and node.path in judged:
             what = f"'{node.path}' has no mean over the draws: it is that of the draw which decides on a requirement"
             raise fail(what, Location("objective"), "let a metric of another name have the same expression")
@@ -115,10 +118,6 @@ def _as_name(node: Node) -> Node:
         case Call("expected", arguments=(inner,), span=span):
             return Name(f"expected({show_expression(inner)})", span)
     return node
-
-
-def _parsed(text: str) -> Node:
-    return parse_expression(text, Location("objective")).root
 
 
 def _type(unit: str) -> Type:

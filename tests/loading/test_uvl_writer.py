@@ -8,6 +8,8 @@ import pytest
 from every_configuration import valid
 from hypothesis import given, settings, strategies as st
 
+import dse
+from dse.api.lookup import space_of
 from dse.domain.component import NO_INTERFACE, Component
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part, walk
 from dse.errors import DseError
@@ -16,6 +18,7 @@ from dse.loading.uvl.reading import read_uvl_text
 from dse.loading.uvl.tokens import Source
 from dse.loading.uvl.writing import to_uvl
 from dse.loading.workspace import Workspace
+from dse.loading.writing.design import write_design
 from dse.units import parse_quantity
 
 ROOT = Path(__file__).parents[2]
@@ -209,3 +212,70 @@ def test_the_example_design_can_be_written():
 def test_a_root_without_children_keeps_its_name():
     space = read("features\n A {cost 1}\n")
     assert "\n    A {cost 1}\n" in to_uvl(space)
+
+
+QUOTED = """\
+features
+    "My Car"
+        mandatory
+            "Front Radar" {Price 3}
+                alternative
+                    "Long Range"
+                    "Short-Range"
+            "in_"
+        optional
+            "a b"
+                or
+                    Inner
+                    "Inner 2" {Price 2}
+            "a-b"
+            a_b_2
+constraints
+    "Long Range" => "a-b" & "a b"
+    "Inner 2".Price < 3
+"""
+
+
+def test_quoted_names_come_back():
+    space = read(QUOTED)
+    text = to_uvl(space)
+    names = {line.strip().partition(" {")[0] for line in QUOTED.splitlines()[1:16] if '"' in line}
+    names -= {'"in_"'}  # needs none
+    assert len(names) == 7
+    assert all(f"{name}\n" in text.replace(" {Price 3}", "").replace(" {Price 2}", "") for name in names)
+    assert to_uvl(read(text)) == text
+    assert count(read(text)) == count(space)
+
+
+def test_a_title_that_is_not_how_a_name_is_spelled_does_not_become_one():
+    root = Compound("r", {"radar": Part(Component("radar", NO_INTERFACE, "Radar of 77 GHz"))}, title="Root of all")
+    assert '"' not in to_uvl(DesignSpace("r", root))
+
+
+def test_questions_take_titles_in_quotes(tmp_path):
+    (tmp_path / "model.uvl").write_text(QUOTED, encoding="utf-8")
+    space = space_of(str(tmp_path / "model.uvl"))
+    design = dse.api.Design.of(space)
+    assert design.count(where='"a-b" is present and "a b" is absent', exact=True) == design.count(
+        where="a_b_3 is present and a_b is absent", exact=True
+    )
+    (best,) = design.best(maximize='if "a-b" is present then 1 else 0', n=1)
+    assert best.values[0] == 1
+    with pytest.raises(DseError, match=r"^--where:1:21: nothing is called 'a\+b'") as caught:
+        design.count(where='"a b" is present or "a+b" is present')
+    assert caught.value.problems[0].hint == "did you mean 'a-b'?"
+
+
+def test_the_title_of_a_compound_is_read_and_written(tmp_path):
+    for name in ("components", "designs"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "components/parts.yaml").write_text("components: {radar: {}}\n", encoding="utf-8")
+    text = (
+        'design: car\nroot:\n  title: "Car, whole"\n  compound:\n'
+        "    front: {title: Front end, compound: {radar: radar}}\n"
+    )
+    (tmp_path / "designs/car.yaml").write_text(text, encoding="utf-8")
+    assert write_design(Workspace(tmp_path).design("car")) == text
+    (tmp_path / "designs/car.yaml").write_text(text.replace("Front end", "3"), encoding="utf-8")
+    with pytest.raises(DseError, match="'title': expected text"):
+        Workspace(tmp_path).design("car")

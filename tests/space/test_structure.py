@@ -19,7 +19,7 @@ from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Pa
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.formats import dump_yaml
-from dse.loading import Workspace, write_design
+from dse.loading import Workspace, read_document, write_design
 from dse.space import alternatives, open_space
 from dse.space.check import check_space
 from dse.space.methods.engine import Engine
@@ -178,6 +178,7 @@ def test_random_structures_have_as_many_configurations_as_there_are(folder, exam
             found = [each.id for each in open_space(space).configurations()]
             assert len(set(found)) == len(found) == made.count
         assert count(read(folder, write_design(space))) == made.count
+        assert read_document(folder / "designs/tried.yaml", folder).data == made.data
         # What is chosen of what can be: a refined design, written and read, has what the narrowed one has.
         path, names = random.choice([*alternatives(space).items()] or [("", (None,))])
         keep = f"{path}={random.choice(names) or 'absent'}"
@@ -287,7 +288,60 @@ def test_chosen_connections_are_wires_of_the_configuration(wired):
 
 def test_wires_come_back_from_a_written_design(wired, tmp_path):
     text = write_design(wired)
+    assert 'connect: "radar.target, camera.target -> fusion.target_#"' in text
+    assert "  connections:\n    - world.gap -> radar.gap\n    - world.gap -> camera.gap\n" in text
+    # Without the camera, they are written one by one.
+    text = write_design(open_space(wired).refined(["camera=absent"]))
     assert "radar.n1.target -> fusion.n2.target_1 if feeds.fusion_2 is radar_1" in text
+
+
+FORMS = """\
+design: tried
+title: All forms
+constraint_sets: {light: {on: false, title: Light ones}}
+root:
+  compound:
+    p: {times: 0..3, unordered: true, alternatives: [A, B, C]}
+    q: {times: 2, of: A}
+    r:
+      times: 1..2
+      compound: {x: {alternatives: [A, B]}, y: {optional: {alternatives: [A, B]}}}
+      constraints: {one: {require: x is A or y is absent, because: of the room}}
+    t: {connect: q -> p, outgoing: 1..*, incoming: 0..1, total: 1..4, exclude: [q.n1 -> p.n2], parallel: 2}
+    u: {allocate: {f: {mass: 1 kg}, g: {mass: 100 g}}, to: "p,q", load: mass, apart: [[f, g]], redundancy: {f: 2}}
+    v: {optional: {alternatives: [A, B, two: {compound: {a: {alternatives: [A, B]}, b: A}}]}}
+constraints:
+  a: {forbid: [p.n1 is B, "q.n1 is A"], because: "of a, b and c"}
+  b: {require_with: {if: [v is A, p.n1 is present], then: r.n1.x is B}, set: light}
+  c: {all_different: [p]}
+  d: {exactly: {"2": [p.n1 is A, p.n2 is A, r.n1.x is A]}}
+  e: {range: {q.mass: [1, 4 kg]}}
+  f: {require: each(p.mass <= 20 kg) and count(p is A) < 4 and sum(p.mass) < 1 t}
+"""
+
+
+def test_a_design_is_written_in_the_forms_of_its_file(folder):
+    text = FORMS.replace("q.mass: [1, 4 kg]", "q.n1.mass: [0 kg, 40 kg]")
+    space = read(folder, text)
+    asked = read_document(folder / "designs/tried.yaml", folder).data
+    written = write_design(space)
+    again = read(folder, written)
+    assert read_document(folder / "designs/tried.yaml", folder).data == asked
+    assert again.constraints == tuple(
+        replace(one, where=again.constraints[at].where) for at, one in enumerate(again.constraints)
+    )
+    assert write_design(again) == written
+    assert count(again) == count(space)
+
+
+def test_what_was_changed_is_written_out(folder):
+    space = read(folder, FORMS.replace("q.mass: [1, 4 kg]", "q.n1.mass: [0 kg, 40 kg]"))
+    refined = write_design(open_space(space).refined(["r.n1.x=A"]))
+    assert "p: {times: 0..3, unordered: true, alternatives: [A, B, C]}" in refined
+    assert "times: 1..2" not in refined
+    assert "        n1:\n" in refined
+    narrowed = open_space(space).part(["r.n1.x=A"]).count(exact=True).value
+    assert count(read(folder, refined)) == narrowed
 
 
 def different(number: int, names: int, rule: str) -> DesignSpace:

@@ -74,7 +74,7 @@ class LiveDrive:
             low = each.minimum if each.minimum is not None else min(0.0, value - spread)
             high = each.maximum if each.maximum is not None else value + spread
             numbers = (unit.from_si(number) for number in (low, high, value))
-            found.append(Tunable(name, each.title or name.rpartition(".")[2], unit.symbol, *numbers))
+            found.append(Tunable(name, each.title or name.rpartition(".")[2], str(unit), *numbers))
         return tuple(found)
 
     def scene(self) -> dict[str, object]:

@@ -155,8 +155,10 @@ def _values(choice: Choice, definition: StudyDefinition) -> str:
 
 
 def _cost(definition: StudyDefinition, configuration: str, price: str) -> str:
+    from dse.units import short_symbol
+
     total = definition.configuration(configuration).totals[price]
-    return f"{quantity(total.value, '')} {total.unit}"
+    return f"{quantity(total.value, '')} {short_symbol(total.unit)}"
 
 
 def _reversed(choice: Choice, definition: StudyDefinition) -> Iterator[str]:

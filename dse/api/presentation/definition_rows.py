@@ -113,8 +113,8 @@ def ranking_as_data(ranking: Ranking, definition: StudyDefinition, units: str = 
     names = [f"sum({each.name})" if each.is_total else each.name for each in ranking.objectives]
     for name, objective in zip(names, ranking.objectives, strict=True):
         if objective.is_composite:  # computed, and shown, in SI
-            symbol = unit_of_objective(definition, objective)
-            scales[name] = Scale(symbol, parse_unit(symbol))
+            unit = parse_unit(unit_of_objective(definition, objective))
+            scales[name] = Scale(str(unit), unit)
     data = asdict(ranking)
     for design in (*data["best"], *data["better"]):
         design["point"] = {name: scales[name].number(value) for name, value in design["point"].items()}

@@ -34,5 +34,5 @@ def configurations_frame(opened: OpenedSpace, limit: int | None) -> pd.DataFrame
     columns: dict[str, Any] = {place.path: place.chosen(rows) for place in sheet.places}
     columns |= {f"sum({total.name})": total.values(rows) for total in sheet.totals}
     frame = pd.DataFrame(columns, pd.Index(sheet.ids(rows), name="id"))
-    frame.attrs["units"] = {f"sum({total.name})": total.unit.symbol for total in sheet.totals}
+    frame.attrs["units"] = {f"sum({total.name})": str(total.unit) for total in sheet.totals}
     return frame

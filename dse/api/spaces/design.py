@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Required, TypedDict, overload
 
 from dse.api.authoring.defined import Defined, FileKind, InWorkspace
-from dse.api.lookup import condition_of, space_of
+from dse.api.lookup import aims_of, condition_of, space_of
 from dse.api.presentation.html import table
 from dse.domain.design import DesignSpace
 
@@ -38,6 +38,7 @@ class DesignKeys(TypedDict, total=False):
     """The arguments of `Design`: the keys of a file in ``designs/``."""
 
     title: str
+    units: Mapping[str, Any]
     root: Required[Mapping[str, Any]]
     constraints: Mapping[str, Any]
     constraint_sets: Mapping[str, Any]
@@ -128,9 +129,8 @@ class Design(Defined[DesignSpace]):
     ) -> Ranking:
         """The *n* best valid configurations under one objective, as ``sum(cost)``. Exact: no other one is better."""
         from dse.errors import fail
-        from dse.space import read_aims
 
-        wanted = read_aims([minimize] if minimize else [], [maximize] if maximize else [])
+        wanted = aims_of([minimize] if minimize else [], [maximize] if maximize else [], self.space)
         if len(wanted) != 1:
             raise fail("one objective is needed", None, "give minimize or maximize; for several ask for 'pareto'")
         part = self._part(**narrowing)
@@ -141,9 +141,8 @@ class Design(Defined[DesignSpace]):
     ) -> Ranking:
         """The complete Pareto set: configurations that no other one beats, one for each point."""
         from dse.errors import fail
-        from dse.space import read_aims
 
-        wanted = read_aims(several(minimize), several(maximize))
+        wanted = aims_of(several(minimize), several(maximize), self.space)
         if len(wanted) < 2:
             raise fail("two objectives or more are needed", None, "for one ask for 'best'")
         part = self._part(**narrowing)
@@ -156,7 +155,7 @@ class Design(Defined[DesignSpace]):
 
         If only some choices are given: whether they can be completed, and if not, which constraints prevent it.
         """
-        return self._opening(on, off).part((), condition_of(where)).explain(_texts(choose))
+        return self._opening(on, off).part((), condition_of(where, self.space)).explain(_texts(choose))
 
     def conflict(self, **narrowing: Unpack[Narrowing]) -> tuple[Constraint, ...]:
         """Why no configuration is valid: a smallest set of constraints that cannot be met together.
@@ -212,7 +211,7 @@ class Design(Defined[DesignSpace]):
 
     def _part(self, **narrowing: Unpack[Narrowing]) -> OpenedSpace:
         whole = self._opening(narrowing.get("on", ()), narrowing.get("off", ()))
-        return whole.part(_texts(narrowing.get("choose", {})), condition_of(narrowing.get("where")))
+        return whole.part(_texts(narrowing.get("choose", {})), condition_of(narrowing.get("where"), self.space))
 
     def _opening(self, on: Sequence[str] = (), off: Sequence[str] = ()) -> OpenedSpace:
         from dse.space import open_space
@@ -279,7 +278,7 @@ class Ranking(Sequence["Ranked"]):
             for entry, values in zip(self._entries, self.shown(), strict=True)
         ]
         frame = pd.DataFrame(rows, pd.Index([entry.id for entry in self._entries], name="id"))
-        frame.attrs["units"] = {name: unit.symbol for name, unit in zip(names, self.units, strict=True)}
+        frame.attrs["units"] = {name: str(unit) for name, unit in zip(names, self.units, strict=True)}
         return frame
 
     def __len__(self) -> int:

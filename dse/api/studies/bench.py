@@ -121,7 +121,7 @@ class Bench(Defined[TestBench]):
     def _repr_html_(self) -> str:
         noun = self.noun
         required = {entry.metric: entry.name for entry in noun.requirements}
-        rows = [(m.name, m.title, m.text, m.unit.symbol, required.get(m.name, "")) for m in noun.metrics]
+        rows = [(m.name, m.title, m.text, str(m.unit), required.get(m.name, "")) for m in noun.metrics]
         headings = ("metric", "title", "expression", "unit", "requirement")
         return table(f"{self.name}: {noun.title or noun.design.name}", headings, rows)
 
@@ -226,7 +226,7 @@ class Study(Defined[nouns.Study]):
 
     def _repr_html_(self) -> str:
         rows = [
-            (v.name, v.title, *(f"{v.unit.from_si(value):g}" for value in (v.low, v.high, v.nominal)), v.unit.symbol)
+            (v.name, v.title, *(f"{v.unit.from_si(value):g}" for value in (v.low, v.high, v.nominal)), str(v.unit))
             for v in self.noun.variables
         ]
         headings = ("design variable", "title", "low", "high", "nominal", "unit")

@@ -21,7 +21,7 @@ from dse.metrics import program_as_data
 from dse.report import PageSimulation
 from dse.storage import changed_inputs
 from dse.testbench import bench_study, singly, wire_bench
-from dse.units import parse_unit
+from dse.units import parse_unit, short_symbol
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
@@ -184,7 +184,7 @@ class _Gathered:
                 {
                     "name": each.name,
                     "title": each.title or each.name,
-                    "unit": each.unit,
+                    "unit": short_symbol(each.unit),
                     **_scale(each.unit),
                     "current": each.current,
                     "target": each.target,
@@ -212,7 +212,7 @@ def _variable(variable: DefinedVariable) -> dict[str, Any]:
     """Its range in its unit."""
     unit = parse_unit(variable.unit)
     low, high = unit.from_si(variable.low), unit.from_si(variable.high)
-    names = {"name": variable.name, "title": variable.title or variable.name, "unit": variable.unit}
+    names = {"name": variable.name, "title": variable.title or variable.name, "unit": str(unit)}
     return {**names, "low": low, "high": high, **_scale(variable.unit)}
 
 
@@ -232,4 +232,4 @@ def _setting(name: str, kind: Kind, items: tuple[str, ...], unit: str, parameter
     title = parameter.title if parameter else ""
     tunable = parameter is None or parameter.tunable
     scale = float(meaning.factor), float(meaning.offset)
-    return (name, title or name, unit, *scale, str(kind), items, low, high, tunable)
+    return (name, title or name, str(meaning), *scale, str(kind), items, low, high, tunable)

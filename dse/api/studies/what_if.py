@@ -15,7 +15,7 @@ from dse.domain.run import TESTBENCH, Outcome, Run as RunNoun, RunRequest
 from dse.domain.study import Selection
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.testbench import bench_study, one_configuration, with_settings, with_values
-from dse.units import parse_unit
+from dse.units import parse_unit, short_symbol
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
@@ -102,5 +102,9 @@ def _value(variable: DefinedVariable, given: float) -> Value:
     if not math.isclose(nearest, value, rel_tol=1e-9, abs_tol=1e-12):
         unit = parse_unit(variable.unit)
         known = ", ".join(variable.label(each) or f"{unit.from_si(each):g}" for each in variable.values)
-        raise fail(f"'{variable.name}' has certain values only", Location(variable.name), f"{known} {variable.unit}")
+        raise fail(
+            f"'{variable.name}' has certain values only",
+            Location(variable.name),
+            f"{known} {short_symbol(variable.unit)}",
+        )
     return nearest

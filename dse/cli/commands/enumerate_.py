@@ -148,7 +148,7 @@ def _table(sheet: Sheet, rows: Rows) -> None:
     columns = [sheet.ids(rows)]
     columns += [[name or "–" for name in place.chosen(rows)] for place in sheet.places]
     for total in sheet.totals:
-        unit = total.unit.symbol
+        unit = str(total.unit)
         columns.append(["–" if math.isnan(v) else f"{v:g} {unit}".rstrip() for v in total.values(rows).tolist()])
     for cells in zip(*columns, strict=True):
         table.add_row(*cells)

@@ -65,7 +65,7 @@ def verify(
     space = workspace_of(procedure)
     wanted = space.procedure(procedure)
     mine = _design(wanted, design)
-    chosen = chosen_configurations(open_space(mine, where=condition_of(where)), configuration or [], where, best)
+    chosen = chosen_configurations(open_space(mine, where=condition_of(where, mine)), configuration or [], where, best)
     place = folder or new_folder(space, f"{wanted.name}-{mine.name}")
     with progress_shown(place) as watched:
         found = verify_design(wanted, mine, chosen, place, ExploreOptions(workers), **watched)

@@ -255,7 +255,7 @@ class Picker(App[IdentifiedChoices]):
     def _summary(self) -> Text:
         text = Text()
         for found in self.ranges:
-            unit = found.total.unit.symbol
+            unit = str(found.total.unit)
             text.append(f"sum({found.total.name})", "bold")
             text.append(f" {found.low:g} … {found.high:g} {unit}".rstrip())
             text.append("\n" if found.exact else "  (bounds)\n", "dim")

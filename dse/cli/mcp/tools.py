@@ -19,6 +19,7 @@ from dse.cli.spaces import constraint_data, tally_data
 from dse.cli.terminal import plain_data
 from dse.errors import fail
 from dse.places import OUT
+from dse.units import short_symbol
 
 if TYPE_CHECKING:
     from dse.api import Design, Progress, Run, Workspace
@@ -141,7 +142,7 @@ class Tools:
             {
                 "name": each.name,
                 "title": each.title,
-                "unit": each.unit,
+                "unit": short_symbol(each.unit),
                 "role": str(each.role),
             }
             for each in definition.variables
@@ -151,7 +152,7 @@ class Tools:
                 "name": each.name,
                 "title": each.title,
                 "metric": each.metric,
-                "unit": each.unit,
+                "unit": short_symbol(each.unit),
                 "at_least": each.at_least,
                 "at_most": each.at_most,
                 "verdicts": summary.verdicts.get(each.name, {}),
@@ -171,7 +172,9 @@ class Tools:
                 "configurations": len(definition.configurations),
                 "variables": variables,
                 "requirements": requirements,
-                "metrics": [{"name": e.name, "title": e.title, "unit": e.unit} for e in definition.metrics],
+                "metrics": [
+                    {"name": e.name, "title": e.title, "unit": short_symbol(e.unit)} for e in definition.metrics
+                ],
                 "which_design": told,
             }
         )

@@ -15,8 +15,9 @@ from dse.formats import Entry
 from dse.loading.include import read_document
 from dse.loading.names import check_member, check_name
 from dse.loading.sections import Section, read_section
+from dse.loading.units import UnitsSection, read_units
 from dse.loading.values import read_type, split_shape
-from dse.units import UnitError, parse_unit
+from dse.units import OwnUnits, UnitError, parse_unit
 
 MOST_VALUES = 20_000
 """Of the inputs or outputs of an interface: each value of an array is one."""
@@ -43,6 +44,7 @@ class InterfaceSection(Section):
 class InterfacesFile(Section):
     """``interfaces.yaml``."""
 
+    units: UnitsSection = {}
     types: dict[str, Any] = {}
     interfaces: dict[str, InterfaceSection] = {}
 
@@ -72,6 +74,12 @@ def read_types(paths: Iterable[Path], inside: Path) -> NamedTypes:
             _members(entry, entry.data, found, (name,))
     raise_if_any(problems)
     return found
+
+
+def read_own_units(paths: Iterable[Path], inside: Path) -> OwnUnits:
+    """The units that the files at *paths* define for the workspace *inside*. Raises DseError."""
+    documents = [read_document(path, inside) for path in paths]
+    return read_units((each["units"], read_section(each, InterfacesFile).units) for each in documents)
 
 
 def read_interfaces(path: Path, inside: Path, types: NamedTypes) -> dict[str, Interface]:

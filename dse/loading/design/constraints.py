@@ -97,7 +97,7 @@ def _constraint(
     passage = condition(entry, section, _finder(rules.scope.path, components))
     rule = inside(rules.scope, rules.parts, passage).parse()
     name = constraint_name(rules.scope, entry.name)
-    return Constraint(name, rule, section.because, entry.key, section.set or "")
+    return Constraint(name, rule, section.because, entry.key, section.set or "", entry.data)
 
 
 def _finder(path: str, components: Mapping[str, Sequence[Component]]) -> FindParts:

@@ -16,6 +16,8 @@ from dse.loading.design.scope import Scope
 from dse.loading.design.tree import FindComponent, read_tree
 from dse.loading.include import read_document
 from dse.loading.sections import Section, read_section
+from dse.loading.units import UnitsSection, read_units
+from dse.units import known_units, own_units
 
 
 class DesignFile(Section):
@@ -23,6 +25,7 @@ class DesignFile(Section):
 
     design: str
     title: str = ""
+    units: UnitsSection = {}
     root: dict[str, Any]
     constraints: dict[str, ConstraintSection] = {}
     constraint_sets: dict[str, ConstraintSetSection] = {}
@@ -37,12 +40,24 @@ def read_design(
 ) -> DesignSpace:
     """One file of ``designs/`` of the workspace *inside*. Raises DseError with every problem in it.
 
+    Its own units add to those that are known already.
     Components whose interface is one of *stand_ins* become the architectures that stand there.
     Among the problems are alternatives whose ports do not fit their place; what the names in constraints and the
     ends of connections mean is `dse.space.check`'s business.
     """
     entry = read_document(path, inside)
     file = read_section(entry, DesignFile)
+    with own_units(read_units([(entry["units"], file.units)])):
+        return _design(entry, file, find, interfaces, stand_ins)
+
+
+def _design(
+    entry: Entry,
+    file: DesignFile,
+    find: FindComponent,
+    interfaces: Mapping[str, Interface],
+    stand_ins: Mapping[str, Entry],
+) -> DesignSpace:
     problems = Problems()
     tree = read_tree(entry["root"], file.design, file.root, find, interfaces, stand_ins, problems)
     is_sound = not problems
@@ -65,6 +80,7 @@ def read_design(
         entry["design"].where,
         tuple(sets.values()),
         constraints,
+        known_units(),
     )
 
 

@@ -164,7 +164,7 @@ def _unit(components: Sequence[Component], name: str, where: Location) -> str:
     for type_ in types:
         if type_.kind not in (Kind.REAL, Kind.INTEGER):
             raise fail(f"'{name}' is {type_}, which has no range", where, "only real and int parameters have one")
-    symbols = {type_.unit.symbol for type_ in types}
+    symbols = {str(type_.unit) for type_ in types}
     return symbols.pop() if len(symbols) == 1 else "?"
 
 

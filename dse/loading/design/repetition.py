@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -34,7 +34,7 @@ class StructureRule:
     def constraint(self) -> Constraint:
         """It as a constraint of the design. Raises DseError where a name in it means nothing."""
         rule = inside(self.scope, self.parts, self.rule).parse()
-        return Constraint(constraint_name(self.scope, self.name), rule, self.because, self.rule.where)
+        return Constraint(constraint_name(self.scope, self.name), rule, self.because, self.rule.where, form={})
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +108,7 @@ def instance(node: Node, name: str) -> Node:
     """*node* as an instance of the place *name*: a compound is called so, that all are called the same."""
     match node:
         case Compound():
-            return Compound(name, node.parts, node.connections, node.interface, node.where, node.repeated)
+            return replace(node, name=name)
         case Optional(content, where):
             return Optional(instance(content, name), where)
     return node

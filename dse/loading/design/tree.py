@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from dse.domain.component import Component, Interface
-from dse.domain.design import Alternative, Compound, Connection, Node, Optional, Part
+from dse.domain.design import Alternative, Compound, Connection, Form, Node, Optional, Part
 from dse.errors import Location, Problems, closest
 from dse.formats import Entry
 from dse.loading.design.allocation import read_allocation
@@ -15,7 +15,7 @@ from dse.loading.design.connection_choice import ChosenStructure, read_connect
 from dse.loading.design.connections import over_instances, read_connections
 from dse.loading.design.constraints import Rules
 from dse.loading.design.repetition import REPETITION, StructureRule, instance, read_repetition, repetition_rules
-from dse.loading.design.scope import Scope
+from dse.loading.design.scope import Scope, constraint_name
 from dse.loading.names import check_choice, check_name
 
 FindComponent = Callable[[str, Location], Component]
@@ -24,7 +24,7 @@ FindComponent = Callable[[str, Location], Component]
 MODEL = "model"
 """What a component is called within what stands for it."""
 _CHOICES = ("connect", "allocate")
-_COMPOUND = ("compound", "connections", "implements", "constraints", "repeated")
+_COMPOUND = ("compound", "title", "connections", "implements", "constraints", "repeated")
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,13 +126,22 @@ class _TreeReader:
             if _is_choice(content) and not before:
                 with self.problems:
                     structure = self.choice(entry["compound"][child], content, parts, scope)
-                    chosen[child] = structure.node
+                    names = tuple(constraint_name(rule.scope, rule.name) for rule in structure.rules)
+                    form = Form(content, structure.node.parts, (), names)
+                    chosen[child] = replace(structure.node, form=form)
                     self.structure += structure.rules
                     wires += structure.wires
         parts = {child: {**parts, **chosen}[child] for child in children if child in parts or child in chosen}
         connections = over_instances(connections, parts, self.problems)
         interface = self.interface(entry["implements"], written["implements"]) if "implements" in written else None
-        return Compound(name, parts, (*connections, *wires), interface, entry.key, is_repeated is True)
+        connections = (*connections, *wires)
+        form = Form(written, parts, connections)
+        title = written.get("title", "")
+        if not isinstance(title, str):
+            self.problems.add("'title': expected text", entry["title"].where, "title: Front radar")
+        return Compound(
+            name, parts, connections, interface, entry.key, is_repeated is True, form=form, title=str(title)
+        )
 
     def choice(self, entry: Entry, content: dict[str, Any], parts: Mapping[str, Node], scope: Scope) -> ChosenStructure:
         """What *content* chooses between *parts*. Raises DseError."""
@@ -141,6 +150,7 @@ class _TreeReader:
     def repetition(self, entry: Entry, written: dict[str, Any], scope: Scope) -> Compound | None:
         """A compound of the instances ``n1``, ``n2``, …, each read as a part of its own."""
         before, place = len(self.problems), scope.path.rpartition(".")[2]
+        rules, structure = len(self.rules), len(self.structure)
         rest = {key: value for key, value in written.items() if key not in REPETITION}
         is_container = "compound" in rest or "alternatives" in rest
         if not is_container:
@@ -162,7 +172,10 @@ class _TreeReader:
                 node = instance(node, place)
                 parts[f"n{number}"] = Optional(node, entry.key) if number > times.least else node
             self.structure += repetition_rules(entry, times, scope, parts)
-        return Compound(place, parts, where=entry.key, repeated=True) if parts else None
+        names = [constraint_name(each.scope, each.name) for each in self.structure[structure:]]
+        names += [constraint_name(each.scope, name) for each in self.rules[rules:] for name in each.entry.data]
+        form = Form(written, parts, (), tuple(names))
+        return Compound(place, parts, where=entry.key, repeated=True, form=form) if parts else None
 
     def alternative(self, entry: Entry, written: Any, scope: Scope) -> Alternative | None:
         if not isinstance(written, list) or not written:

@@ -41,6 +41,12 @@ class Names:
         return name
 
 
+def is_spelled(word: str, name: str) -> bool:
+    """Whether *name* can be that of a feature called *word*."""
+    wanted = _spelled(word)
+    return name == wanted or (name.startswith(f"{wanted}_") and name[len(wanted) + 1 :].isdigit())
+
+
 def _spelled(word: str) -> str:
     name = _ODD.sub("_", word)
     if not name[:1].isalpha():

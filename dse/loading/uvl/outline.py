@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 
 from dse.domain.component import Component
 from dse.domain.design import Alternative, Compound, DesignSpace, Node, Optional, Part, walk
+from dse.loading.uvl.names import is_spelled
 
 
 @dataclass(slots=True, eq=False)
@@ -78,11 +79,17 @@ class _Builder:
         self.standing: dict[str, list[tuple[str, Outline]]] = {}
         self.tops: dict[str, list[Outline]] = {}
         self.own: set[str] = set()
+        self.titled = Counter(filter(None, (_title(node) for _, node in nodes if not _states_numbers(node))))
         # The root is called as the design space, whatever else is.
         self.taken.add(space.root.name)
-        self.root = Outline(space.root.name, True)
+        title = space.root.title
+        self.root = Outline(title if is_spelled(title, space.root.name) else space.root.name, True)
 
-    def unique(self, name: str, path: str) -> str:
+    def unique(self, name: str, path: str, node: Node | None = None) -> str:
+        title = _title(node) if node else ""
+        if title and self.titled[title] == 1 and is_spelled(title, name) and title not in self.taken:
+            self.taken.add(title)
+            return title
         alone = self.often[name] <= 1 and name not in self.taken
         wanted = name if alone or not path else "_".join([*path.split("."), name])
         found, number = wanted, 2
@@ -106,7 +113,7 @@ class _Builder:
                 self.options(content, feature, group, path)
             else:
                 group = "optional" if isinstance(node, Optional) else "mandatory"
-                self.place(content, feature.child(group, self.unique(name, feature.path), path), name)
+                self.place(content, feature.child(group, self.unique(name, feature.path, content), path), name)
 
     def place(self, node: Node, feature: Outline, name: str) -> None:
         """Fill in *feature*, which stands for the place called *name*."""
@@ -130,7 +137,7 @@ class _Builder:
             self.tops.setdefault(path, []).append(self.option(option, feature, group, path))
 
     def option(self, option: Part | Compound, feature: Outline, group: str, path: str) -> Outline:
-        chosen = feature.child(group, self.unique(option.name, path), path)
+        chosen = feature.child(group, self.unique(option.name, path, option), path)
         self.standing.setdefault(path, []).append((option.name, chosen))
         if isinstance(option, Compound):
             self.compound(option, chosen)
@@ -141,6 +148,21 @@ class _Builder:
     def note(self, path: str, choice: str, feature: Outline) -> None:
         self.standing.setdefault(path, []).append((choice, feature))
         self.tops.setdefault(path, []).append(feature)
+
+
+def _states_numbers(node: Node) -> bool:
+    """Whether it is but a part of what the reader made of a feature."""
+    return isinstance(node, Part) and node.name.rstrip("0123456789").rstrip("_").endswith("_itself")
+
+
+def _title(node: Node) -> str:
+    """What the feature model that *node* was read from calls it, if that is no name."""
+    match node:
+        case Part(component=component):
+            return component.title
+        case Compound(title=title):
+            return title
+    return ""
 
 
 def _made_of(name: str, parent: str, ending: str) -> bool:

@@ -79,7 +79,7 @@ class _Translator:
         if isinstance(node, Compound):
             return node
         own = self.top.itself or self.names.new(f"{self.top.name}_itself")
-        return Compound(node.name, {own: node})
+        return Compound(node.name, {own: node}, title=_title(self.top))
 
     def node(self, spot: Spot) -> Part | Compound:
         """What stands at *spot*, with all that is below it."""
@@ -103,7 +103,7 @@ class _Translator:
         spot.inside = set(spot.numbers).union(*(child.inside for child in spot.children))
         if not feature.groups:
             return self.part(spot, spot.name)
-        return Compound(spot.name, parts, where=self.source.location(feature.start))
+        return Compound(spot.name, parts, where=self.source.location(feature.start), title=_title(spot))
 
     def group(self, spot: Spot, group: Group) -> tuple[str, str]:
         """The kind of a group below *spot*, and the name of the place that its features share, "" for none."""
@@ -121,8 +121,11 @@ class _Translator:
     def part(self, spot: Spot, name: str) -> Part:
         """A part that states the numbers of the feature at *spot*."""
         where = self.source.location(spot.feature.start)
-        title = spot.feature.name if spot.feature.name != spot.name else ""
-        return Part(Component(name, NO_INTERFACE, title, properties=spot.numbers, where=where), where)
+        return Part(Component(name, NO_INTERFACE, _title(spot), properties=spot.numbers, where=where), where)
+
+
+def _title(spot: Spot) -> str:
+    return spot.feature.name if spot.feature.name != spot.name else ""
 
 
 def _kind(group: Group) -> str:

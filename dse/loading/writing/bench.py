@@ -56,7 +56,7 @@ def _value(value: Value, type_: Type) -> str:
     except DseError:  # no floating-point number in this unit is the value to the last bit
         unit = coherent(unit) if coherent(unit).symbol else unit
         text = write_value(value, unit, None) if unit.is_coherent else _in_full(value, unit)
-    return write_text(f"{text} {unit.symbol}") if unit.symbol else text
+    return write_text(f"{text} {unit}") if unit.symbol else text
 
 
 def _in_full(value: Value, unit: Unit) -> str:

@@ -1,13 +1,15 @@
 """Writes design spaces and components without a source as YAML that reads back as the same.
 
-Only the places in the files differ, and the spelling of constraints: one whose text is not in our language, or that
-was given in another form than ``require``, is written out as what is required.
+Repetitions, chosen connections, allocations and constraints are written in the form that their file has, unless they
+were changed since. Only the places in the files differ, and the spelling of other constraints: one whose text is not in
+our language is written out as what is required.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from dse.domain.component import NO_INTERFACE, Component
@@ -25,9 +27,19 @@ from dse.domain.design import (
 from dse.domain.expression import Chosen
 from dse.errors import fail
 from dse.expression import show_expression, text_of
-from dse.formats import write_file, write_flow, write_name, write_parameter, write_text
+from dse.formats import (
+    inline,
+    write_data,
+    write_file,
+    write_flow,
+    write_name,
+    write_parameter,
+    write_scalar,
+    write_text,
+)
 from dse.loading.design.scope import Scope, constraint_name
 from dse.loading.writing.unscope import relative_rule
+from dse.units import definition_of
 
 
 def write_design(space: DesignSpace) -> str:
@@ -41,11 +53,16 @@ def write_design(space: DesignSpace) -> str:
         data["title"] = write_text(space.title)
     if space.sets:
         data["constraint_sets"] = {one.name: _set(one) for one in space.sets}
-    data["root"] = writer.compound(space.root, Scope())
+    if space.units:
+        data["units"] = {name: _unit(symbol) for name, symbol in sorted(space.units.items())}
+    data["root"] = {key: _inline_each(value) for key, value in writer.compound(space.root, Scope()).items()}
     rest = [constraint for constraint in space.all_constraints if constraint.name not in writer.written]
     taken = {constraint.name for constraint in rest}
     if rest:
-        data["constraints"] = {_free(one.name, taken): _constraint(one, text_of(one.rule)) for one in rest}
+        data["constraints"] = {
+            _free(one.name, taken): inline(_constraint(one, text_of(one.rule), None if ": " in one.name else one.form))
+            for one in rest
+        }
     return write_file(data)
 
 
@@ -70,6 +87,7 @@ def write_components(components: Iterable[Component]) -> str:
     return write_file({"components": data})
 
 
+_WORD = re.compile(r"\w+")
 _NUMBER = re.compile(r"-?(?:0|[1-9][0-9]{0,14})(?:\.[0-9]{1,9})?")
 
 
@@ -78,22 +96,47 @@ class _TreeWriter:
 
     def __init__(self, space: DesignSpace) -> None:
         self.constraints = [constraint for constraint in space.all_constraints if ": " in constraint.name]
+        self.unchanged = {constraint.name for constraint in space.all_constraints if constraint.form is not None}
         self.written: set[str] = set()
+        self.shortened: set[int] = set()
 
     def compound(self, compound: Compound, scope: Scope) -> dict[str, Any]:
+        short = self.short(compound)
+        if short is not None:
+            return short
         parts = {
-            name: self.node(node, scope.part(name), compound.name if compound.repeated else name)
+            name: self.node(_without_stale_form(node, compound), scope.part(name), _called(compound, name))
             for name, node in compound.parts.items()
         }
-        data: dict[str, Any] = {"compound": parts}
+        data: dict[str, Any] = {"title": write_text(compound.title)} if compound.title else {}
+        data["compound"] = parts
         if compound.repeated:
             data["repeated"] = "true"
         if compound.interface is not None:
             data["implements"] = write_name(compound.interface.name)
-        if compound.connections:
-            data["connections"] = [_wire(connection) for connection in compound.connections]
+        if connections := self.connections(compound):
+            data["connections"] = connections
         rules = self.rules(compound, scope) if scope.trail else {}
         return {**data, "constraints": rules} if rules else data
+
+    def short(self, compound: Compound) -> dict[str, Any] | None:
+        """A repetition, chosen connections or an allocation as its file has it; None if it is none, or was changed."""
+        form = compound.form
+        if form is None or ("compound" in form.data and "times" not in form.data):
+            return None
+        if compound.parts is not form.parts or not self.unchanged.issuperset(form.constraints):
+            return None
+        self.written.update(form.constraints)
+        self.shortened.add(id(compound))
+        return {key: write_data(value) for key, value in form.data.items()}
+
+    def connections(self, compound: Compound) -> list[str]:
+        """As the file has them, unless something that they depend on was changed."""
+        form = compound.form
+        chosen = {id(part) for part in compound.parts.values() if _is_choice(part)}
+        if form and compound.connections is form.connections and chosen <= self.shortened:
+            return [write_text(text) for text in form.data.get("connections", ())]
+        return [_wire(connection) for connection in compound.connections]
 
     def rules(self, compound: Compound, scope: Scope) -> dict[str, Any]:
         found = {}
@@ -103,7 +146,7 @@ class _TreeWriter:
                 text = relative_rule(constraint.rule, scope, compound.parts)
                 if text is not None:
                     self.written.add(constraint.name)
-                    found[own] = _constraint(constraint, text)
+                    found[own] = _constraint(constraint, text, constraint.form)
         return found
 
     def node(self, node: Node, scope: Scope, name: str) -> str | dict[str, Any]:
@@ -134,12 +177,44 @@ def _wire(connection: Connection) -> str:
     return f"{connection} if {show_expression(Chosen(path, names or ('present',), (0, 0)))}"
 
 
+def _unit(symbol: str) -> str:
+    text = definition_of(symbol)
+    return write_scalar(text) if text else "{currency: true}"
+
+
+def _inline_each(value: Any) -> Any:
+    return {key: inline(entry) for key, entry in value.items()} if isinstance(value, Mapping) else value
+
+
 def _set(one: ConstraintSet) -> str:
     title = {"title": write_text(one.title)} if one.title else {}
     return write_flow({"on": str(one.on).lower(), **title})
 
 
-def _constraint(constraint: Constraint, text: str) -> dict[str, str]:
+def _called(compound: Compound, name: str) -> str:
+    """What a compound that is the part *name* has to be called."""
+    return compound.name if compound.repeated else name
+
+
+def _is_choice(node: Node) -> bool:
+    return (
+        isinstance(node, Compound) and node.form is not None and not {"connect", "allocate"}.isdisjoint(node.form.data)
+    )
+
+
+def _without_stale_form(node: Node, around: Compound) -> Node:
+    """*node*, without the form of a choice between parts of *around* that were changed since."""
+    if not isinstance(node, Compound) or not _is_choice(node) or node.form is None or around.form is None:
+        return node
+    before = around.form.parts
+    words = {*_WORD.findall(str([node.form.data.get(key) for key in ("connect", "allocate", "to")]))}
+    is_stale = any(around.parts.get(name) is not before[name] for name in words if name in before)
+    return replace(node, form=None) if is_stale else node
+
+
+def _constraint(constraint: Constraint, text: str, form: Mapping[str, Any] | None) -> dict[str, Any]:
+    if form:
+        return {key: write_data(value) for key, value in form.items()}
     stated = {"require": text, "because": constraint.because, "set": constraint.set}
     return {key: write_text(value) for key, value in stated.items() if value}
 

@@ -56,7 +56,7 @@ def _narrowed(entry: dict[str, Any], variable: DesignVariable, low: float, high:
 def _shown(value: float, unit: Unit) -> str:
     near = unit.from_si(value)
     text = f"{near:.6g}"
-    return f"{text} {unit.symbol}".rstrip() if unit.symbol else text
+    return f"{text} {unit}".rstrip() if unit.symbol else text
 
 
 def _written(value: Any) -> Any:

@@ -34,7 +34,7 @@ def draws_of(table: RunTable, merged: RunTable) -> Draws | None:
         place[group[len(merged) :]],
         np.where(draw > 0, draw % MOST_REPLICATES + 1, 0).astype(np.int64),
         names,
-        np.array([Scale(units[name].symbol, units[name]).of(table.metric(name)) for name in names]),
+        np.array([Scale(str(units[name]), units[name]).of(table.metric(name)) for name in names]),
         np.array([np.isin(table.verdicts(each.name), _JUDGED) for each in requirements], dtype=np.bool_),
     )
 

@@ -28,4 +28,4 @@ def _composite(entry: DefinedObjective, definition: StudyDefinition, table: RunT
     _, unit = compile_objective(objective, definition)
     outcomes = table.outcomes(table.numbers.tolist(), objective.totals)
     values = with_composites(outcomes, [objective], definition).metrics[entry.name]
-    return MetricColumn(entry.name, entry.name, unit.symbol, np.asarray(values, dtype=np.float64))
+    return MetricColumn(entry.name, entry.name, str(unit), np.asarray(values, dtype=np.float64))

@@ -180,7 +180,7 @@ def _layout(slices: Grid | None) -> SamplerKind:
 def _metric(entry: DefinedMetric, table: RunTable) -> MetricColumn:
     unit = parse_unit(entry.unit)
     error = Scale(entry.unit, unit, is_difference=True).of(table.errors(entry.name)) if table.has_checks else None
-    return MetricColumn(entry.name, entry.title, entry.unit, _shown(table.metric(entry.name), unit), error)
+    return MetricColumn(entry.name, entry.title, str(unit), _shown(table.metric(entry.name), unit), error)
 
 
 def _shown(values: NDArray[np.float64], unit: Unit) -> Floats:
@@ -209,7 +209,8 @@ def lacking(header: StudyHeader) -> list[tuple[int, ...]]:
 
 def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]) -> ReportVariable:
     # As tables have them: what was written as 0.36 km/h is that again.
-    scale = Scale(entry.unit, parse_unit(entry.unit))
+    unit = parse_unit(entry.unit)
+    scale = Scale(str(unit), unit)
     found, where = np.unique(coordinates, return_inverse=True)
     values = np.array([scale.number(value) for value in found.tolist()], dtype=np.float64)[where]
     # The bench's own value, which the nominal one may be, need not lie in the range.
@@ -220,7 +221,7 @@ def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]
     apart = tuple(scale.number(value) for value in sorted(entry.values)) if _are_apart(entry) else ()
     is_log = entry.scale == Scaling.LOG
     return ReportVariable(
-        entry.name, entry.title, entry.unit, low, high, levels, nominal, values, lack, labels, entry.role, apart, is_log
+        entry.name, entry.title, str(unit), low, high, levels, nominal, values, lack, labels, entry.role, apart, is_log
     )
 
 
@@ -284,7 +285,7 @@ def _figures(definition: StudyDefinition, rows: _Rows, waveforms: Mapping[int, W
             FigureSpec(
                 entry.name,
                 entry.title,
-                entry.unit,
+                str(unit),
                 entry.current,
                 entry.target,
                 time,

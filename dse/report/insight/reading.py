@@ -32,7 +32,7 @@ from dse.report.insight.probability_maps import chances_of
 from dse.report.insight.responses import part_of
 from dse.report.insight.sample import part_of_table
 from dse.storage import RunTable, StudyFolder, over_draws
-from dse.units import parse_unit
+from dse.units import parse_unit, short_symbol
 
 MOST_RUNS = 20_000
 """Of more runs, findings are told of so many drawn from them, and the page says so."""
@@ -110,7 +110,7 @@ def search_of(table: RunTable, naming: Naming) -> tuple[SearchCourse | None, tup
     least = slack_of_runs(table)
     return SearchCourse(
         tuple(naming.objectives(definition)),
-        units,
+        tuple(map(short_symbol, units)),
         tuple(_pick(each, table, least, naming, units) for each in ranking.best[:_MOST_PICKS]),
         -1 if ranking.knee is None or ranking.knee >= _MOST_PICKS else ranking.knee,
         ranking.designs,

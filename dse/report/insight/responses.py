@@ -211,7 +211,7 @@ def _axis(factor: Factor, naming: Naming) -> FactorAxis:
     unit = parse_unit(factor.unit)
     values = tuple(unit.from_si(factor.value(place)) for place in np.linspace(0, 1, _STEPS).tolist())
     place = naming.variables[factor.name]
-    return FactorAxis(naming.titled(factor.name), factor.unit, place, values, is_condition=factor.is_condition)
+    return FactorAxis(naming.titled(factor.name), str(unit), place, values, is_condition=factor.is_condition)
 
 
 def _or_reason(make: Callable[[], T], what: str, about: str, withheld: list[str]) -> T | None:

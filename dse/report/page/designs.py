@@ -11,7 +11,7 @@ from dse.domain.diagram import Diagram, Link
 from dse.pictures import ComponentLayout, lay_out
 from dse.report.content.data import ConfigurationEntry, Floats, ReportContent
 from dse.report.page.encoding import Block
-from dse.units import parse_unit
+from dse.units import parse_unit, short_symbol
 
 Json = dict[str, object]
 
@@ -36,7 +36,7 @@ def designs_of(content: ReportContent, columns: Block) -> Json:
     known = [entry for entry in content.objectives if (entry.name, entry.is_property) in places]
     return {
         "properties": [
-            {"name": name, "title": name.replace("_", " "), "unit": unit, "isPrice": is_price(unit)}
+            {"name": name, "title": name.replace("_", " "), "unit": short_symbol(unit), "isPrice": is_price(unit)}
             for name, unit in units.items()
         ],
         "composites": [{"name": c.name, "title": c.title, "unit": c.unit_symbol} for c in content.composites],

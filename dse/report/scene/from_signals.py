@@ -136,7 +136,7 @@ class SceneSignals:
         for figure in self.figures:
             current, target = (self._line(end, figure, columns) for end in (figure.current, figure.target))
             if current is not None:
-                yield Instrument(figure.title or figure.name, figure.unit.symbol, current, target)
+                yield Instrument(figure.title or figure.name, str(figure.unit), current, target)
         for name, type_ in self.signals.items():
             if name in columns and type_.items and _is_shown(name):
                 yield Instrument(name.replace(".", " "), "", columns[name], items=type_.items)

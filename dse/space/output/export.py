@@ -137,7 +137,7 @@ def _objects(sheet: Sheet, blocks: Iterable[Rows]) -> Iterator[list[str]]:
         ]
     )
     for rows in blocks:
-        sums = [_json_sums(total.name, total.unit.symbol, total.values(rows)) for total in sheet.totals]
+        sums = [_json_sums(total.name, str(total.unit), total.values(rows)) for total in sheet.totals]
         # Every member starts with a comma, so each object's text starts with a comma too much.
         yield [
             f'{{"id":"{name}","choices":{{{"".join(chosen)[1:]}}},"components":{{{"".join(there)[1:]}}},'

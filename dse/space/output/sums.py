@@ -42,7 +42,7 @@ class PropertySum:
     @property
     def heading(self) -> str:
         """The name of its column: ``sum(cost) [EUR]``."""
-        return f"sum({self.name}) [{self.unit.symbol or '1'}]"
+        return f"sum({self.name}) [{str(self.unit) or '1'}]"
 
     @property
     def is_small(self) -> bool:

@@ -136,7 +136,7 @@ class Dealership:
         number = next(n for n in self._at[path] if (name if name != ABSENT_NAME else None) in self._variables[n].values)
         place = self._variables[number].values.index(None if name == ABSENT_NAME else name)
         return tuple(
-            Addition(total.name, total.unit.symbol, float(int(weights[place]) * total.scale / total.unit.factor))
+            Addition(total.name, str(total.unit), float(int(weights[place]) * total.scale / total.unit.factor))
             for total in self._totals
             if total.name in _ALSO and (weights := total.weights.get(number)) is not None
         )
@@ -200,7 +200,7 @@ def _joined(masks: Iterable[Masks]) -> Masks:
 def _range(diagram: DecisionDiagram, total: PropertySum) -> OfferedTotal:
     least, greatest = extremes(diagram, total.weights)
     low, high = (total.shown(total.start + int(ends[0][0])) for ends in (least, greatest))
-    return OfferedTotal(total.name, titled(total.name), total.unit.symbol, low, high)
+    return OfferedTotal(total.name, titled(total.name), str(total.unit), low, high)
 
 
 Excludes = Callable[[Sequence[int]], bool]

@@ -24,7 +24,7 @@ from dse.space.methods.mdd.diagram import extremes
 from dse.space.methods.optimum.optimizer import RankedRows, sums
 from dse.space.methods.optimum.regions import best_valued
 from dse.space.methods.solver.model import SolverProgress, UnprovenError
-from dse.units import DIMENSIONLESS, Dimension, Unit, UnitError, describe, parse_unit
+from dse.units import DIMENSIONLESS, Dimension, OwnUnits, Unit, UnitError, describe, own_units, parse_unit
 
 _ROUNDS = 1_500
 """Pieces of work, some milliseconds each, after which the best under a nonlinear objective is not looked for."""
@@ -48,12 +48,13 @@ class Ranked(IdentifiedChoices):
     values: tuple[Fraction, ...]
 
 
-def read_aims(minimize: Iterable[str], maximize: Iterable[str]) -> tuple[Aim, ...]:
-    """The objectives written in texts, those to be minimised first. Raises DseError if one cannot be read."""
-    return (
-        *(Aim(parse_expression(text, Location("--minimize", 1, 1))) for text in minimize),
-        *(Aim(parse_expression(text, Location("--maximize", 1, 1)), largest=True) for text in maximize),
-    )
+def read_aims(minimize: Iterable[str], maximize: Iterable[str], units: OwnUnits | None = None) -> tuple[Aim, ...]:
+    """The objectives written in texts, which may use *units* too; those to be minimised first. Raises DseError."""
+    with own_units(units or {}):
+        return (
+            *(Aim(parse_expression(text, Location("--minimize", 1, 1))) for text in minimize),
+            *(Aim(parse_expression(text, Location("--maximize", 1, 1)), largest=True) for text in maximize),
+        )
 
 
 def best_configurations(
@@ -155,7 +156,7 @@ def _progress_text(unit: Unit, lowered: LinearObjective, progress: SolverProgres
     sign = -1 if largest else 1
 
     def shown(total: int) -> str:
-        return f"{float((lowered.value(sign * total) - unit.offset) / unit.factor):.6g} {unit.symbol}".strip()
+        return f"{float((lowered.value(sign * total) - unit.offset) / unit.factor):.6g} {unit}".strip()
 
     bound = f"none is {'above' if largest else 'below'} {shown(progress.bound)}"
     if progress.found is None:

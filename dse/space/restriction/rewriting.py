@@ -32,7 +32,7 @@ from dse.domain.expression import (
 )
 from dse.expression import children, descend, parse_expression, show_expression
 from dse.space.decisions import sites
-from dse.units import DIMENSIONLESS, Unit
+from dse.units import DIMENSIONLESS, Unit, own_units
 
 _Components = dict[str, dict[str, Component | None]]
 """What can stand at every place, by name."""
@@ -51,7 +51,8 @@ def rewritten_constraints(before: DesignSpace, after: DesignSpace) -> tuple[Cons
             continue
         root = rewriter.condition(constraint.rule.root, True)
         if not (isinstance(root, Truth) and root.value):
-            found.append(replace(constraint, rule=_expression(root, constraint)))
+            with own_units(after.units):
+                found.append(replace(constraint, rule=_expression(root, constraint), form=None))
     return tuple(found)
 
 

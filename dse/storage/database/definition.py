@@ -20,8 +20,9 @@ FORMAT = 2
 
 
 def definition_to_json(definition: StudyDefinition) -> dict[str, Json]:
-    """*definition* as plain data."""
-    return {"format": FORMAT, **to_json(definition)}
+    """*definition* as plain data; without *units* if it has none, as definitions of earlier versions are."""
+    data = to_json(definition)
+    return {"format": FORMAT, **{key: value for key, value in data.items() if key != "units" or value}}
 
 
 @lru_cache(maxsize=2)

@@ -122,7 +122,7 @@ def _declared(definition: StudyDefinition) -> Iterator[tuple[str, str, bool]]:
 
 def _scale(symbol: str, units: Units, is_difference: bool) -> Scale:
     unit = parse_unit(symbol)
-    return Scale(symbol, unit, is_difference) if units is Units.SHOWN else Scale(si_unit(symbol), coherent(unit))
+    return Scale(str(unit), unit, is_difference) if units is Units.SHOWN else Scale(si_unit(symbol), coherent(unit))
 
 
 def headed(names: Iterable[str], units: Mapping[str, str]) -> list[str]:
@@ -135,4 +135,4 @@ def si_unit(symbol: str) -> str:
     unit = coherent(parse_unit(symbol))
     # Of kWh the coherent unit is spelt kg.m2/s2, which nobody reads.
     named = (name for name in _NAMED if symbol != unit.symbol and parse_unit(name).dimension == unit.dimension)
-    return next(named, unit.symbol)
+    return next(named, str(unit))

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from dse.api import Ranking, opened
+from dse.api import Ranking, aims_of, opened
 from dse.cli.arguments import Choose, Design, Format, Maximize, Minimize, Off, On, Output, Where
 from dse.cli.commands.space import space_app
 from dse.cli.terminal import plain_table, print_json, print_line, print_table, status_line
@@ -31,12 +31,10 @@ def space_best(
 
     Exact and complete: the best are proven to be the best.
     """
-    from dse.space import read_aims
-
-    wanted = read_aims(minimize or [], maximize or [])
-    if len(wanted) != 1:
+    if len(minimize or []) + len(maximize or []) != 1:
         raise typer.BadParameter("give one objective; for several ask 'dse space pareto'", param_hint="--minimize")
     part = opened(design, choose, where, on, off)
+    wanted = aims_of(minimize or [], maximize or [], part.space)
     with status_line() as tell:
         found = part.best(wanted[0], number, tell)
     _show(Ranking(part, wanted, found), output)
@@ -57,12 +55,10 @@ def space_pareto(
 
     The complete Pareto set over sums of properties, with one configuration for each of its points.
     """
-    from dse.space import read_aims
-
-    wanted = read_aims(minimize or [], maximize or [])
-    if len(wanted) < 2:
+    if len(minimize or []) + len(maximize or []) < 2:
         raise typer.BadParameter("give two objectives or more", param_hint="--minimize, --maximize")
     part = opened(design, choose, where, on, off)
+    wanted = aims_of(minimize or [], maximize or [], part.space)
     _show(Ranking(part, wanted, part.pareto(wanted)), output)
 
 
@@ -70,7 +66,7 @@ def _show(ranking: Ranking, output: Output) -> None:
     part, values = ranking.opened, ranking.shown()
     if output is Output.JSON:
         aims = [
-            {"value": str(aim), "aim": "greatest" if aim.largest else "least", "unit": unit.symbol}
+            {"value": str(aim), "aim": "greatest" if aim.largest else "least", "unit": str(unit)}
             for aim, unit in zip(ranking.aims, ranking.units, strict=True)
         ]
         configurations = [
