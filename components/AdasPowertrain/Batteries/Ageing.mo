@@ -2,7 +2,8 @@ within AdasPowertrain.Batteries;
 block Ageing
   "Loss of capacity of lithium iron phosphate cells. By cycles: J. Wang et al., Journal of Power Sources 196 (2011), 3942:
    loss in % = B*exp((-31700 + 370.3*C_rate)/(8.314*T))*Ah^0.55, Ah through a cell of 2.2 Ah, B = 31630 at C/2, 21681 at 2C,
-   12934 at 6C, 15512 at 10C (15 to 60 degrees Celsius; straight lines between, held outside). By time: M. Naumann et al.,
+   12934 at 6C, 15512 at 10C (15 to 60 degrees Celsius; straight lines between; rates
+   beyond these count as 0.5 and 10). By time: M. Naumann et al.,
    Journal of Energy Storage 17 (2018), 153: loss = 1.2571e-5/s^0.5*exp(-17126/8.314*(1/T - 1/298.15))*(2.8575*(soc - 0.5)^3
    + 0.60225)*t^0.5. Both are summed. Integrated are the powers of the losses that grow linearly, so that rate and
    temperature may change (damage adds up along each law). The run may stand for many like it"
@@ -24,13 +25,15 @@ protected
   constant Real factors[4] = {31630, 21681, 12934, 15512};
   constant Real cell_charge = 2.2 "Ah";
   Real rate(unit="1/h") "C-rate";
+  Real counted(unit="1/h") "C-rate within the range of the law";
   Real severity "Loss in % of 1 Ah through the cell";
   Real speed(unit="1/s") "Of the squared loss by time";
   Real cycle_damage(start=(100 * initial_cycle_loss) ^ (1 / exponent), fixed=true) "Loss in %, to the power of 1/exponent";
   Real calendar_damage(start=initial_calendar_loss ^ 2, fixed=true) "Loss squared";
 equation
   rate = noEvent(abs(current)) * 3600 / capacity;
-  severity = Tables.linear1D(rate, rates, factors) * exp((370.3 * rate - 31700) / (gas * temperature));
+  counted = noEvent(max(0.5, min(10, rate)));
+  severity = Tables.linear1D(counted, rates, factors) * exp((370.3 * counted - 31700) / (gas * temperature));
   der(cycle_damage) = throughput_factor * severity ^ (1 / exponent) * rate * cell_charge / 3600;
   speed = (1.2571e-5 * exp(17126 / gas * (1 / 298.15 - 1 / temperature)) * (2.8575 * (soc - 0.5) ^ 3 + 0.60225)) ^ 2;
   der(calendar_damage) = time_factor * speed;
