@@ -41,29 +41,15 @@ class Class:
     inside: list[int] = field(default_factory=list)
 
 
-@dataclass(frozen=True, slots=True)
-class Used:
-    """The sources without what a model does not use, comments and strings; one blank in place of each run of blanks.
-
-    *packages* are the same, but of packages (and what is only called a class), without the classes in them.
-    """
-
-    texts: tuple[SourceText, ...]
-    packages: tuple[SourceText, ...]
-
-
-def used(sources: Iterable[SourceText], model: str) -> Used:
-    """What *model* may use of *sources*.
+def used(sources: Iterable[SourceText], model: str) -> tuple[SourceText, ...]:
+    """What *model* may use of *sources*: without comments and strings, and one blank in place of each run of blanks.
 
     A class counts as used if its name occurs in the text of one that is used, and so is the class around it: there is
     no other way to it. All that is declared in a class is used with it unless it is a package, and so is what the
     classes around it declare themselves. What cannot be read is kept whole; so is everything if *model* is not found.
     """
     found = Classes([SourceText(source.path, code(source.text)) for source in sources])
-    reached = found.reached(model)
-    packages = {number for number in reached if found.classes[number].kind in ("package", "class")}
-    whole, own = (tuple(map(_squeezed, found.texts, found.pieces(numbers))) for numbers in (reached, packages))
-    return Used(whole, own)
+    return tuple(map(_squeezed, found.texts, found.pieces(found.reached(model))))
 
 
 def reached(sources: Sequence[SourceText], model: str) -> list[SourceText]:

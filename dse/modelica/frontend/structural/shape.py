@@ -31,7 +31,7 @@ _COMPUTED = re.compile(r"[<>(]|\bif\b|==")
 
 def shaping(result: FrontEndResult) -> frozenset[str]:
     """The parameters whose names say that the shape of the model may depend on them."""
-    texts = [source.text for source in used(result.sources.values(), result.model).texts]
+    texts = [source.text for source in used(result.sources.values(), result.model)]
     of_any_type, whole = _written(texts)
     types = result.flat["variable_type_names"]
     parameters = {

@@ -1,0 +1,301 @@
+"""Modelica text as a tree of classes, declarations and modifications. All else in it stays words.
+
+The front-end has a tree of its own but does not give it away; what it takes for something else is looked for in this
+one.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+from dse.errors import Location, fail
+from dse.modelica.frontend.source_text import CLASS_KINDS, SourceText, place
+
+_TOKEN = re.compile(r"'(?:\\.|[^'\\])*'|[A-Za-z_]\w*|\d+(?:\.\d*)?(?:[eE][+-]?\d+)?|[:<>=]=|<>|\S")
+KINDS = frozenset((*CLASS_KINDS.split("|"), "operator"))
+_PREFIXES = {"redeclare", "final", "inner", "outer", "replaceable", "each", "flow", "stream", "discrete", "parameter"}
+_PREFIXES |= {"constant", "input", "output", "partial", "encapsulated", "expandable", "pure", "impure"}
+_SECTIONS = ("equation", "algorithm", "initial", "external", "annotation")
+_CONTROLS = ("if", "for", "when", "while")
+
+
+@dataclass(slots=True, eq=False)
+class Element:
+    """A declaration or a modification: words number *start* up to *end* of *tree*, its name at *named*.
+
+    *kind*: "component", "extends", "import", "modifier", or the kind of a class. *type*: the full name of a component's
+    type, of the class that is extended, or of the one that a short class is made from. *arguments* modify it, and are
+    *written* so, without blanks; *constraint* is what follows `constrainedby`, and *elements* are a class's own.
+    """
+
+    tree: Tree
+    kind: str
+    prefixes: frozenset[str]
+    start: int
+    parent: Element | None
+    is_argument: bool
+    """Whether it is in the list of modifications of its parent."""
+    name: str = ""
+    type: str = ""
+    named: int = 0
+    end: int = 0
+    arguments: list[Element] = field(default_factory=list)
+    written: str = ""
+    is_given: bool = False
+    """Whether it has a value: `= …`."""
+    constraint: Element | None = None
+    elements: list[Element] = field(default_factory=list)
+
+    @property
+    def last(self) -> str:
+        """The last word of the type's name."""
+        return self.type.rpartition(".")[2]
+
+    @property
+    def text(self) -> str:
+        """Its words without blanks and first prefixes."""
+        return "".join(self.tree.words[self.named : self.end])
+
+    @property
+    def where(self) -> Location:
+        """The place of its name."""
+        return self.tree.place(self.named)
+
+
+class Tree:
+    """The classes of one text that has neither comments nor strings. Raises ValueError for what cannot be read."""
+
+    def __init__(self, source: SourceText) -> None:
+        found = list(_TOKEN.finditer(source.text))
+        self.source, self.words = source, [match[0] for match in found]
+        self._starts = [match.start() for match in found]
+        self._closing: dict[int, int] = {}
+        opened: list[int] = []
+        for number, word in enumerate(self.words):
+            if word in "([{":
+                opened.append(number)
+            elif word in ")]}":
+                self._closing[opened.pop() if opened else -1] = number
+        self._at = 0
+        self.all: list[Element] = []
+        """All elements, each behind the one it is in."""
+        self._open: list[Element] = []
+        self.within = self._within()
+        self.elements: list[Element] = []
+        self._body()
+
+    def place(self, word: int) -> Location:
+        """Line and column of a word."""
+        return place(self.source, self._starts[word])
+
+    def with_fields(self) -> Iterator[str]:
+        """The words that a dot follows, or an index and a dot."""
+        for number, word in enumerate(self.words):
+            last = self._closing.get(number + 1, number) if self.words[number + 1 : number + 2] == ["["] else number
+            if self.words[last + 1 : last + 2] == ["."]:
+                yield word
+
+    @property
+    def _ahead(self) -> str:
+        return self.words[self._at + 1] if self._at + 1 < len(self.words) else ""
+
+    @property
+    def _word(self) -> str:
+        return self.words[self._at] if self._at < len(self.words) else ""
+
+    def _next(self) -> str:
+        self._at += 1
+        return self.words[self._at - 1] if self._at <= len(self.words) else ""
+
+    def _within(self) -> str:
+        if self._word != "within":
+            return ""
+        self._at += 1
+        return self._path() if self._word != ";" else ""
+
+    def _path(self) -> str:
+        parts = [self._next()] if self._word == "." else []
+        parts.append(self._name())
+        while self._word == ".":
+            parts += [self._next(), self._name()]
+        return "".join(parts)
+
+    def _name(self) -> str:
+        if not (self._word[:1].isalpha() or self._word[:1] in ("_", "'")):
+            raise ValueError(f"a name is expected, not '{self._word}'")
+        return self._next()
+
+    def _size(self) -> None:
+        if self._word == "[":
+            self._skip_bracket()
+
+    def _skip_bracket(self) -> None:
+        self._at = self._closing.get(self._at, len(self.words)) + 1
+
+    def _skip(self, *ends: str) -> None:
+        """Go to the next of the words *ends* that is in no bracket."""
+        while self._word and self._word not in ends:
+            if self._word in ("(", "[", "{"):
+                self._skip_bracket()
+            else:
+                self._at += 1
+
+    def _new(self, kind: str, start: int, *, is_argument: bool = False) -> Element:
+        """A new element from word *start* on, whose name comes next; it is in the one that is open."""
+        parent = self._open[-1] if self._open else None
+        own = Element(self, kind, frozenset(self.words[start : self._at]), start, parent, is_argument, named=self._at)
+        if kind != "constrainedby":
+            (self.elements if parent is None else parent.arguments if is_argument else parent.elements).append(own)
+        self.all.append(own)
+        return own
+
+    def _body(self) -> None:
+        """The elements up to the word `end` that closes a class, which is not taken."""
+        while self._word and self._word != "end":
+            if self._word in ("public", "protected", ";"):
+                self._at += 1
+            elif self._word in _SECTIONS:
+                self._section()
+            else:
+                self._element()
+
+    def _section(self) -> None:
+        if self._word in ("external", "annotation"):
+            self._skip(";")
+            return
+        while self._word:
+            before = self._next()
+            is_statement = before in (";", "equation", "algorithm")
+            is_end = self._word == "end" and self._ahead not in _CONTROLS
+            if is_statement and (is_end or self._word in ("public", "protected")):
+                return
+
+    def _element(self, *, is_argument: bool = False) -> None:
+        start = self._at
+        while self._word in _PREFIXES or (self._word == "operator" and self._ahead in ("record", "function")):
+            self._at += 1
+        if self._word in KINDS:
+            found = [self._class(start, is_argument=is_argument)]
+        elif self._word == "import":
+            found = [self._new("import", start)]
+            self._at += 1
+            found[0].named, found[0].is_given, found[0].name = self._at, self._ahead == "=", self._word
+            self._skip(";")
+        elif self._word == "extends":
+            found = [self._new("extends", start)]
+            self._at += 1
+            self._of(found[0])
+        else:
+            found = self._components(start, is_argument=is_argument)
+        if self._word == "constrainedby":
+            limit = self._new("constrainedby", self._at)
+            self._at += 1
+            self._of(limit)
+            for each in found:
+                each.constraint = limit
+        self._skip(*((",", ")") if is_argument else (";",)))
+        for each in found:
+            each.end = self._at
+
+    def _of(self, own: Element) -> None:
+        """The name of a class, and modifications of it."""
+        own.type = self._path()
+        self._size()
+        self._modification(own)
+
+    def _components(self, start: int, *, is_argument: bool) -> list[Element]:
+        begun, kind = self._at, self._path()
+        prefixes = frozenset(self.words[start:begun])
+        self._size()
+        found: list[Element] = []
+        while not found or (self._word == "," and not is_argument):
+            self._at += bool(found)
+            own = self._new("component", start, is_argument=is_argument)
+            own.prefixes, own.type, own.name = prefixes, kind, self._name()
+            self._size()
+            self._modification(own)
+            own.is_given = self._word in ("=", ":=")
+            self._skip(",", ";", ")", "constrainedby", "annotation")
+            found.append(own)
+        return found
+
+    def _class(self, start: int, *, is_argument: bool) -> Element:
+        own = self._new(self._word, start, is_argument=is_argument)
+        self._at += 1
+        extends = self._word == "extends"
+        self._at += extends
+        own.named, own.name = self._at, self._name()
+        if extends:
+            own.type = own.name
+            self._modification(own)
+        if self._word != "=":
+            self._open.append(own)
+            self._body()
+            self._open.pop()
+            if self._next() != "end" or self._next() != own.name:
+                raise ValueError(f"no end of '{own.name}'")
+            return own
+        self._at += 1
+        while self._word in _PREFIXES:
+            self._at += 1
+        if self._word in ("enumeration", "der"):
+            self._at += 1
+            self._skip_bracket()
+        else:
+            self._of(own)
+        return own
+
+    def _modification(self, own: Element) -> None:
+        """The list of modifications that follows, if one does."""
+        if self._word != "(":
+            return
+        start, end = self._at, self._closing.get(self._at, len(self.words))
+        own.written = "".join(self.words[start + 1 : end])
+        self._open.append(own)
+        while self._at + 1 < end:
+            self._at += 1
+            first = self._at
+            while self._word in ("each", "final"):
+                self._at += 1
+            if self._word in ("redeclare", "replaceable"):
+                self._element(is_argument=True)
+                continue
+            changed = self._new("modifier", first, is_argument=True)
+            changed.name = self._path()
+            self._size()
+            while self._word == ".":  # behind an index
+                changed.name += self._next() + self._path()
+                self._size()
+            self._modification(changed)
+            changed.is_given = self._word in ("=", ":=")
+            self._skip(",", ")")
+            changed.end = self._at
+        self._open.pop()
+        self._at = end + 1
+
+
+class Forest:
+    """The trees of *texts*. Raises DseError for one that cannot be read."""
+
+    def __init__(self, texts: Iterable[SourceText]) -> None:
+        self.trees = [_tree(text) for text in texts]
+        self.elements = [element for tree in self.trees for element in tree.all]
+        self.words = Counter(word for tree in self.trees for word in tree.words)
+        """How often each word is written."""
+        self.own: dict[str, set[str]] = {}
+        """The components that classes of one name declare themselves."""
+        for element in self.elements:
+            if element.kind in KINDS:
+                names = {inner.name for inner in element.elements if inner.kind == "component"}
+                self.own.setdefault(element.name, set()).update(names)
+
+
+def _tree(text: SourceText) -> Tree:
+    try:
+        return Tree(text)
+    except (ValueError, IndexError, RecursionError) as error:
+        what = f"text that cannot be read: {error if isinstance(error, ValueError) else 'brackets too deep, or no end'}"
+        raise fail(what, Location(text.path, 1, 1), "write the declarations in simpler words") from error
