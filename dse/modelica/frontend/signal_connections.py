@@ -11,19 +11,14 @@ import re
 from collections import Counter
 from collections.abc import Mapping
 
-from dse.errors import DseError
 from dse.modelica.frontend.source_text import code
 
-_REASON = "element assignments must cover a discrete coordinate exactly once"
+ELEMENTS = "element assignments must cover a discrete coordinate exactly once"
+"""What the front-end's refusal of such connections says."""
 _PATH = r"[A-Za-z_]\w*(?:\s*\.\s*[A-Za-z_]\w*)*"
 _CONNECT = re.compile(
     rf"\bconnect\s*\(\s*(?P<one>{_PATH})(?P<a>\s*\[[\w\s]+\])?\s*,\s*(?P<other>{_PATH})(?P<b>\s*\[[\w\s]+\])?\s*\)"
 )
-
-
-def is_refused_for_connections(refusal: DseError) -> bool:
-    """Whether the front-end refused a model because of such connections."""
-    return any(_REASON in problem.what for problem in refusal.problems)
 
 
 def with_equations(contents: Mapping[str, bytes], least: int) -> dict[str, bytes]:
