@@ -17,7 +17,7 @@ from dse.modelica.frontend.misreadings import mixed_up_constants
 from dse.modelica.frontend.modifications import misread_modifications
 from dse.modelica.frontend.signal_connections import with_equations
 from dse.modelica.frontend.source_text import SourceText, code, declarations
-from dse.modelica.frontend.structural.shape import _made_of, _written
+from dse.modelica.frontend.structural.shape import made_of, places
 from dse.modelica.frontend.syntax import Forest
 from dse.modelica.frontend.used_classes import reached, used
 
@@ -67,8 +67,8 @@ def passes() -> Mapping[str, Callable[[list[SourceText]], None]]:
         "connections": lambda given: run(with_equations({"P.mo": given[0].text.encode()}, 2)),
         "modifications": lambda given: run(misread_modifications(_forest(given))),
         "constants": lambda given: run(mixed_up_constants(_forest(given), _model(given), ["f"])),
-        "shape": lambda given: run(_written([given[0].text])),
-        "made of": lambda given: run(_made_of([given[0].text], {"k"}, {"k", "x"})),
+        "shape": lambda given: run(places(_forest(given).trees)),
+        "made of": lambda given: run(made_of(_forest(given).trees, {"k"}, {"k", "x"})),
     }
 
 

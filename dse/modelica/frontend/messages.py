@@ -200,7 +200,7 @@ _WORDINGS = (
         ),
     ),
     (
-        r"unsupported Flat semantic owner `function statement`: `(?P<name>[^`]*)` contains .*",
+        r"unsupported Flat semantic owner `function (?:statement|loop reduction)`: `(?P<name>[^`]*)` .*",
         Wording(
             r"a statement of function '\g<name>' is not supported: a loop by while, or one that is left by break",
             "loop by for, or bound the loop by a counter: while … and n < 30 loop n := n + 1; …",

@@ -11,7 +11,6 @@ from functools import lru_cache
 from dse.errors import Location
 
 CLASS_KINDS = "class|model|block|record|connector|type|package|function"
-PREFIXES = r"(?:(?:each|final|replaceable|encapsulated|partial|pure|impure)\s+)*"
 # Quoted names are not hidden, but what looks like a comment or a string in them begins none.
 _HIDDEN = re.compile(r"""'(?:\\.|[^'\\\n])*'|"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/""", re.DOTALL)
 _LINE_END = re.compile("\n")
@@ -124,16 +123,6 @@ def inside(text: str, start: int) -> str:
         if depth == 0:
             return text[start + 1 : match.start()]
     return text[start + 1 :]
-
-
-def value(text: str, start: int) -> str:
-    """The expression at *start*: up to a comma, a semicolon or a bracket that closes what stands around it."""
-    depth = 0
-    for match in BRACKET.finditer(text, start):
-        depth += (match[0] in "([{") - (match[0] in ")]}")
-        if depth < 0 or (depth == 0 and match[0] in ",;"):
-            return text[start : match.start()]
-    return text[start:]
 
 
 def arguments(text: str) -> list[tuple[int, int]]:

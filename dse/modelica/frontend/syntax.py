@@ -72,13 +72,17 @@ class Tree:
         found = list(_TOKEN.finditer(source.text))
         self.source, self.words = source, [match[0] for match in found]
         self._starts = [match.start() for match in found]
-        self._closing: dict[int, int] = {}
+        self.closing: dict[int, int] = {}
+        """The closing bracket of each opening one, and the other way round."""
+        self.sizes: list[int] = []
+        """The brackets of the sizes of arrays in declarations."""
         opened: list[int] = []
         for number, word in enumerate(self.words):
             if word in "([{":
                 opened.append(number)
             elif word in ")]}":
-                self._closing[opened.pop() if opened else -1] = number
+                start = opened.pop() if opened else -1
+                self.closing[start], self.closing[number] = number, start
         self._at = 0
         self.all: list[Element] = []
         """All elements, each behind the one it is in."""
@@ -94,9 +98,22 @@ class Tree:
     def with_fields(self) -> Iterator[str]:
         """The words that a dot follows, or an index and a dot."""
         for number, word in enumerate(self.words):
-            last = self._closing.get(number + 1, number) if self.words[number + 1 : number + 2] == ["["] else number
+            last = self.closing[number + 1] if self.words[number + 1 : number + 2] == ["["] else number
             if self.words[last + 1 : last + 2] == ["."]:
                 yield word
+
+    def until(self, start: int, *ends: str) -> int:
+        """The number of the next word from *start* on that is one of *ends*, or closes a bracket from before."""
+        while start < len(self.words) and self.words[start] not in ends and self.words[start] not in ")]}":
+            start = (self.closing.get(start, len(self.words)) if self.words[start] in "([{" else start) + 1
+        return start
+
+    def parts(self, bracket: int) -> Iterator[list[str]]:
+        """The words between the commas in a bracket."""
+        end = bracket
+        while end < self.closing[bracket]:
+            start, end = end + 1, self.until(end + 1, ",")
+            yield self.words[start:end]
 
     @property
     def _ahead(self) -> str:
@@ -130,18 +147,14 @@ class Tree:
 
     def _size(self) -> None:
         if self._word == "[":
+            self.sizes.append(self._at)
             self._skip_bracket()
 
     def _skip_bracket(self) -> None:
-        self._at = self._closing.get(self._at, len(self.words)) + 1
+        self._at = self.closing.get(self._at, len(self.words)) + 1
 
     def _skip(self, *ends: str) -> None:
-        """Go to the next of the words *ends* that is in no bracket."""
-        while self._word and self._word not in ends:
-            if self._word in ("(", "[", "{"):
-                self._skip_bracket()
-            else:
-                self._at += 1
+        self._at = self.until(self._at, *ends)
 
     def _new(self, kind: str, start: int, *, is_argument: bool = False) -> Element:
         """A new element from word *start* on, whose name comes next; it is in the one that is open."""
@@ -197,8 +210,8 @@ class Tree:
             for each in found:
                 each.constraint = limit
         self._skip(*((",", ")") if is_argument else (";",)))
-        for each in found:
-            each.end = self._at
+        if found[0].kind != "component":
+            found[0].end = self._at
 
     def _of(self, own: Element) -> None:
         """The name of a class, and modifications of it."""
@@ -219,6 +232,7 @@ class Tree:
             self._modification(own)
             own.is_given = self._word in ("=", ":=")
             self._skip(",", ";", ")", "constrainedby", "annotation")
+            own.end = self._at
             found.append(own)
         return found
 
@@ -252,7 +266,7 @@ class Tree:
         """The list of modifications that follows, if one does."""
         if self._word != "(":
             return
-        start, end = self._at, self._closing.get(self._at, len(self.words))
+        start, end = self._at, self.closing.get(self._at, len(self.words))
         own.written = "".join(self.words[start + 1 : end])
         self._open.append(own)
         while self._at + 1 < end:
