@@ -10,8 +10,7 @@ false, and an assertion that it was left.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 
 from dse.modelica.frontend.source_text import SourceText, code
 from dse.modelica.frontend.used_classes import Classes
@@ -42,9 +41,8 @@ def without_jumps(text: str, *, whiles: bool = False) -> str:
     if not wanted.search(text):
         return text
     clean = code(text)
-    found = Classes([SourceText("", clean)])
     changes: list[_Change] = []
-    for own in found.classes:
+    for own in Classes([SourceText("", clean)]).classes:
         if own.kind != "function" or own.inside:
             continue
         begins = re.compile(r"\balgorithm\b").search(clean, own.body, own.finish)
@@ -53,152 +51,112 @@ def without_jumps(text: str, *, whiles: bool = False) -> str:
         last = _ANNOTATION.search(clean, begins.end(), own.finish)
         body = _Body(clean, begins.end(), last.start() if last else own.finish, whiles)
         try:
-            block = body.block()
+            new, flags = body.block(frozenset(), "")
         except (IndexError, ValueError):
             continue
-        if body.place < len(body.tokens) or not (body.jumps_from_loop or whiles):
-            continue
-        declared = "".join(f"Boolean {name} = false; " for name in (*body.left, *(() if whiles else (_RETURNED,))))
-        changes.append((begins.start(), begins.start(), f"protected {declared}"))
-        changes += [*body.jumps, *_rewritten(block, frozenset())]
-    for start, end, new in sorted(changes, key=lambda change: change[0], reverse=True):
-        text = text[:start] + new + text[end:]
-    return text
+        if body.place == len(body.tokens) and body.loops:
+            names = sorted(body.loops | flags)
+            declared = "".join(f"Boolean {name} = false; " for name in names)
+            changes += [(begins.start(), begins.start(), f"protected {declared}"), *new]
+    parts, at = [], 0
+    for start, end, replacement in sorted(changes, key=lambda change: change[0]):
+        parts += [text[at:start], replacement]
+        at = end
+    return "".join([*parts, text[at:]])
 
 
 _Change = tuple[int, int, str]
 """Start and end of a piece of text, and what stands there instead."""
+_Flags = frozenset[str]
+"""Names that say that the function, or a loop, was left."""
 
 
-@dataclass(slots=True)
-class _Statement:
-    """From *start* to *end*; of a loop, *blocks* is its body, and *left* the name that says that a `break` ended it.
-
-    Of one by `while` that is to be replaced, *words* are the places of `while`, `loop` and `end while`.
-    """
-
-    start: int
-    end: int = -1
-    blocks: list[_Block] = field(default_factory=list)
-    is_loop: bool = False
-    left: str = ""
-    words: list[tuple[int, int]] = field(default_factory=list)
-    flags: frozenset[str] = frozenset()
-    """What the statement may set: that the function, or a loop around it, was left."""
-
-
-@dataclass(slots=True)
-class _Block:
-    statements: list[_Statement] = field(default_factory=list)
-
-
-def _rewritten(block: _Block, flags: frozenset[str]) -> Iterator[_Change]:
-    """Changes so that the statements of *block* are carried out while none of *flags* is true.
-
-    Of two texts at one place, the one before is the later one. A loop has its condition in its statements: the
-    front-end takes no loop in a condition.
-    """
-    before = [
-        frozenset(flags.union(*(one.flags for one in block.statements[:k]))) for k in range(len(block.statements))
-    ]
-    for statement, own in reversed(list(zip(block.statements, before, strict=True))):
-        start, end = statement.start, statement.end
-        inside = frozenset(flag for inner in statement.blocks for one in inner.statements for flag in one.flags)
-        around = own | inside | {statement.left} - {""}
-        if own and not statement.is_loop:
-            yield end, end, " end if;"
-        if statement.words:
-            yield end, end, f' assert({" or ".join(sorted(around))}, "a loop of more than {_MOST_TURNS} turns");'
-            yield *statement.words[2], "end for"
-        for inner in reversed(statement.blocks):
-            yield from _rewritten(inner, around if statement.is_loop else frozenset())
-        if statement.words:
-            turns = f"for {statement.left}_turn in 1:{_MOST_TURNS + 1} loop"
-            yield *statement.words[1], "); end if;"
-            yield *statement.words[0], f"{turns} {_if_none(around)}{statement.left} := not ("
-        if own and not statement.is_loop:
-            yield start, start, _if_none(own)
-        if statement.left:
-            yield start, start, f"{statement.left} := false; "
-
-
-def _if_none(flags: frozenset[str]) -> str:
+def _if_none(flags: _Flags) -> str:
     return f"if {' and '.join(f'not {flag}' for flag in sorted(flags))} then "
 
 
 class _Body:
-    """The statements of a function's algorithm: text from *start* to *end*. Raises ValueError where it is not one."""
+    """The statements of a function's algorithm: text from *start* to *end*. Raises ValueError where it is not one.
+
+    *loops* are the flags of loops that are left, or replaced.
+    """
 
     def __init__(self, text: str, start: int, end: int, whiles: bool) -> None:
-        self.text, self.start, self.end = text, start, end
+        self.text, self.start, self.end, self._whiles = text, start, end, whiles
         self.tokens = list(_TOKEN.finditer(text, start, end))
         self.place = 0
-        self.left: list[str] = []
-        self.jumps: list[_Change] = []
-        self._whiles = whiles
-        self.jumps_from_loop = False
-        self._loops: list[_Statement] = []
+        self.loops: set[str] = set()
 
-    def block(self) -> _Block:
-        """Statements up to a word that ends them, which is not taken."""
-        block = _Block()
+    def block(self, flags: _Flags, loop: str) -> tuple[list[_Change], _Flags]:
+        """Changes so that the statements up to a word that ends them are carried out while none of *flags* is true; and
+        the flags that they may set. *loop* is that of the loop around them.
+
+        A loop has its condition in its statements: the front-end takes no loop in a condition.
+        """
+        changes: list[_Change] = []
+        found: _Flags = frozenset()
         while self.place < len(self.tokens) and not self._word().startswith(("end ", "else")):
-            statement = _Statement(self._begin())
-            self._statement(statement)
-            statement.end = self._after()
-            block.statements.append(statement)
-        return block
+            start, own = self._begin(), flags | found
+            word = self._word() if self.tokens[self.place].start() == start else ""
+            is_loop = word in ("for", "while")
+            new, new_flags = self._loop(word, own) if is_loop else self._statement(word, loop)
+            end = self._after()
+            is_guarded = bool(own) and not is_loop
+            changes += [(start, start, _if_none(own)), *new, (end, end, " end if;")] if is_guarded else new
+            found |= new_flags
+        return changes, found
 
-    def _statement(self, statement: _Statement) -> None:
-        word = self._word() if self.tokens[self.place].start() == statement.start else ""
-        flags: set[str] = set()
+    def _loop(self, word: str, own: _Flags) -> tuple[list[_Change], _Flags]:
+        begun = self.place
+        self._until("loop")
+        opened = self.place
+        name = f"dse_{'done' if self._whiles else 'left'}_{begun}"
+        _, inside = self.block(frozenset(), name)
+        while_, loop, ended = (self.tokens[place].span() for place in (begun, opened - 1, self.place))
+        is_replaced = word == "while" and (self._whiles or bool(inside))
+        around = own | inside | ({name} if is_replaced else set())
+        self.place = opened
+        changes, _ = self.block(around, name)
+        self._take(f"end {word}")
+        self._take(";")
+        if is_replaced:
+            turns = f"for {name}_turn in 1:{_MOST_TURNS + 1} loop {_if_none(around)}{name} := not ("
+            left = f' assert({" or ".join(sorted(around))}, "a loop of more than {_MOST_TURNS} turns");'
+            end = self._after()
+            changes = [(*while_, turns), (*loop, "); end if;"), *changes, (*ended, "end for"), (end, end, left)]
+        if name in inside or is_replaced:
+            self.loops.add(name)
+            changes.insert(0, (while_[0], while_[0], f"{name} := false; "))
+        return changes, inside - {name}
+
+    def _statement(self, word: str, loop: str) -> tuple[list[_Change], _Flags]:
+        changes: list[_Change] = []
+        flags: _Flags = frozenset()
         if word in ("return", "break"):
             start = self.tokens[self.place].start()
             self.place += 1
             self._take(";")
-            flag = _RETURNED if word == "return" else self._left()
-            self.jumps_from_loop |= bool(self._loops)
-            self.jumps.append((start, self._after(), f"{flag} := true;"))
-            flags = {flag}
-        elif word in ("for", "while"):
-            statement.is_loop = True
-            begun = self.place
-            self._until("loop")
-            opened = self.place - 1
-            self._loops.append(statement)
-            statement.blocks.append(self.block())
-            flags = {flag for one in statement.blocks[0].statements for flag in one.flags}
-            if word == "while" and (flags or self._whiles):
-                self._left()
-                statement.words = [self.tokens[one].span() for one in (begun, opened, self.place)]
-            self._loops.pop()
-            self._take(f"end {word}")
-            self._take(";")
-            flags -= {statement.left}
+            flags = frozenset({_RETURNED if word == "return" else loop})
+            changes.append((start, self._after(), f"{next(iter(flags))} := true;"))
         elif word == "if":
             self._until("then")
-            statement.blocks.append(self.block())
-            while self._word() in ("elseif", "else"):
+            while True:
+                new, new_flags = self.block(frozenset(), loop)
+                changes += new
+                flags |= new_flags
                 if self._word() == "elseif":
                     self._until("then")
-                else:
+                elif self._word() == "else":
                     self.place += 1
-                statement.blocks.append(self.block())
+                else:
+                    break
             self._take("end if")
             self._take(";")
-            flags = {flag for block in statement.blocks for one in block.statements for flag in one.flags}
         elif word:
             raise ValueError(word)
         else:
             self._until(";")
-        statement.flags = frozenset(flags)
-
-    def _left(self) -> str:
-        loop = self._loops[-1]
-        if not loop.left:
-            loop.left = f"dse_{'done' if self._whiles else 'left'}_{len(self.left) + 1}"
-            self.left.append(loop.left)
-        return loop.left
+        return changes, flags
 
     def _word(self) -> str:
         return re.sub(r"\s+", " ", self.tokens[self.place][0])
