@@ -54,7 +54,7 @@ def without_jumps(text: str, *, whiles: bool = False) -> str:
             new, flags = body.block(frozenset(), "")
         except (IndexError, ValueError):
             continue
-        if body.place == len(body.tokens) and body.loops:
+        if body.place == len(body.tokens) and body.is_left:
             names = sorted(body.loops | flags)
             declared = "".join(f"Boolean {name} = false; " for name in names)
             changes += [(begins.start(), begins.start(), f"protected {declared}"), *new]
@@ -78,7 +78,7 @@ def _if_none(flags: _Flags) -> str:
 class _Body:
     """The statements of a function's algorithm: text from *start* to *end*. Raises ValueError where it is not one.
 
-    *loops* are the flags of loops that are left, or replaced.
+    *loops* are the flags of loops, and *is_left* says whether one is left, or replaced.
     """
 
     def __init__(self, text: str, start: int, end: int, whiles: bool) -> None:
@@ -86,6 +86,7 @@ class _Body:
         self.tokens = list(_TOKEN.finditer(text, start, end))
         self.place = 0
         self.loops: set[str] = set()
+        self.is_left = False
 
     def block(self, flags: _Flags, loop: str) -> tuple[list[_Change], _Flags]:
         """Changes so that the statements up to a word that ends them are carried out while none of *flags* is true; and
@@ -124,6 +125,7 @@ class _Body:
             left = f' assert({" or ".join(sorted(around))}, "a loop of more than {_MOST_TURNS} turns");'
             end = self._after()
             changes = [(*while_, turns), (*loop, "); end if;"), *changes, (*ended, "end for"), (end, end, left)]
+        self.is_left |= bool(inside) or is_replaced
         if name in inside or is_replaced:
             self.loops.add(name)
             changes.insert(0, (while_[0], while_[0], f"{name} := false; "))
