@@ -59,22 +59,23 @@ def main() -> int:
     parser.add_argument("--one", default="", help=argparse.SUPPRESS)
     parser.add_argument("--engine", default="dse", help=argparse.SUPPRESS)
     given = parser.parse_args()
+    if given.one and given.library:
+        print(json.dumps(_other(given.one, given.modelica, given.references, given.engine)))
+        return 0
     needed = ((given.modelica / "Modelica", "library"), (given.references / "Modelica", "reference results"))
     for folder, of in needed[: 1 if given.library else 2]:
         if not folder.is_dir():
             print(f"there is no folder {folder}: fetch the {of} and name the folder that contains it")
             return 1
-    if given.one and given.library:
-        print(json.dumps(_other(given.one, given.modelica, given.references, given.engine)))
-        return 0
     if given.one:
         print(json.dumps(_one(given.one, given.modelica, given.references, given.engine)))
         return 0
     if given.library:
-        with tempfile.TemporaryDirectory() as folder:
-            every = _examples(given.modelica / given.library)
-            models = [name for name in every if re.search(given.only, name)][:: given.every]
-            results = {name: _judged(name, given.modelica, Path(folder), given.library) for name in models}
+        every = _examples(given.modelica / given.library)
+        results = {}
+        for name in [name for name in every if re.search(given.only, name)][:: given.every]:
+            with tempfile.TemporaryDirectory() as folder:
+                results[name] = _judged(name, given.modelica, Path(folder), given.library)
         _print_table(results, (given.library,))
         return int(any(result["verdict"] == "wrong" for result in results.values()))
     models = [name for name in _models(given.references) if re.search(given.only, name)][:: given.every]
@@ -110,12 +111,15 @@ def _examples(library: Path) -> list[str]:
 
 
 def _other(name: str, modelica: Path, scratch: Path, engine: str) -> dict[str, Any]:
-    """A model without reference results, by one of the solvers; both leave their signals in *scratch*."""
-    from dse.modelica.frontend.sources import read_sources
+    """A model without reference results, by dse and then by rumoca, which leaves its signals in *scratch*."""
+    from dse.modelica.frontend.sources import LIBRARIES, read_sources
 
-    parts = read_sources("model", name, [], [modelica]).parts.values()
-    last = name.rpartition(".")[2].encode()
-    own = next((part for part in parts if re.search(rb"\b(?:model|block)\s+" + last + rb"\b", part)), b"")
+    if engine == "dse":
+        read_sources("model", name, [], [modelica]).lay_out_parts(scratch)
+        modelica = scratch / LIBRARIES
+    declared = re.compile(rb"\bmodel\s+" + name.rpartition(".")[2].encode() + rb"\b")
+    texts = [file.read_bytes() for file in sorted(modelica.rglob("*.mo"))]
+    own = next((text for text in texts if declared.search(text)), b"")
     stop = re.search(rb"\bStopTime\s*=\s*([\d.eE+-]+)", own)
     times = np.linspace(0, float(stop[1]) if stop else 10.0, STEPS + 1)
     found = (_run_dse if engine == "dse" else _run_rumoca)(name, modelica, None, times)
