@@ -83,7 +83,7 @@ def _most_telling(message: str) -> str:
 def model_location(sources: ModelSources) -> Location | None:
     """Where the model is declared, if one of the component's own files does."""
     places = declarations(_texts(sources), sources.model)
-    return places[0].where if places else None
+    return places[0][0] if places else None
 
 
 def _mentioned(sources: ModelSources, message: str) -> Location | None:

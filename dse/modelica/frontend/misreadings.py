@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import pairwise
 
 from dse.errors import Location, Problem
 from dse.modelica.frontend.modifications import misread_modifications
@@ -19,6 +20,8 @@ def misread(result: FrontEndResult) -> Iterator[Problem]:
     yield from _functions_of_one_name(read, names)
     yield from mixed_up_constants(read, result.model, [name.rpartition(".")[2] for name in names])
     for element in read.elements:
+        if "partial" in element.prefixes and element.full == result.model:
+            yield Problem(f"{result.model} is partial", element.where, "name a model that is complete")
         if "outer" in element.prefixes and element.kind in KINDS:
             what = f"an outer {element.kind}, for which the front-end does not take the inner one, is not supported"
             yield Problem(what, element.where, "make the class replaceable, and redeclare it")
@@ -47,7 +50,6 @@ def mixed_up_constants(read: Forest, model: str, called: Iterable[str]) -> Itera
 
     *called*: the last words of the names of all functions the model calls.
     """
-    seen: set[Location] = set()
     constants = {element.name for element in read.elements if _is_constant(element)}
     rules = (
         _read_by_functions(read, constants, set(called)),
@@ -55,10 +57,10 @@ def mixed_up_constants(read: Forest, model: str, called: Iterable[str]) -> Itera
         _redeclared(read),
         _records(read),
     )
+    found: dict[Location | None, Problem] = {}
     for problem in (problem for rule in rules for problem in rule):
-        if problem.where is not None and problem.where not in seen:
-            seen.add(problem.where)
-            yield problem
+        found.setdefault(problem.where, problem)
+    yield from found.values()
 
 
 def _is_constant(element: Element) -> bool:
@@ -95,7 +97,7 @@ def _read_names(read: Forest) -> Iterator[str]:
     """Names but where they are declared, extended, constrain, or are what another package is made from with changes."""
     for tree in read.trees:
         before = ""
-        for word, following in zip(tree.words, [*tree.words[1:], ""], strict=False):
+        for word, following in pairwise(tree.words):
             is_other = following != "." and (
                 before in ("package", "class", "end", "extends", "constrainedby")
                 or (before == "=" and following == "(")
@@ -117,7 +119,11 @@ def _redeclared(read: Forest) -> Iterator[Problem]:
 def _records(read: Forest) -> Iterator[Problem]:
     """What is read of single fields is what the record's class says; the whole record is right."""
     records = {element.name for element in read.elements if element.kind == "record"}
-    based = {name for tree in read.trees for name in tree.with_fields()}
+    based: set[str] = set()
+    for tree in read.trees:
+        for number, word in enumerate(tree.words[:-1]):
+            last = tree.closing[number + 1] if tree.words[number + 1] == "[" else number
+            based.update((word,) if tree.words[last + 1] == "." else ())
     for element in read.elements:
         in_package = element.parent is not None and element.parent.kind in ("package", "class")
         if in_package and _is_constant(element) and element.last in records and element.name in based:

@@ -62,7 +62,10 @@ def _redeclared_components(read: Forest) -> Iterator[Problem]:
 
 def _names(element: Element) -> set[str]:
     """What its modifications give values to; of nested ones the text."""
-    return {one.name if one.is_given and not one.written else one.text for one in element.arguments}
+    return {
+        one.name if one.is_given and not one.written else "".join(one.tree.words[one.named : one.end])
+        for one in element.arguments
+    }
 
 
 def _lost(read: Forest, element: Element, owner: Element) -> Iterator[Problem]:

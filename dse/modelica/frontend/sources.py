@@ -125,14 +125,7 @@ def _accepted(sources: ModelSources) -> ModelSources:
     contents, parts = (
         counted(files, {**sources.parts, **sources.contents}) for files in (sources.contents, sources.parts)
     )
-    return replace(sources, contents=_without_jumps(contents), parts=_without_jumps(parts))
-
-
-def _without_jumps(files: Mapping[str, bytes]) -> dict[str, bytes]:
-    return {
-        name: without_jumps(_text(content)).encode() if name.endswith(".mo") else content
-        for name, content in files.items()
-    }
+    return replace(sources, contents=without_jumps(contents), parts=without_jumps(parts))
 
 
 def _with_parts(sources: ModelSources, keep: Keep) -> ModelSources:

@@ -19,6 +19,9 @@ KINDS = frozenset((*CLASS_KINDS.split("|"), "operator"))
 _PREFIXES = {"redeclare", "final", "inner", "outer", "replaceable", "each", "flow", "stream", "discrete", "parameter"}
 _PREFIXES |= {"constant", "input", "output", "partial", "encapsulated", "expandable", "pure", "impure"}
 _SECTIONS = ("equation", "algorithm", "initial", "external", "annotation")
+_OPENING, _CLOSING = ("(", "[", "{"), (")", "]", "}")
+UNREADABLE = (ValueError, LookupError, RecursionError)
+"""What a text that is not Modelica raises."""
 _CONTROLS = ("if", "for", "when", "while")
 
 
@@ -55,9 +58,9 @@ class Element:
         return self.type.rpartition(".")[2]
 
     @property
-    def text(self) -> str:
-        """Its words without blanks and first prefixes."""
-        return "".join(self.tree.words[self.named : self.end])
+    def full(self) -> str:
+        """Its name with those of the classes around it."""
+        return f"{self.parent.full if self.parent else self.tree.within}.{self.name}".lstrip(".")
 
     @property
     def where(self) -> Location:
@@ -66,46 +69,43 @@ class Element:
 
 
 class Tree:
-    """The classes of one text that has neither comments nor strings. Raises ValueError for what cannot be read."""
+    """The classes of one text that has neither comments nor strings. Raises one of UNREADABLE."""
 
     def __init__(self, source: SourceText) -> None:
         found = list(_TOKEN.finditer(source.text))
-        self.source, self.words = source, [match[0] for match in found]
-        self._starts = [match.start() for match in found]
+        self.source, self.words = source, [*(match[0] for match in found), "", ""]
+        self.starts = [match.start() for match in found]
         self.closing: dict[int, int] = {}
         """The closing bracket of each opening one, and the other way round."""
         self.sizes: list[int] = []
         """The brackets of the sizes of arrays in declarations."""
         opened: list[int] = []
         for number, word in enumerate(self.words):
-            if word in "([{":
+            if word in _OPENING:
                 opened.append(number)
-            elif word in ")]}":
-                start = opened.pop() if opened else -1
+            elif word in _CLOSING:
+                start = opened.pop()
                 self.closing[start], self.closing[number] = number, start
         self._at = 0
-        self.all: list[Element] = []
+        self.elements: list[Element] = []
         """All elements, each behind the one it is in."""
         self._open: list[Element] = []
-        self.within = self._within()
-        self.elements: list[Element] = []
+        self.within = ""
+        if self._word == "within":
+            self._at += 1
+            self.within = self._path() if self._word != ";" else ""
         self._body()
+        if self._word or opened:
+            raise ValueError(f"'{self._word}' is not expected")
 
     def place(self, word: int) -> Location:
         """Line and column of a word."""
-        return place(self.source, self._starts[word])
-
-    def with_fields(self) -> Iterator[str]:
-        """The words that a dot follows, or an index and a dot."""
-        for number, word in enumerate(self.words):
-            last = self.closing[number + 1] if self.words[number + 1 : number + 2] == ["["] else number
-            if self.words[last + 1 : last + 2] == ["."]:
-                yield word
+        return place(self.source, self.starts[word])
 
     def until(self, start: int, *ends: str) -> int:
         """The number of the next word from *start* on that is one of *ends*, or closes a bracket from before."""
-        while start < len(self.words) and self.words[start] not in ends and self.words[start] not in ")]}":
-            start = (self.closing.get(start, len(self.words)) if self.words[start] in "([{" else start) + 1
+        while self.words[start] not in ("", *ends, *_CLOSING):
+            start = self.closing[start] + 1 if self.words[start] in _OPENING else start + 1
         return start
 
     def parts(self, bracket: int) -> Iterator[list[str]]:
@@ -117,21 +117,15 @@ class Tree:
 
     @property
     def _ahead(self) -> str:
-        return self.words[self._at + 1] if self._at + 1 < len(self.words) else ""
+        return self.words[self._at + 1]
 
     @property
     def _word(self) -> str:
-        return self.words[self._at] if self._at < len(self.words) else ""
+        return self.words[self._at]
 
     def _next(self) -> str:
         self._at += 1
-        return self.words[self._at - 1] if self._at <= len(self.words) else ""
-
-    def _within(self) -> str:
-        if self._word != "within":
-            return ""
-        self._at += 1
-        return self._path() if self._word != ";" else ""
+        return self.words[self._at - 1]
 
     def _path(self) -> str:
         parts = [self._next()] if self._word == "." else []
@@ -148,10 +142,7 @@ class Tree:
     def _size(self) -> None:
         if self._word == "[":
             self.sizes.append(self._at)
-            self._skip_bracket()
-
-    def _skip_bracket(self) -> None:
-        self._at = self.closing.get(self._at, len(self.words)) + 1
+            self._at = self.closing[self._at] + 1
 
     def _skip(self, *ends: str) -> None:
         self._at = self.until(self._at, *ends)
@@ -160,9 +151,9 @@ class Tree:
         """A new element from word *start* on, whose name comes next; it is in the one that is open."""
         parent = self._open[-1] if self._open else None
         own = Element(self, kind, frozenset(self.words[start : self._at]), start, parent, is_argument, named=self._at)
-        if kind != "constrainedby":
-            (self.elements if parent is None else parent.arguments if is_argument else parent.elements).append(own)
-        self.all.append(own)
+        if parent and kind != "constrainedby":
+            (parent.arguments if is_argument else parent.elements).append(own)
+        self.elements.append(own)
         return own
 
     def _body(self) -> None:
@@ -192,20 +183,15 @@ class Tree:
             self._at += 1
         if self._word in KINDS:
             found = [self._class(start, is_argument=is_argument)]
-        elif self._word == "import":
-            found = [self._new("import", start)]
-            self._at += 1
-            found[0].named, found[0].is_given, found[0].name = self._at, self._ahead == "=", self._word
-            self._skip(";")
-        elif self._word == "extends":
-            found = [self._new("extends", start)]
-            self._at += 1
-            self._of(found[0])
+        elif self._word in ("import", "extends"):
+            found = [self._new(self._next(), start)]
+            found[0].is_given, found[0].name = self._ahead == "=", self._word
+            if found[0].kind == "extends":
+                self._of(found[0])
         else:
             found = self._components(start, is_argument=is_argument)
         if self._word == "constrainedby":
-            limit = self._new("constrainedby", self._at)
-            self._at += 1
+            limit = self._new(self._next(), self._at - 1)
             self._of(limit)
             for each in found:
                 each.constraint = limit
@@ -238,9 +224,8 @@ class Tree:
 
     def _class(self, start: int, *, is_argument: bool) -> Element:
         own = self._new(self._word, start, is_argument=is_argument)
-        self._at += 1
-        extends = self._word == "extends"
-        self._at += extends
+        extends = self._ahead == "extends"
+        self._at += 1 + extends
         own.named, own.name = self._at, self._name()
         if extends:
             own.type = own.name
@@ -249,15 +234,14 @@ class Tree:
             self._open.append(own)
             self._body()
             self._open.pop()
-            if self._next() != "end" or self._next() != own.name:
+            if (self._next(), self._next()) != ("end", own.name):
                 raise ValueError(f"no end of '{own.name}'")
             return own
         self._at += 1
         while self._word in _PREFIXES:
             self._at += 1
         if self._word in ("enumeration", "der"):
-            self._at += 1
-            self._skip_bracket()
+            self._at = self.closing[self._at + 1] + 1
         else:
             self._of(own)
         return own
@@ -266,7 +250,7 @@ class Tree:
         """The list of modifications that follows, if one does."""
         if self._word != "(":
             return
-        start, end = self._at, self.closing.get(self._at, len(self.words))
+        start, end = self._at, self.closing[self._at]
         own.written = "".join(self.words[start + 1 : end])
         self._open.append(own)
         while self._at + 1 < end:
@@ -278,10 +262,8 @@ class Tree:
                 self._element(is_argument=True)
                 continue
             changed = self._new("modifier", first, is_argument=True)
-            changed.name = self._path()
-            self._size()
-            while self._word == ".":  # behind an index
-                changed.name += self._next() + self._path()
+            while not changed.name or self._word == ".":  # behind an index
+                changed.name += self._path()
                 self._size()
             self._modification(changed)
             changed.is_given = self._word in ("=", ":=")
@@ -296,7 +278,7 @@ class Forest:
 
     def __init__(self, texts: Iterable[SourceText]) -> None:
         self.trees = [_tree(text) for text in texts]
-        self.elements = [element for tree in self.trees for element in tree.all]
+        self.elements = [element for tree in self.trees for element in tree.elements]
         self.words = Counter(word for tree in self.trees for word in tree.words)
         """How often each word is written."""
         self.own: dict[str, set[str]] = {}
@@ -310,6 +292,6 @@ class Forest:
 def _tree(text: SourceText) -> Tree:
     try:
         return Tree(text)
-    except (ValueError, IndexError, RecursionError) as error:
-        what = f"text that cannot be read: {error if isinstance(error, ValueError) else 'brackets too deep, or no end'}"
+    except UNREADABLE as error:
+        what = f"text that cannot be read: {error if isinstance(error, ValueError) else 'brackets'}"
         raise fail(what, Location(text.path, 1, 1), "write the declarations in simpler words") from error

@@ -52,7 +52,7 @@ def places(trees: Iterable[Tree]) -> tuple[set[str], set[str]]:
     of_any_type: set[str] = set()
     whole: set[str] = set()
     for tree in trees:
-        for element in tree.all:
+        for element in tree.elements:
             words = tree.words[element.named : element.end] if element.kind == "component" else []
             if "if" in words:
                 condition = words[len(words) - words[::-1].index("if") :]
