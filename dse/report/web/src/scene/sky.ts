@@ -31,8 +31,8 @@ const LAYING_SNOW = 1e-3 / 3600;
 const USUAL_SUN = [-0.7, 0.72] as const; // azimuth, elevation in rad where the run has no sun
 
 export interface Sky {
-  /** From above nothing is hidden. */
-  show(time: number, eye: Vector3, above: boolean): void;
+  /** How much of the light the air takes, in 1/m; from above nothing is hidden. */
+  show(time: number, eye: Vector3, above: boolean): number;
 }
 
 export function buildSky(scene: Scene, source: Source): Sky {
@@ -93,6 +93,7 @@ export function buildSky(scene: Scene, source: Source): Sky {
         .add(eye);
       rain.show(above ? 0 : wet, time, eye, 1 - dark);
       snow.show(above ? 0 : white, time, eye, 1 - dark);
+      return fog.density;
     },
   };
 }
