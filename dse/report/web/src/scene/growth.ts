@@ -1,24 +1,40 @@
 // What stands in the land: shapes of trees, bushes, houses and lamps, each in one mesh that is drawn many times.
 import { type BufferGeometry, ConeGeometry, CylinderGeometry, IcosahedronGeometry, PlaneGeometry } from "three";
+import { mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
 import { Faces } from "./bodies/loft";
-import { box, joined, painted, type Surface } from "./light";
+import { box, joined, LAMPLIT, painted, type Surface } from "./light";
 import { hash } from "./random";
 
 const TINTED: Surface = [1, 0];
 const BARK = 0x5b4936;
 
-/** Crumples a ball, so that no two sides of a crown are the same. */
-function crown(radius: number, flat: number, seed: number, detail = 1): BufferGeometry {
-  const ball = new IcosahedronGeometry(radius, detail);
+/** A crumpled ball around (x, y, z), so that no two sides of a crown are the same; darker below, as leaves shade leaves. */
+function crown(
+  radius: number,
+  flat: number,
+  seed: number,
+  detail: number,
+  colour = 0xffffff,
+  [x, y, z]: [number, number, number] = [0, 0, 0],
+): BufferGeometry {
+  const ball = mergeVertices(new IcosahedronGeometry(radius, detail).deleteAttribute("uv").deleteAttribute("normal"));
   const points = ball.getAttribute("position");
   for (let i = 0; i < points.count; i++) {
-    const [x, y, z] = [points.getX(i), points.getY(i), points.getZ(i)];
+    const [a, b, c] = [points.getX(i), points.getY(i), points.getZ(i)];
     const key = (value: number): number => Math.round(value * 50);
-    const k = 0.82 + 0.36 * hash(key(x) + 7 * key(z), key(y), seed);
-    points.setXYZ(i, x * k, y * k, z * k * flat);
+    const k = 0.8 + 0.4 * hash(key(a) + 7 * key(c), key(b), seed);
+    points.setXYZ(i, a * k, b * k, c * k * flat);
   }
   ball.computeVertexNormals();
-  return ball;
+  const leaves = painted(ball, colour, x, y, z, TINTED);
+  const [place, shade] = [leaves.getAttribute("position"), leaves.getAttribute("color")];
+  for (let i = 0; i < place.count; i++) {
+    const key = (value: number): number => Math.round(value * 300);
+    const up = (place.getZ(i) - z) / (radius * flat);
+    const tone = 0.8 + 0.22 * up + 0.2 * (hash(key(place.getX(i)), key(place.getY(i)), key(place.getZ(i))) - 0.5);
+    shade.setXYZ(i, tone * shade.getX(i), tone * shade.getY(i), tone * shade.getZ(i));
+  }
+  return leaves;
 }
 
 /** Trees of height 1, leafy ones wide, others slim; *fine* ones are seen from near. */
@@ -28,12 +44,13 @@ export function treeShapes(fine: boolean): BufferGeometry[] {
   const leafy = (seed: number): BufferGeometry =>
     joined([
       trunk(0.03, 0.42),
-      painted(crown(0.27, 0.95, seed, fine ? 1 : 0), 0xffffff, 0, 0, 0.66, TINTED),
+      crown(0.27, 0.95, seed, fine ? 2 : 0, 0xffffff, [0, 0, 0.66]),
       ...(fine ? boughs(seed) : []),
     ]);
   const boughs = (seed: number): BufferGeometry[] => [
-    painted(crown(0.19, 0.9, seed + 1, 0), 0xe4ead6, 0.15, 0.06, 0.52, TINTED),
-    painted(crown(0.18, 0.9, seed + 2, 0), 0xd8e0c8, -0.12, -0.11, 0.55, TINTED),
+    crown(0.19, 0.9, seed + 1, 1, 0xe4ead6, [0.15, 0.06, 0.54]),
+    crown(0.18, 0.9, seed + 2, 1, 0xd8e0c8, [-0.12, -0.11, 0.57]),
+    crown(0.17, 0.9, seed + 3, 1, 0xf2f4ea, [-0.05, 0.12, 0.8]),
   ];
   const fir = joined([
     trunk(0.025, 0.2),
@@ -53,7 +70,9 @@ export function treeShapes(fine: boolean): BufferGeometry[] {
 
 /** A piece of hedge or a bush, 1 m high and 2 m long. */
 export function bushShape(fine: boolean): BufferGeometry {
-  return joined([painted(crown(0.75, 0.62, 3, fine ? 1 : 0).scale(1.5, 0.7, 1), 0xffffff, 0, 0, 0.4, TINTED)]);
+  return crown(0.75, 0.62, 3, fine ? 2 : 0)
+    .scale(1.5, 0.7, 1)
+    .translate(0, 0, 0.4);
 }
 
 /** A house 1 wide, 1 deep and 1 high to its eaves, with a façade to the front (-x): *floors* and *columns* of windows.
@@ -89,7 +108,8 @@ export function houseShape(
       ];
       const glass = isDoor ? 0x5a4030 : hash(column, floor, seed) > 0.85 ? 0x8a8678 : 0x2c3844;
       if (fine) parts.push(pane([-0.506, y, z], [size[0] * 1.25, size[1] * 1.16], 0xefece4, 0));
-      parts.push(pane([-0.511, y, z], size, glass, isDoor ? 0 : 0.55));
+      const isLit = !isDoor && (isShop || hash(column, floor, seed + 9) > 0.6);
+      parts.push(pane([-0.511, y, z], size, glass, isDoor ? 0 : 0.55, 0, isLit));
       if (fine && floor > 0 && !isFlat)
         parts.push(pane([-0.513, y, (floor + 0.26) * high], [wide * 0.6, 0.05 * high], 0xdad5ca, 0));
     }
@@ -100,18 +120,19 @@ export function houseShape(
   return joined(parts);
 }
 
-/** A window around *place*: in the façade, or with a *side* of 1 or -1 in a wall beside it. */
+/** A window around *place*: in the façade, or with a *side* of 1 or -1 in a wall beside it; *isLit* by night. */
 function pane(
   place: [number, number, number],
   [wide, high]: [number, number],
   colour: number,
   gloss: number,
   side = 0,
+  isLit = false,
 ): BufferGeometry {
   const plane = side
     ? new PlaneGeometry(wide, high).rotateX((-side * Math.PI) / 2)
     : new PlaneGeometry(high, wide).rotateY(-Math.PI / 2);
-  return painted(plane, colour, ...place, [0, gloss]);
+  return painted(plane, colour, ...place, [isLit ? LAMPLIT : 0, gloss]);
 }
 
 function roof(): BufferGeometry {

@@ -57,6 +57,7 @@ uniform vec3 zenith;
 varying vec3 vShade;
 #ifdef FINE
 uniform mat4 headlampsFrom;
+uniform float headlampsLit;
 varying vec3 vBefore;
 varying float vDepth;
 #endif
@@ -69,7 +70,7 @@ void main() {
   vec4 place = vec4(position, 1.0);
   vec3 outward = normal;
 #ifdef USE_INSTANCING_COLOR
-  paint *= mix(vec3(1.0), instanceColor.xyz, surface.x);
+  if (surface.x <= 1.0) paint *= mix(vec3(1.0), instanceColor.xyz, surface.x);
 #endif
 #ifdef USE_INSTANCING
   place = instanceMatrix * place;
@@ -101,6 +102,8 @@ void main() {
   vFlat = place.xyz;
 #endif
 #ifdef FINE
+  // Night dims everything but what shines by itself.
+  if (surface.x > 1.0) vShade = mix(vShade, vec3(0.98, 0.82, 0.5) / diffuse, headlampsLit);
   vBefore = (headlampsFrom * before).xyz;
   vDepth = -before.z;
 #else
@@ -192,6 +195,8 @@ const moved = new Matrix4();
 /** What a surface is: share of the vehicle's own colour, and how much it mirrors. */
 export type Surface = [paint: number, gloss: number];
 export const MATT: Surface = [0, 0];
+/** In place of the share of paint: what is lit from within by night. */
+export const LAMPLIT = 2;
 
 /** *geometry* in one colour, put at a place. */
 export function painted(

@@ -24,6 +24,7 @@ import type { RoadMap } from "./roadmap";
 const LEAVES = [0x6f8f45, 0x5d8540, 0x7f9a4a, 0x55773a, 0x8a9c50];
 const NEEDLES = [0x4f7048, 0x48684a, 0x587a50];
 const WALLS = [0xe8dcc4, 0xd9c2a0, 0xcfd3d2, 0xe6d3b8, 0xb9a58c, 0xdfe3df, 0xc98f73, 0xe9e2d2, 0xa9b4b0];
+const LAMP = 7; // m
 const MOST = 9000;
 const FINE = 150; // m
 
@@ -39,10 +40,15 @@ interface Planted {
   colour: number;
 }
 
+export interface Lamp {
+  head: Vector3;
+  ground: number;
+}
+
 export interface Planting {
   group: Group;
-  /** Heads of street lamps. */
-  lamps: Vector3[];
+  /** Heads of street lamps, and the ground below them. */
+  lamps: Lamp[];
   /** Draws what *camera* sees within *reach* m. */
   show(camera: PerspectiveCamera, reach: number): void;
 }
@@ -67,7 +73,7 @@ export function buildPlanting(document: Document, roads: RoadMap, land: Land): P
     .filter(({ kind }) => kind === "lamp")
     .map(({ x, y, z, turn, size: [wide, , high] }) => {
       const arm = 0.24 * wide;
-      return new Vector3(x - arm * Math.cos(turn), y - arm * Math.sin(turn), z + 0.98 * high);
+      return { head: new Vector3(x - arm * Math.cos(turn), y - arm * Math.sin(turn), z + 0.98 * high), ground: z };
     });
   return {
     group,
@@ -216,7 +222,11 @@ export function plant(document: Document, roads: RoadMap, land: Pick<Land, "heig
     if (kind === "town") {
       if (!hasHouses) houses(at, put);
       if (!hasTrees) at(19, 1.7, (x, y, _, r) => r > 0.25 && tree(x, y, r * 0.5, 0.6, 0.8));
-      if (!hasLamps) at(34, 0.6, (x, y, turn) => put("lamp", x, y, turn, [7, 7, 7], 0xffffff, 0.2));
+      if (!hasLamps)
+        at(34, 0.6, (x, y, turn, __, z) => {
+          if (roads.nearest(x, y).gap > 0.2)
+            found.push({ kind: "lamp", x, y, z: z + 0.1, turn, size: [LAMP, LAMP, LAMP], colour: 0xffffff });
+        });
       return;
     }
     if (kind === "rural")

@@ -127,10 +127,12 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
       lights.show(time);
       sensing.show(time);
       land.show(camera.position.x, camera.position.y, camera.position.z, isAbove);
+      // The lamps light what is ahead, and mirrors show what is not.
+      HEADLAMPS.from.value.copy(NOWHERE);
       HEADLAMPS.lit.value = Math.min(Math.max((dark - DUSK) / 0.5, 0), 1);
-      HEADLAMPS.from.value.copy(frame.matrixWorld).invert().multiply(camera.matrixWorld).premultiply(lamps);
       if (isDue) cabin.mirror(renderer, scene, frame, (back) => planting.show(back, Math.min(BEHIND, sight)));
       else if (!quality.mirrors) cabin.dull();
+      HEADLAMPS.from.value.copy(frame.matrixWorld).invert().multiply(camera.matrixWorld).premultiply(lamps);
       planting.show(camera, isAbove ? 1000 : Math.min(quality.planting, sight));
       renderer.render(scene, camera);
     },
@@ -140,6 +142,7 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
 const looked = new Vector3();
 const seen = new Frustum();
 const whole = new Matrix4();
+const NOWHERE = new Matrix4().makeTranslation(-1e6, 0, 0);
 
 function look(camera: PerspectiveCamera, view: View, place: Vector3, heading: number): void {
   const [c, s] = [Math.cos(heading), Math.sin(heading)];

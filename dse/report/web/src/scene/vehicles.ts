@@ -18,6 +18,7 @@ import {
 import type { Body, Lamp } from "./bodies/body";
 import { type Choice, chooseBody } from "./bodies/choose";
 import { BODY, box, indexed, joined, LIT, painted } from "./light";
+import type { Lamp as StreetLamp } from "./planting";
 import { Glow, Shadows } from "./shadows";
 
 const COLOURS = [0xb6362c, 0xe9e9e4, 0x878f97, 0x2f5f46, 0xcaa548, 0x3f4f9c, 0x6e4a68, 0x33373d, 0xc6cacf, 0x274a6d];
@@ -32,6 +33,7 @@ const SHADOW = 6; // m that one reaches beyond its body
 const MOST_SHAPES = 96;
 const STREET = 64; // street lamps that glow at once
 const LAMPLIGHT = 260; // m
+const POOLED = 130; // m up to which the ground is seen to be lit
 
 /** One road user at a moment; the fleet draws what it is told by `add`. */
 export interface Vehicle {
@@ -163,14 +165,15 @@ export class Fleet {
   }
 
   /** Street lamps near the eye glow by night. */
-  lightStreet(lamps: Vector3[]): void {
+  lightStreet(lamps: StreetLamp[]): void {
     if (!this.isDark) return;
     let count = 0;
-    for (const lamp of lamps)
-      if (count < STREET && lamp.distanceTo(this.eye) < LAMPLIGHT) {
-        this.glow.add(lamp, HEAD, 1);
-        count++;
-      }
+    for (const { head, ground } of lamps) {
+      const far = head.distanceTo(this.eye);
+      if (far > LAMPLIGHT || count++ >= STREET) continue;
+      this.glow.add(head, HEAD, 1);
+      if (far < POOLED) this.glow.shine(head, ground);
+    }
   }
 
   finish(): void {
