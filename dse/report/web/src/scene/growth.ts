@@ -31,7 +31,7 @@ function crown(
   for (let i = 0; i < place.count; i++) {
     const key = (value: number): number => Math.round(value * 300);
     const up = (place.getZ(i) - z) / (radius * flat);
-    const tone = 0.8 + 0.22 * up + 0.2 * (hash(key(place.getX(i)), key(place.getY(i)), key(place.getZ(i))) - 0.5);
+    const tone = 0.92 + 0.16 * up + 0.18 * (hash(key(place.getX(i)), key(place.getY(i)), key(place.getZ(i))) - 0.5);
     shade.setXYZ(i, tone * shade.getX(i), tone * shade.getY(i), tone * shade.getZ(i));
   }
   return leaves;

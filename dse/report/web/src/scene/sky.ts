@@ -160,7 +160,9 @@ function disc(): CanvasTexture {
   const fade = pen.createRadialGradient(64, 64, 0, 64, 64, 64);
   fade.addColorStop(0, "rgb(255 252 240)");
   fade.addColorStop(0.14, "rgb(255 250 232)");
-  fade.addColorStop(0.2, "rgb(255 244 214 / 45%)");
+  fade.addColorStop(0.17, "rgb(255 246 222 / 24%)");
+  fade.addColorStop(0.3, "rgb(255 244 214 / 8%)");
+  fade.addColorStop(0.55, "rgb(255 244 214 / 2%)");
   fade.addColorStop(1, "rgb(255 240 210 / 0%)");
   pen.fillStyle = fade;
   pen.fillRect(0, 0, 128, 128);
