@@ -92,7 +92,7 @@ def traffic_of(
         alone,
         parts={**alone.parts, part.name: component},
         connections=(*alone.connections, *(Connection(source, end, part.where) for source, end in ways.items())),
-        values=alone.values | ({f"{name}.minds_host": False} if wired.parts[name].parameter("minds_host") else {}),
+        values={**alone.values, **({f"{name}.minds_host": False} if wired.parts[name].parameter("minds_host") else {})},
     )
     length = round(_LONGEST / bench.simulation.step) * bench.simulation.step
     simulation = replace(bench.simulation, method=PLAIN, stop=length, record=(), record_every=length, check_step=False)

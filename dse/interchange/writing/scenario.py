@@ -20,7 +20,7 @@ _PEDESTRIAN = 5
 class DrivenEntity:
     """A road user that was there at *times* (s): its *class* as ``actor_class`` counts, size in m, poses in m and rad.
 
-    *x* and *y* are those of the middle of its box.
+    *x* and *y* are those of the middle of its box, *z* is that of the road below it.
     """
 
     name: str
@@ -29,6 +29,7 @@ class DrivenEntity:
     times: Floats
     x: Floats
     y: Floats
+    z: Floats
     heading: Floats
 
 
@@ -86,7 +87,7 @@ def _object(each: DrivenEntity) -> Iterator[str]:
 
 
 def _position(each: DrivenEntity, row: int) -> str:
-    place = f'x="{each.x[row]:.6f}" y="{each.y[row]:.6f}" h="{each.heading[row]:.6f}"'
+    place = f'x="{each.x[row]:.6f}" y="{each.y[row]:.6f}" z="{each.z[row]:.6f}" h="{each.heading[row]:.6f}"'
     return f"<Position><WorldPosition {place}/></Position>"
 
 
