@@ -81,10 +81,12 @@ class SeatSession(Session):
     def state_of(self, packet: Packet) -> State:
         """How the car moves, as its run tells."""
         values = packet.values[OWN_VALUES:]
-        x, y, heading, speed, *others = (values[place] if place >= 0 else 0.0 for place in self._sights.motion)
+        x, y, heading, speed, lateral, acceleration = (
+            values[place] if place >= 0 else 0.0 for place in self._sights.motion
+        )
         station, offset = self._sights.station, self._sights.offset
-        in_lane = values[station] if station >= 0 else math.nan, values[offset] if offset >= 0 else 0.0
-        return State(x, y, heading, speed, *others, *in_lane)
+        along, aside = (values[station] if station >= 0 else math.nan), (values[offset] if offset >= 0 else 0.0)
+        return State(x, y, heading, speed, lateral, acceleration, along, aside)
 
     def answer(self, packet: Packet, others: Mapping[str, float]) -> Packet:
         """What it puts out next, among *others* by its outputs."""
