@@ -319,14 +319,14 @@ def _unit(symbol: str) -> Unit:
         return DIMENSIONLESS
     own: list[str] = []
 
-    def stand_in(match: re.Match[str]) -> str:
+    def replacement(match: re.Match[str]) -> str:
         if match[0] not in own:
             own.append(match[0])
         if len(own) > len(_STAND_INS):
             raise UnitError(f"'{short_symbol(symbol)}' consists of too many units")
         return _STAND_INS[own.index(match[0])]
 
-    text = symbol if "dseown" in symbol else _OWN_SYMBOL.sub(stand_in, symbol)
+    text = symbol if "dseown" in symbol else _OWN_SYMBOL.sub(replacement, symbol)
     if _TOO_LARGE.search(text) or len(_GROUP_POWER.findall(text)) > 1 or (not own and "dseown" in text):
         raise UnitError(f"unknown unit '{symbol}'")
     if text in _MISREAD:

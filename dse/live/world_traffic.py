@@ -182,7 +182,7 @@ class TrafficSession(Session):
         with self.world.seated(self.place, self, line):
             while process.sentinel not in wait([process.sentinel], TURN):
                 if self._wants_end.is_set():
-                    return Why.FINISHED, "nobody drives"
+                    return Why.FINISHED, "no car is left"
                 if cut := self._overdue(began, self.place.heard):
                     return cut
         return None
