@@ -10,13 +10,15 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from dse.errors import DseError
 from dse.modelica.frontend.library_names import distinct
 from dse.modelica.frontend.library_tables import with_tables
 from dse.modelica.frontend.misreadings import mixed_up_constants
 from dse.modelica.frontend.modifications import misread_modifications
 from dse.modelica.frontend.signal_connections import with_equations
 from dse.modelica.frontend.source_text import SourceText, code, declarations
-from dse.modelica.frontend.structural.shape import _made_of, _written
+from dse.modelica.frontend.structural.shape import made_of, places
+from dse.modelica.frontend.syntax import Forest
 from dse.modelica.frontend.used_classes import reached, used
 
 MOST = (3.0, 7.0)
@@ -58,16 +60,23 @@ def passes() -> Mapping[str, Callable[[list[SourceText]], None]]:
     return {
         "code": lambda given: run(code(given[0].text)),
         "declarations": lambda given: run(declarations(given, "P.T")),
-        "used": lambda given: run(used(given, _model(given)).texts),
+        "used": lambda given: run(used(given, _model(given))),
         "reached": lambda given: run(reached(given, _model(given))),
         "tables": lambda given: run(with_tables(given[0].text + "// ExternalCombiTable1D")),
         "names": lambda given: run(distinct(given, [])),
         "connections": lambda given: run(with_equations({"P.mo": given[0].text.encode()}, 2)),
-        "modifications": lambda given: run(misread_modifications(used(given, _model(given)))),
-        "constants": lambda given: run(mixed_up_constants(used(given, _model(given)), _model(given), ["f"])),
-        "shape": lambda given: run(_written([given[0].text])),
-        "made of": lambda given: run(_made_of([given[0].text], {"k"}, {"k", "x"})),
+        "modifications": lambda given: run(misread_modifications(_forest(given))),
+        "constants": lambda given: run(mixed_up_constants(_forest(given), _model(given), ["f"])),
+        "shape": lambda given: run(places(_forest(given).trees)),
+        "made of": lambda given: run(made_of(_forest(given).trees, {"k"}, {"k", "x"})),
     }
+
+
+def _forest(given: list[SourceText]) -> Forest:
+    try:
+        return Forest(used(given, _model(given)))
+    except DseError:  # brackets too deep
+        return Forest([])
 
 
 def _model(given: list[SourceText]) -> str:

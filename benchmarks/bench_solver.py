@@ -22,6 +22,7 @@ from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Part
 from dse.expression.parse import parse_expression
 from dse.space import open_space, read_aims
+from dse.space.methods.solver.model import cp_sat
 from dse.units import parse_quantity
 
 ANY = Interface("any", ())
@@ -234,9 +235,11 @@ def main() -> None:
     print("| architecture | question | dse | plain CP-SAT | ratio with import |\n|---|---|--:|--:|--:|")
     for make in (zones, allocation, pins, harness):
         of = make()
-        imported = 0.0 if make is harness else loading
         for name, ours, theirs in questions(of):
-            (seconds, answer), (plain, expected) = timed(ours), timed(theirs)
+            cp_sat.cache_clear()
+            seconds, answer = timed(ours)
+            imported = loading if cp_sat.cache_info().currsize else 0.0
+            plain, expected = timed(theirs)
             assert answer == expected, (of.name, name, answer, expected)
             ratio = (imported + seconds) / (loading + plain)
             print(f"| {of.name} | {name} | {seconds:.3f} | {plain:.3f} | {ratio:.2f} |", flush=True)

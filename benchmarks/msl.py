@@ -6,6 +6,10 @@ release's results (https://github.com/modelica/MAP-LIB_ReferenceResults). Neithe
 A model is right if each signal that `comparisonSignals.txt` names stays in a tube around the reference: 0.2 % of the
 time wide to both sides, and 0.2 % of the signal's range, at least 1e-6, high. That is the tube of the library's own
 comparisons. *Right by the second opinion*: dse refuses it or cannot solve it, and rumoca's own solver is in the tube.
+
+With `--library NAME`, the examples of another library in the first folder, for which there are no reference results:
+models that are not partial, and that no model of the library has as a component. The reference is then rumoca's own
+solver, for each variable that both have. *Not compared*: that solver cannot do what dse solved.
 """
 
 from __future__ import annotations
@@ -33,10 +37,12 @@ PACKAGES = (
     "Thermal.HeatTransfer",
     "StateGraph",
 )
-VERDICTS = ("right", "second", "refused", "failed", "wrong")
+VERDICTS = ("right", "second", "refused", "failed", "wrong", "alone")
 SECONDS = 120
 """Of processor time for a model; more counts as failed."""
 POINTS = 500
+STEPS = 1499
+"""Without reference results: a prime, so that points are not at ticks, where one solver may be before the jump."""
 TUBE, FLOOR = 0.002, 1e-6
 
 Signals = Mapping[str, NDArray[np.float64]]
@@ -46,22 +52,35 @@ def main() -> int:
     """Compare all models, or the one of `--one`."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("modelica", type=Path)
-    parser.add_argument("references", type=Path)
+    parser.add_argument("references", type=Path, nargs="?", default=Path())
+    parser.add_argument("--library", default="", help="examples of this library, with rumoca's solver as reference")
     parser.add_argument("--only", default="", help="a regular expression of the models' names")
     parser.add_argument("--every", type=int, default=1, help="only each n-th model")
     parser.add_argument("--one", default="", help=argparse.SUPPRESS)
     parser.add_argument("--engine", default="dse", help=argparse.SUPPRESS)
     given = parser.parse_args()
-    for folder, of in ((given.modelica / "Modelica", "library"), (given.references / "Modelica", "reference results")):
+    if given.one and given.library:
+        print(json.dumps(_other(given.one, given.modelica, given.references, given.engine)))
+        return 0
+    needed = ((given.modelica / "Modelica", "library"), (given.references / "Modelica", "reference results"))
+    for folder, of in needed[: 1 if given.library else 2]:
         if not folder.is_dir():
             print(f"there is no folder {folder}: fetch the {of} and name the folder that contains it")
             return 1
     if given.one:
         print(json.dumps(_one(given.one, given.modelica, given.references, given.engine)))
         return 0
+    if given.library:
+        every = _examples(given.modelica / given.library)
+        results = {}
+        for name in [name for name in every if re.search(given.only, name)][:: given.every]:
+            with tempfile.TemporaryDirectory() as folder:
+                results[name] = _judged(name, given.modelica, Path(folder), given.library)
+        _print_table(results, (given.library,))
+        return int(any(result["verdict"] == "wrong" for result in results.values()))
     models = [name for name in _models(given.references) if re.search(given.only, name)][:: given.every]
     results = {name: _judged(name, given.modelica, given.references) for name in models}
-    _print_table(results)
+    _print_table(results, tuple(f"Modelica.{package}" for package in PACKAGES))
     return int(any(result["verdict"] == "wrong" for result in results.values()))
 
 
@@ -72,9 +91,57 @@ def _models(references: Path) -> Iterator[str]:
                 yield ".".join(listed.parent.relative_to(references).parts)
 
 
-def _judged(name: str, modelica: Path, references: Path) -> dict[str, Any]:
-    result = _asked(name, modelica, references, "dse")
-    if result["verdict"] in ("refused", "failed"):
+def _examples(library: Path) -> list[str]:
+    """The models of a library that are not partial, nor components of another, nor in one."""
+    from dse.modelica.frontend.source_text import SourceText, code
+    from dse.modelica.frontend.used_classes import Classes
+
+    files = sorted(library.rglob("*.mo"))
+    found = Classes([SourceText(str(file), code(file.read_text(encoding="utf-8-sig"))) for file in files])
+    declared = re.compile(r"(?<!end )(?<!extends )(?<!extends\n)(?<![\w.])(?:\w+\.)*(\w+)\s+\w+\s*[\[(;\"=]")
+    types = {word for text in found.texts for word in declared.findall(text.text)}
+    models = []
+    for own in found.classes:
+        head = found.texts[own.source].text[own.start : own.body]
+        is_apart = own.around < 0 or found.classes[own.around].kind in ("", "package")
+        last = own.name.rpartition(".")[2]
+        if own.kind == "model" and "partial" not in head and is_apart and last not in types:
+            models.append(own.name)
+    return sorted(models)
+
+
+def _other(name: str, modelica: Path, scratch: Path, engine: str) -> dict[str, Any]:
+    """A model without reference results, by dse and then by rumoca, which leaves its signals in *scratch*."""
+    from dse.modelica.frontend.sources import LIBRARIES, read_sources
+
+    if engine == "dse":
+        read_sources("model", name, [], [modelica]).lay_out_parts(scratch)
+        modelica = scratch / LIBRARIES
+    declared = re.compile(rb"\bmodel\s+" + name.rpartition(".")[2].encode() + rb"\b")
+    texts = [file.read_bytes() for file in sorted(modelica.rglob("*.mo"))]
+    own = next((text for text in texts if declared.search(text)), b"")
+    stop = re.search(rb"\bStopTime\s*=\s*([\d.eE+-]+)", own)
+    times = np.linspace(0, float(stop[1]) if stop else 10.0, STEPS + 1)
+    found = (_run_dse if engine == "dse" else _run_rumoca)(name, modelica, None, times)
+    if "signals" not in found:
+        return found
+    signals: Signals = found.pop("signals")
+    if engine == "rumoca":
+        np.savez(scratch / "signals.npz", **signals)
+        return {"verdict": "right", "said": ""}
+    second = _asked(name, modelica, scratch, "rumoca", "any")
+    if second["verdict"] != "right":
+        return {**found, "verdict": "alone", "said": second["said"]}
+    reference = np.load(scratch / "signals.npz")
+    both = sorted(set(signals) & set(reference.files))
+    outside = [signal for signal in both if not _is_inside(times, signals[signal], times, reference[signal])]
+    verdict = "wrong" if outside else "right" if both else "alone"
+    return {**found, "verdict": verdict, "said": ", ".join(outside)}
+
+
+def _judged(name: str, modelica: Path, references: Path, library: str = "") -> dict[str, Any]:
+    result = _asked(name, modelica, references, "dse", library)
+    if result["verdict"] in ("refused", "failed") and not library:
         second = _asked(name, modelica, references, "rumoca")
         result["second"] = second["said"] or second["verdict"]
         if second["verdict"] == "right":
@@ -85,9 +152,10 @@ def _judged(name: str, modelica: Path, references: Path) -> dict[str, Any]:
     return result
 
 
-def _asked(name: str, modelica: Path, references: Path, engine: str) -> dict[str, Any]:
+def _asked(name: str, modelica: Path, references: Path, engine: str, library: str = "") -> dict[str, Any]:
     """The answer of a process of its own, which may crash or not end."""
     command = [sys.executable, __file__, str(modelica), str(references), "--one", name, "--engine", engine]
+    command += ["--library", library]
     limited = ["bash", "-c", f'ulimit -t {SECONDS}; exec "$@"', "msl", *command]
     answer = subprocess.run(limited, capture_output=True, text=True, check=False)
     try:
@@ -117,7 +185,7 @@ def _one(name: str, modelica: Path, references: Path, engine: str) -> dict[str, 
     return {**found, "verdict": "wrong" if outside else "right", "said": ", ".join(outside)}
 
 
-def _run_dse(name: str, modelica: Path, wanted: Sequence[str], times: NDArray[np.float64]) -> dict[str, Any]:
+def _run_dse(name: str, modelica: Path, wanted: Sequence[str] | None, times: NDArray[np.float64]) -> dict[str, Any]:
     from fmpy import read_model_description
     from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
@@ -142,7 +210,7 @@ def _run_dse(name: str, modelica: Path, wanted: Sequence[str], times: NDArray[np
         )
         callbacks = fmi2CallbackFunctions(logger=logger)
         slave.instantiate(callbacks=callbacks)
-        names = [signal for signal in wanted if signal in known]
+        names = [signal for signal in wanted if signal in known] if wanted is not None else _changing(known)
         found = np.zeros((len(names), len(times)))
 
         def read(k: int) -> None:
@@ -169,6 +237,10 @@ def _run_dse(name: str, modelica: Path, wanted: Sequence[str], times: NDArray[np
         return {**spent, "signals": dict(zip(names, found, strict=True))}
 
 
+def _changing(known: Mapping[str, Any]) -> list[str]:
+    return [name for name, v in known.items() if v.causality in ("output", "local") and v.type != "String"]
+
+
 def _processor_time() -> float:
     import resource
 
@@ -176,7 +248,7 @@ def _processor_time() -> float:
     return sum(each.ru_utime + each.ru_stime for each in spent)
 
 
-def _run_rumoca(name: str, modelica: Path, wanted: Sequence[str], times: NDArray[np.float64]) -> dict[str, Any]:
+def _run_rumoca(name: str, modelica: Path, wanted: Sequence[str] | None, times: NDArray[np.float64]) -> dict[str, Any]:
     import rumoca
 
     from dse.modelica.frontend.sources import read_sources
@@ -190,7 +262,7 @@ def _run_rumoca(name: str, modelica: Path, wanted: Sequence[str], times: NDArray
             at = np.asarray(result.time)
             signals = {
                 signal: np.interp(times, at, np.asarray(result[signal], dtype=float))
-                for signal in wanted
+                for signal in (result.names if wanted is None else wanted)
                 if signal in result.names
             }
         except BaseException as error:  # noqa: BLE001  # a panic is no Exception
@@ -213,10 +285,10 @@ def _is_inside(
     return True
 
 
-def _print_table(results: Mapping[str, Mapping[str, Any]]) -> None:
-    print("\n| Package | Models | Right | Right by the second opinion | Refused | Not solved | Wrong |")
-    print("|---|---|---|---|---|---|---|")
-    rows = {package: [v for n, v in results.items() if n.startswith(f"Modelica.{package}.")] for package in PACKAGES}
+def _print_table(results: Mapping[str, Mapping[str, Any]], packages: Sequence[str]) -> None:
+    print("\n| Package | Models | Right | Right by the second opinion | Refused | Not solved | Wrong | Not compared |")
+    print("|---|---|---|---|---|---|---|---|")
+    rows = {package: [v for n, v in results.items() if n.startswith(f"{package}.")] for package in packages}
     for package, found in {**rows, "all": list(results.values())}.items():
         counts = [sum(each["verdict"] == verdict for each in found) for verdict in VERDICTS]
         print(f"| {package} | {len(found)} | {' | '.join(map(str, counts))} |")

@@ -218,7 +218,8 @@ def export_scenario(
 _ACTORS = 8
 _SPACING = 0.1  # s
 _HOST_SIZE = (4.6, 1.8, 1.5)  # m; assumed, a chassis does not state it
-_KEPT = ("id", "class", "length", "width", "height", "x", "y", "heading")
+_KEPT = ("id", "class", "length", "width", "height", "x", "y", "z", "heading")
+_WHEELS = 4
 
 
 def _recording(bench: TestBench, places: Mapping[str, str]) -> TestBench:
@@ -227,6 +228,7 @@ def _recording(bench: TestBench, places: Mapping[str, str]) -> TestBench:
     stride = max(k for k in range(1, max(2, round(_SPACING / simulation.step) + 1)) if simulation.steps % k == 0)
     record = [f"{road}.actors[{number}].{port}" for number in range(1, _ACTORS + 1) for port in _KEPT]
     record += [f"{chassis}.motion.{port}" for port in ("x", "y", "heading")]
+    record += [f"{road}.ground[{number}].height" for number in range(1, _WHEELS + 1)]
     kept = tuple(dict.fromkeys((*simulation.record, *record)))
     return replace(bench, simulation=replace(simulation, record=kept, record_every=stride * simulation.step))
 
@@ -237,7 +239,8 @@ def _entities(
     from dse.interchange import DrivenEntity
 
     motion = f"{places['chassis']}.motion"
-    pose = (columns[f"{motion}.x"], columns[f"{motion}.y"], columns[f"{motion}.heading"])
+    ground = [columns[f"{places['road']}.ground[{number}].height"] for number in range(1, _WHEELS + 1)]
+    pose = (columns[f"{motion}.x"], columns[f"{motion}.y"], np.mean(ground, axis=0), columns[f"{motion}.heading"])
     found = [DrivenEntity("Ego", 1, _HOST_SIZE, time, *pose)]
     for number in range(1, _ACTORS + 1):
         actor = {port: columns[f"{places['road']}.actors[{number}].{port}"] for port in _KEPT}
@@ -249,7 +252,7 @@ def _entities(
             size = (float(actor["length"][first]), float(actor["width"][first]), float(actor["height"][first]))
             name = f"Actor{int(actor['id'][first])}"
             name = name if all(each.name != name for each in found) else f"{name}_{first}"
-            poses = (np.asarray(actor[port][rows]) for port in ("x", "y", "heading"))
+            poses = (np.asarray(actor[port][rows]) for port in ("x", "y", "z", "heading"))
             found.append(DrivenEntity(name, int(actor["class"][first]), size, time[rows], *poses))
     return found
 

@@ -39,6 +39,7 @@ from .layout import (
     wholes_of as wholes_of,
     written_layout as written_layout,
 )
+from .others import Car as Car
 from .packet import (
     MOST_VALUES as MOST_VALUES,
     Flag as Flag,
@@ -58,6 +59,7 @@ from .shared_bench import (
     sharing_of as sharing_of,
     without_traffic as without_traffic,
 )
-from .shared_world import Car as Car, Place as Place, SharedWorld as SharedWorld
+from .shared_world import Place as Place, SharedWorld as SharedWorld
 from .world import News as News, What as What, require_free as require_free, serve_world as serve_world
 from .world_check import WorldTrial as WorldTrial, check_world as check_world
+from .world_traffic import traffic_of as traffic_of

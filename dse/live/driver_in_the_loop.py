@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from dse.domain.bench import TestBench, TestComponent
@@ -137,16 +137,14 @@ def put_driver_in_the_loop(
     controls = tuple(replace(port, type=_si(port.type)) for port in ports)
     tunables = tunables_of(bench, configuration, version=version)
     others = sharing.types if sharing else {}
-    given = {**{f"{TUNE}.{name}": each.type for name, each in tunables.items()}, **others, **_own()}
+    given = {**{f"{TUNE}.{name}": each.type for name, each in tunables.items()}, **others, **own_signals()}
     outputs = [*controls, *(Port(name, Causality.OUTPUT, _si(type_)) for name, type_ in given.items())]
     signals = wired.signals
-    types = {**_own(), **{name: signals[name] for name in wanted}}
+    types = {**own_signals(), **{name: signals[name] for name in wanted}}
     inputs = [Port(f"sees.n{number}", Causality.INPUT, _si(type_)) for number, type_ in enumerate(types.values(), 1)]
-    mode = LinkMode.LOCKSTEP if sharing else LinkMode.FREE
-    line = UdpSource(0, INHERITED, LinkRole.CLIENT, mode, _ANSWERED_WITHIN, where=part.where)
-    component = Component("seat", Interface("seat", (*inputs, *outputs)), source=line, where=part.where)
+    component = link(part, (*inputs, *outputs), LinkMode.LOCKSTEP if sharing else LinkMode.FREE)
     driven = with_driver(bench, component, tuple(tunables), sharing.ends if sharing else None)
-    sources = [f"{part.name}.{name}" for name in _own()] + [wired.faces.get(name, name) for name in wanted]
+    sources = [f"{part.name}.{name}" for name in own_signals()] + [wired.faces.get(name, name) for name in wanted]
     views = (Connection(end, f"{part.name}.{port.name}") for end, port in zip(sources, inputs, strict=True))
     shown = tuple(f"{part.name}.{port.name}" for port in outputs)
     simulation = replace(
@@ -154,6 +152,12 @@ def put_driver_in_the_loop(
     )
     seated = replace(driven, direct=(*driven.direct, *views), simulation=simulation)
     return DriverInTheLoop(seated, configuration, part.name, controls, tunables, tuple(wanted), tuple(others))
+
+
+def link(part: TestComponent, ports: Iterable[Port], mode: LinkMode, wait: float = _ANSWERED_WITHIN) -> Component:
+    """What talks, in place of *part*, through the socket of its process; it waits *wait* s for an answer."""
+    line = UdpSource(0, INHERITED, LinkRole.CLIENT, mode, wait, where=part.where)
+    return Component("seat", Interface("seat", tuple(ports)), source=line, where=part.where)
 
 
 def prepare_driver(driver_in_loop: DriverInTheLoop, *, version: int = 2) -> PreparedBench:
@@ -169,17 +173,18 @@ def prepare_driver(driver_in_loop: DriverInTheLoop, *, version: int = 2) -> Prep
     ranked = [*wire_bench(driver_in_loop.bench, driver_in_loop.configuration).parts]
     order = along_the_flow(ranked, [wire for wire in system.wires if wire.target != driver_in_loop.part])
     elements = {each.name: each for each in system.elements}
-    elements[driver_in_loop.part] = _heedless(elements[driver_in_loop.part])
+    elements[driver_in_loop.part] = heedless(elements[driver_in_loop.part])
     return replace(prepared, system=replace(system, elements=tuple(elements[name] for name in order)))
 
 
-def _heedless(element: Element) -> Element:
+def heedless(element: Element) -> Element:
     """A driver in the loop, whose outputs follow from no input: they are what somebody wants, from the start on."""
     nothing: dict[str, tuple[str, ...]] = {variable.name: () for variable in element.outputs}
     return replace(element, model=replace(element.model, depends=nothing, initially_depends=nothing))
 
 
-def _own() -> dict[str, Type]:
+def own_signals() -> dict[str, Type]:
+    """What a driver in the loop shows to itself again, ahead of all that it sees."""
     return dict(zip(_OWN, (Type(Kind.REAL), Type(Kind.REAL), Type(Kind.REAL, parse_unit("s"))), strict=True))
 
 

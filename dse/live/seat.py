@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing.process
 import socket
 import time
@@ -15,9 +16,10 @@ import numpy as np
 from dse.domain.drive import Pace
 from dse.domain.run import Run
 from dse.live.driver_in_the_loop import DriverInTheLoop
+from dse.live.others import State
 from dse.live.packet import Flag, Packet
 from dse.live.session import OWN_VALUES, TURN, Patience, Seen, Session, Why
-from dse.live.shared_world import Place, SharedWorld, State
+from dse.live.shared_world import Place, SharedWorld
 from dse.testbench import PreparedBench
 
 MOTION = ("x", "y", "heading", "speed", "lateral_speed", "acceleration")
@@ -39,17 +41,20 @@ class Script:
 
 @dataclass(frozen=True, slots=True)
 class Sights:
-    """Where, among the signals that a seat sees, its car's motion is, and its station: -1 for what nothing tells."""
+    """Where, among the signals that a seat sees, its car's motion is, and its station and offset in its lane: -1 for
+    what nothing tells."""
 
     motion: tuple[int, ...]
     station: int
+    offset: int
 
     @classmethod
     def of(cls, seen: Sequence[str], car: str, road: str) -> Sights:
         """Of the signals *seen*, in their order, where *car* has a motion and *road* knows the lane."""
         places = {name: place for place, name in enumerate(seen)}
         motion = tuple(places.get(f"{car}.motion.{axis}", -1) for axis in MOTION)
-        return cls(motion, places.get(f"{road}.lane.station", -1))
+        station, offset = (places.get(f"{road}.lane.{name}", -1) for name in ("station", "offset"))
+        return cls(motion, station, offset)
 
 
 class SeatSession(Session):
@@ -76,8 +81,12 @@ class SeatSession(Session):
     def state_of(self, packet: Packet) -> State:
         """How the car moves, as its run tells."""
         values = packet.values[OWN_VALUES:]
-        motion = (values[place] if place >= 0 else 0.0 for place in self._sights.motion)
-        return State(*motion, *([values[self._sights.station]] if self._sights.station >= 0 else []))
+        x, y, heading, speed, lateral, acceleration = (
+            values[place] if place >= 0 else 0.0 for place in self._sights.motion
+        )
+        station, offset = self._sights.station, self._sights.offset
+        along, aside = (values[station] if station >= 0 else math.nan), (values[offset] if offset >= 0 else 0.0)
+        return State(x, y, heading, speed, lateral, acceleration, along, aside)
 
     def answer(self, packet: Packet, others: Mapping[str, float]) -> Packet:
         """What it puts out next, among *others* by its outputs."""

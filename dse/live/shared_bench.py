@@ -16,6 +16,8 @@ from dse.units import coherent
 
 START = "start_station"
 """The parameter of the road that places a car at its start."""
+CLOCK = "clock"
+"""The output of the driver in the loop that traffic lights follow, and the input of the road (``clock_offset``)."""
 Ports = Mapping[str, tuple[str, Port]]
 _MOVER = re.compile(r"(.+)\.movers\[([0-9]+)\]\.([a-z_]+)")
 _NEEDED = frozenset({"class", "path", "station", "offset", "turn", "speed"})
@@ -25,7 +27,8 @@ _NEEDED = frozenset({"class", "path", "station", "offset", "turn", "speed"})
 class Sharing:
     """How others get into a bench: by the inputs ``movers[n]`` of the part *road*, which *traffic* feeds otherwise.
 
-    *ends* are these inputs by the driver in the loop's outputs (``other1.speed``), *types* their types, in SI.
+    *ends* are these inputs by the driver in the loop's outputs (``other1.speed``), *types* their types, in SI. A road
+    with traffic lights has one more, `CLOCK`.
     """
 
     road: str
@@ -36,12 +39,17 @@ class Sharing:
     @property
     def places(self) -> int:
         """The number of others that a car can have around it."""
-        return max(int(name.partition(".")[0].removeprefix("other")) for name in self.ends)
+        return max(int(name.partition(".")[0].removeprefix("other")) for name in self.ends if name != CLOCK)
 
     @property
     def fields(self) -> tuple[str, ...]:
         """What is known of another car, as ``speed``."""
-        return tuple(dict.fromkeys(name.partition(".")[2] for name in self.ends))
+        return tuple(dict.fromkeys(name.partition(".")[2] for name in self.ends if name != CLOCK))
+
+    @property
+    def has_clock(self) -> bool:
+        """Whether the road has traffic lights."""
+        return CLOCK in self.ends
 
 
 def sharing_of(bench: TestBench, configuration: Configuration) -> Sharing:
@@ -60,11 +68,15 @@ def sharing_of(bench: TestBench, configuration: Configuration) -> Sharing:
     if component.parameter(START) is None or START in {name.partition(".")[2] for name in wired.connected}:
         raise fail(f"{what}{road} has no parameter '{START}': all cars would start at the same place", bench.where)
     if isinstance(component.source, RoadSource) and any(p.lights for p in tables_along(component.source).paths):
-        hint = "share a bench whose road has none, as drive_motorway"
-        raise fail(f"{what}the phases of traffic lights begin anew with each car", bench.where, hint)
+        end = f"{road}.clock_offset"
+        if end not in ports or end in {each.target for each in wired.connections}:
+            hint = "give the interface 'road' the input clock_offset, in s, and do not connect it"
+            raise fail(f"{what}the traffic lights of {road} cannot follow the time of the world", bench.where, hint)
+        found[CLOCK] = end
     types = {name: ports[end][1].type for name, end in found.items()}
     types = {name: replace(each, unit=coherent(each.unit)) for name, each in types.items()}
-    return Sharing(road, _traffic(wired, ports, set(found.values()), what), found, types)
+    movers = {end for name, end in found.items() if name != CLOCK}
+    return Sharing(road, _traffic(wired, ports, movers, what), found, types)
 
 
 def without_traffic(bench: TestBench, sharing: Sharing) -> TestBench:

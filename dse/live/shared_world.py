@@ -13,7 +13,7 @@ import selectors
 import socket
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -21,6 +21,7 @@ from typing import Protocol
 import numpy as np
 
 from dse.errors import fail
+from dse.live.others import Car, State, Users, host_of, mover_of, nearest
 from dse.live.packet import Flag, Packet, PacketError, pack, unpack
 
 MOST_SEATS = 64
@@ -30,31 +31,8 @@ _SLEPT = 0.001
 _LARGEST = 1 << 17
 _MOST_AT_ONCE = 64
 _SPACING, _CLEAR, _MOST_PLACES = 20.0, 60.0, 100
-_KEPT = 0.7
-"""Factor of the distance of a car that another one sees already."""
-
-
-@dataclass(frozen=True, slots=True)
-class Car:
-    """A car as others see it; *place* is the middle of it ahead of its centre of gravity, all in m."""
-
-    length: float = 4.5
-    width: float = 1.8
-    height: float = 1.5
-    place: float = 0.05
-
-
-@dataclass(frozen=True, slots=True)
-class State:
-    """How a car moves: m, rad, m/s, m/s2; *station* along its lane, NaN if nothing tells."""
-
-    x: float
-    y: float
-    heading: float
-    speed: float
-    lateral_speed: float = 0.0
-    acceleration: float = 0.0
-    station: float = math.nan
+_JOINING = 4
+"""Steps after which the traffic has made room for a car that joins."""
 
 
 class Seat(Protocol):
@@ -63,8 +41,8 @@ class Seat(Protocol):
     values: int
     """Numbers in a packet of its run."""
 
-    def state_of(self, packet: Packet) -> State:
-        """How the car moves, as its run tells."""
+    def state_of(self, packet: Packet) -> State | Users:
+        """How the car moves, as its run tells; of the traffic, its road users."""
 
     def answer(self, packet: Packet, others: Mapping[str, float]) -> Packet:
         """What it puts out next, among *others* by its outputs."""
@@ -76,7 +54,8 @@ class Seat(Protocol):
 @dataclass(slots=True, eq=False)
 class Place:
     """A car in a world under its *number*. *start* is its station at the start, *shown* are the numbers of the cars
-    that it sees, 0 where it sees none, and *late* by how many s each step ended too late."""
+    that it sees, 0 where it sees none, and *late* by how many s each step ended too late. One that *has_clock* is told
+    how far the world's time is ahead of the *time* of its run."""
 
     number: int
     car: Car
@@ -94,6 +73,8 @@ class Place:
     overruns: int = 0
     late: list[float] = field(default_factory=list)
     opening: Mapping[str, float] | None = None
+    time: float = 0.0
+    has_clock: bool = False
 
     @property
     def station(self) -> float:
@@ -105,7 +86,8 @@ class Place:
 class SharedWorld:
     """The clock of all cars in it, with *step* s; *most* cars at once; a late one is waited for *grace* s.
 
-    All may be called from any thread.
+    Its traffic is a run of its own, which begins with the first car and ends with the last one. All may be called from
+    any thread.
     """
 
     def __init__(self, step: float, *, most: int = 16, grace: float = 0.05) -> None:
@@ -113,6 +95,12 @@ class SharedWorld:
         self._places: dict[int, Place] = {}
         self._numbers = self._steps = 0
         self._zero = math.nan
+        self._traffic: Place | None = None
+        self._users: Users | None = None
+        self._open: Callable[[Place], Callable[[], None]] | None = None
+        self._end: Callable[[], None] = _nothing
+        self.problem = ""
+        """Why its traffic has ended."""
         self._lock = threading.RLock()
         self._closed = False
         self._near, self._far = socket.socketpair()
@@ -149,12 +137,32 @@ class SharedWorld:
             place = self._places[self._numbers] = Place(self._numbers, car, free, fields, [0] * seen)
             return place
 
+    def have_traffic(self, hosts: int, fields: tuple[str, ...], begin: Callable[[Place], Callable[[], None]]) -> None:
+        """From the first car on there is traffic, which sees *hosts* cars, of each these *fields*. *begin* begins its
+        run, and gives what ends it."""
+        with self._lock:
+            self.most = min(self.most, hosts)
+
+            def opened(place: Place) -> Callable[[], None]:
+                place.shown, place.fields, place.has_clock = [0] * hosts, fields, True
+                return begin(place)
+
+            self._open = self._open or opened
+
+    @property
+    def has_traffic(self) -> bool:
+        """Whether it has been told of traffic."""
+        return self._open is not None
+
     @contextmanager
     def seated(self, place: Place, seat: Seat, line: socket.socket) -> Iterator[None]:
         """Within the block, the run at the other end of *line* is answered by *seat*."""
         with self._lock:
             place.seat, place.line = seat, line
             self._selector.register(line, selectors.EVENT_READ, place)
+            if place.number and self._open and self._traffic is None:
+                self._traffic = Place(0, Car(), 0.0, (), [])
+                self._end = self._open(self._traffic)
             self._wake()
         try:
             yield
@@ -162,16 +170,27 @@ class SharedWorld:
             with self._lock:
                 self._selector.unregister(line)
                 self.leave(place)
+                is_last = not any(each.line for each in self._places.values())
+            if place.number and is_last:
+                self._end_traffic()
+
+    def _end_traffic(self) -> None:
+        with self._lock:
+            end, self._end = self._end, _nothing
+        end()
 
     def leave(self, place: Place) -> None:
-        """Take the car out of the world."""
+        """Take the car, or the traffic, out of the world."""
         with self._lock:
-            if self._places.pop(place.number, None):
+            if place is self._traffic:
+                self._traffic = self._users = None
+            if self._places.pop(place.number, None) or not place.number:
                 place.line = None
                 self._wake()
 
     def close(self) -> None:
         """Stop the clock."""
+        self._end_traffic()
         with self._lock:
             self._closed = True
             self._wake()
@@ -179,6 +198,9 @@ class SharedWorld:
         self._selector.close()
         self._near.close()
         self._far.close()
+
+    def _all(self) -> list[Place]:
+        return [*self._places.values(), *([self._traffic] if self._traffic else [])]
 
     def _wake(self) -> None:
         with suppress(OSError):
@@ -215,7 +237,7 @@ class SharedWorld:
             if math.isnan(self._zero):
                 self._zero = time.monotonic() - self.time
             deadline = self._zero + self.time + self.step
-            is_waiting = any(p.was_answered and not p.request and not p.is_lost for p in self._places.values())
+            is_waiting = any(p.was_answered and not p.request and not p.is_lost for p in self._all())
             return deadline + (self.grace if is_waiting else 0.0)
 
     def _hear(self, place: Place) -> None:
@@ -233,7 +255,11 @@ class SharedWorld:
             if seat is None or packet.flags & Flag.END:
                 continue  # of a start that is made again, or of the run: then its process ends
             now = place.heard = time.monotonic()
-            place.state = seat.state_of(packet)
+            found, place.time = seat.state_of(packet), packet.time
+            if isinstance(found, Users):
+                self._users = found
+            else:
+                place.state = found
             if packet.flags & Flag.START:
                 # A start may be made several times, and has to get the same each time.
                 place.opening = place.opening or self._others(place)
@@ -245,8 +271,8 @@ class SharedWorld:
     def _advance(self) -> None:
         """A step of all that have asked for it; the others are late."""
         late = time.monotonic() - (self._zero + self.time + self.step)
-        asking = [place for place in self._places.values() if place.request]
-        for place in self._places.values():
+        asking = [place for place in self._all() if place.request]
+        for place in self._all():
             place.is_lost = place.was_answered and not place.request
         told = [(place, self._others(place)) for place in asking]
         for place, others in told:
@@ -254,7 +280,8 @@ class SharedWorld:
             if packet is None or seat is None:
                 continue
             place.overruns += place.is_overdue
-            place.late.append(late)
+            if place.number:
+                place.late.append(late)
             seat.look(packet, late, place.overruns)
             self._send(place, seat.answer(packet, others))
             place.request, place.was_answered = None, True
@@ -263,52 +290,45 @@ class SharedWorld:
             self._zero += late
 
     def _others(self, place: Place) -> dict[str, float]:
-        """What the car in *place* is told of the others, in as many places as it has for them."""
+        """What the run in *place* is told of the others, in as many places as it has for them."""
         self._choose(place)
-        values: dict[str, float] = {}
+        values: dict[str, float] = {"clock": round(self.time - (place.time or 0.0), 9)} if place.has_clock else {}
         for slot, number in enumerate(place.shown, 1):
-            other = self._places.get(number)
-            mover = self._mover(other) if other else {}
-            values |= {f"other{slot}.{name}": mover.get(name, 0.0) for name in place.fields}
+            told = self._inputs_of(place, number)
+            values |= {f"other{slot}.{name}": told.get(name, 0.0) for name in place.fields}
         return values
 
-    def _mover(self, other: Place) -> dict[str, float]:
-        car, state = other.car, other.state
-        assert state is not None  # noqa: S101  # only those are chosen
-        c, s = math.cos(state.heading), math.sin(state.heading)
-        x, y = state.x + car.place * c, state.y + car.place * s
-        if other.is_lost:  # whose simulation does not answer stops for the others
-            speed = lateral = acceleration = 0.0
-        else:
-            speed, lateral, acceleration = state.speed, state.lateral_speed, state.acceleration
-        if other.was_answered and not other.is_lost:
-            x += (speed * c - lateral * s) * self.step
-            y += (speed * s + lateral * c) * self.step
-        return {
-            "id": float(other.number),
-            "class": 1.0,
-            "length": car.length,
-            "width": car.width,
-            "height": car.height,
-            "path": -1.0,
-            "station": x,
-            "offset": y,
-            "turn": state.heading,
-            "speed": speed,
-            "lateral_speed": lateral,
-            "acceleration": acceleration,
-        }
+    def _inputs_of(self, place: Place, number: int) -> dict[str, float]:
+        """What *place* is told of that *number*, a step ahead of what is known of it."""
+        other = self._places.get(number)
+        if other and other.state:
+            # One whose simulation does not answer stops for the others.
+            state = other.state.stopped() if other.is_lost else other.state
+            ahead = self.step if other.was_answered else 0.0
+            is_traffic = place is self._traffic
+            return host_of(other.car, state, ahead) if is_traffic else mover_of(number, other.car, state, ahead)
+        if self._users is None or self._traffic is None:
+            return {}
+        moves = self._traffic.was_answered and not self._traffic.is_lost
+        return self._users.mover(number, self.step if moves else 0.0)
 
     def _choose(self, place: Place) -> None:
         """Have *place* see the nearest ones. A car keeps its slot; a slot is empty before another car takes it."""
         here = place.state
         known = {n: other.state for n, other in self._places.items() if other is not place and other.state}
+        wanted = [*known]
+        users = None if place is self._traffic else self._users
+        if users:
+            hidden = users.near(place.station, _CLEAR) if len(place.late) < _JOINING else set()
+            wanted += [number for number in users.numbers if number not in hidden]
+        most = len(place.shown)
+        if here and len(wanted) > most:
+            x, y = (np.array([getattr(each, axis) for each in known.values()]) for axis in "xy")
+            if users:
+                is_seen = [number not in hidden for number in users.numbers]
+                x, y = np.concatenate([x, users.x[is_seen]]), np.concatenate([y, users.y[is_seen]])
+            wanted = nearest(here, wanted, x, y, place.shown, most)
         free = [slot for slot, number in enumerate(place.shown) if not number]
-        wanted = list(known)
-        if here and len(known) > len(place.shown):
-            away = np.array([math.hypot(each.x - here.x, each.y - here.y) for each in known.values()])
-            away *= [_KEPT if number in place.shown else 1.0 for number in known]
-            wanted = [wanted[n] for n in np.argsort(away, kind="stable")[: len(place.shown)]]
         new = iter([number for number in wanted if number not in place.shown])
         place.shown = [number if number in wanted else 0 for number in place.shown]
         for slot in free:
@@ -318,3 +338,7 @@ class SharedWorld:
         with suppress(OSError):  # nobody takes it: its process ends
             if place.line:
                 place.line.send(pack(packet))
+
+
+def _nothing() -> None:
+    """What ends a traffic that there is not."""

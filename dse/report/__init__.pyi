@@ -60,9 +60,10 @@ from .scene.html import (
     scene_mark as scene_mark,
     scene_page as scene_page,
 )
-from .trace.data import Trace as Trace, rear_axle_of as rear_axle_of
+from .trace.data import Trace as Trace, parts_with as parts_with, rear_axle_of as rear_axle_of
 from .trace.write import (
     MESSAGES as MESSAGES,
+    chosen_part as chosen_part,
     frames_of as frames_of,
     require_packages as require_packages,
     write_mcap as write_mcap,

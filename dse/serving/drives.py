@@ -21,14 +21,17 @@ MOST_AT_ONCE = 8
 PAGE_GONE = 30.0
 """Seconds after which a drive ends whose page has not come back."""
 _FORGOTTEN = 600.0
+_LEAVING = 10.0
 
 
 @dataclass(slots=True)
 class Held:
-    """A drive under the *token* that its page has. *pages* are connected now, the last since or until *changed*."""
+    """A drive of *browser* under the *token* that its page has. *pages* are connected now, the last since or until
+    *changed*."""
 
     token: str
     live: LiveDrive
+    browser: str = ""
     pages: int = 0
     changed: float = field(default_factory=time.monotonic)
     ended: Mapping[str, object] | None = None
@@ -89,8 +92,11 @@ class LiveDrives:
         with self._asking:
             return self._dealership(noun.design).offer(read_choices_text(chosen)).data()
 
-    def open(self, bench: str, chosen: str, configuration: str, driver: str) -> str:
-        """The token of a new drive, ready to begin. Raises DseError, also where there are as many as there may be."""
+    def open(self, bench: str, chosen: str, configuration: str, driver: str, browser: str = "") -> str:
+        """The token of a new drive, ready to begin. Raises DseError, also where there are as many as there may be, and
+        where *browser* has a seat of the shared world: it leaves one whose page is gone."""
+        if self.shared and browser:
+            self._leave_seat(browser)
         with self._lock:
             self._sweep()
             if self._opening + sum(each.live.ended is None for each in self._held.values()) >= self.most:
@@ -103,11 +109,30 @@ class LiveDrives:
             live = self._opened(noun, configuration, driver)
             token = secrets.token_urlsafe(18)
             with self._lock:
-                self._held[token] = Held(token, live)
+                self._held[token] = Held(token, live, browser)
             return token
         finally:
             with self._lock:
                 self._opening -= 1
+
+    def _leave_seat(self, browser: str) -> None:
+        """DseError if *browser* has a page open that drives."""
+        with self._lock:
+            own = [each for each in self._held.values() if each.browser == browser and each.live.ended is None]
+            if any(each.pages for each in own):
+                raise fail(
+                    "this browser already has a seat of this world",
+                    hint="finish that drive first, or use another browser",
+                )
+            for each in own:
+                del self._held[each.token]
+        for each in own:
+            if each.live.has_begun:
+                each.live.finish()
+                each.live.session.wait(_LEAVING)
+                self.told(each)
+            else:
+                each.live.close()
 
     def _opened(self, bench: TestBench, configuration: str, driver: str) -> LiveDrive:
         if self.shared:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from dse.api import LiveDrive, SharedDrive
 from dse.errors import DseError, fail
 from dse.serving.drives import Held, LiveDrives
+from dse.serving.guard import BROWSER
 from dse.serving.pages import document, drive_page, study_address
 from dse.serving.point_requests import read_request
 
@@ -69,7 +70,8 @@ def drive_routes(drives: LiveDrives, aside: Aside) -> list[BaseRoute]:
     async def start(request: Request) -> Response:
         order = read_request(await request.body(), _Order)
         named = order.chosen if isinstance(order.chosen, str) else ",".join(map(":".join, order.chosen.items()))
-        opened = aside(lambda: drives.open(order.bench, named, order.configuration, order.driver))
+        browser = str(request.scope.get(BROWSER, ""))
+        opened = aside(lambda: drives.open(order.bench, named, order.configuration, order.driver, browser))
         return JSONResponse({"drive": await opened})
 
     def world(_: Request) -> Response:

@@ -77,6 +77,10 @@ class _Buckets:
         return tokens >= 1
 
 
+BROWSER = "dse.browser"
+"""In the scope of a request: its session, else its address."""
+
+
 class Guard:
     """*application* behind what must hold for every request; what does not is refused with a line that says why.
 
@@ -132,7 +136,8 @@ class Guard:
                 return
             # Whoever still waits when the server ends hears nothing more; that is no mistake of the application.
             with suppress(asyncio.CancelledError):
-                await self._application(scope, _replayed(body, receive), _with_headers(send, cookie))
+                known = {**scope, BROWSER: session or _address(scope)}
+                await self._application(known, _replayed(body, receive), _with_headers(send, cookie))
 
     async def _converse(self, scope: Message, headers: dict[bytes, bytes], receive: Receive, send: Send) -> None:
         """Let a WebSocket through to the application, if it may be opened; what comes is measured and counted."""

@@ -90,7 +90,8 @@ class SharedDrives:
     def data(self) -> Mapping[str, object]:
         """What a page is told of the world."""
         told = {"type": "world", "bench": self.bench.name, "most": self.world.most, "seats": self.seats()}
-        return told | ({"problem": self.problem} if self.problem else {})
+        problem = self.problem or self.world.problem
+        return told | ({"problem": problem} if problem else {})
 
     def close(self) -> None:
         """End the simulated drives, and the world."""

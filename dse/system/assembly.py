@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from graphlib import TopologicalSorter
 from heapq import heappop, heappush
 from math import isfinite
@@ -18,7 +19,7 @@ from dse.graphs import components
 from dse.system.binding import IDENTITY, Binding, bind
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class WiredParts:
     """Components by where they stand, what connects them, and what they are given.
 
@@ -34,12 +35,12 @@ class WiredParts:
     where: Location | None = None
     order: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def connected(self) -> frozenset[str]:
         """The inputs and parameters that are connected."""
         return frozenset(connection.target for connection in self.connections)
 
-    @property
+    @cached_property
     def ports(self) -> dict[str, tuple[str, Port]]:
         """Every port, with the part that has it, by ``part.port``."""
         return {f"{part}.{p.name}": (part, p) for part, c in self.parts.items() for p in c.interface.ports}

@@ -18,6 +18,7 @@ from .prepare import (
     check_bench as check_bench,
     halves_of as halves_of,
     prepare_bench as prepare_bench,
+    prepare_unmeasured as prepare_unmeasured,
     prepare_world as prepare_world,
     with_facts as with_facts,
 )

@@ -45,6 +45,7 @@ def check_workspace(
     tell = on_progress or (lambda *_: None)
     counts: dict[str, int] = {}
     found = _of(_survey, workspace, counts)
+    designs = _Designs()
     # What cannot be read is told once more by whatever needs it; all else is told besides.
     found += _components(workspace, tell, [] if ignored is None else ignored)
     for path in _roads(workspace):
@@ -54,8 +55,29 @@ def check_workspace(
         for number, path in enumerate(paths, 1):
             tell(what, number, len(paths), path.name)
             bench = next((read for end, read in _OTHERS.items() if path.name.endswith(end)), _bench)
-            found += _of(_design if folder == "designs" else bench, workspace, str(path))
+            found += _of(_design if folder == "designs" else bench, workspace, str(path), designs)
     return list(dict.fromkeys(found)), counts
+
+
+class _Designs:
+    """What is found out about design spaces, each once, however many benches have it."""
+
+    def __init__(self) -> None:
+        self._known: dict[int, tuple[DesignSpace, list[Problem]]] = {}
+        self._firsts: dict[int, Configuration] = {}
+
+    def problems(self, space: DesignSpace) -> list[Problem]:
+        """What is wrong with it."""
+        if id(space) not in self._known:
+            self._known[id(space)] = space, check_space(space)
+        return self._known[id(space)][1]
+
+    def first(self, space: DesignSpace) -> Configuration:
+        """Its first configuration. Raises DseError if something is wrong with it, or it has none."""
+        raise_if_any(self.problems(space))
+        if id(space) not in self._firsts:
+            self._firsts[id(space)] = one_configuration(space, None)
+        return self._firsts[id(space)]
 
 
 def _components(workspace: Workspace, tell: OnProgress, ignored: list[Problem]) -> list[Problem]:
@@ -103,8 +125,8 @@ def _survey(workspace: Workspace, counts: dict[str, int]) -> None:
     }
 
 
-def _design(workspace: Workspace, path: str) -> None:
-    _first(workspace.design(path))
+def _design(workspace: Workspace, path: str, designs: _Designs) -> None:
+    designs.first(workspace.design(path))
 
 
 def _roads(workspace: Workspace) -> list[Path]:
@@ -116,19 +138,14 @@ def _road(workspace: Workspace, path: Path) -> None:
     road_tables(open_roads(str(path), workspace))
 
 
-def _first(space: DesignSpace) -> Configuration:
-    raise_if_any(check_space(space))
-    return one_configuration(space, None)
-
-
 def _component(component: Component) -> tuple[Problem, ...]:
     kind = kind_of(component)
     return tuple(kind.check(component, component.source) or ()) if kind is not None else ()
 
 
-def _bench(workspace: Workspace, path: str) -> None:
+def _bench(workspace: Workspace, path: str, designs: _Designs) -> None:
     bench = workspace.bench(path)
-    configuration = _first(bench.design)
+    configuration = designs.first(bench.design)
     if _asks_of_fmus(bench.simulation.method) or _is_finished(bench, configuration):
         prepare_bench(bench, [configuration])
     else:
@@ -146,13 +163,13 @@ def _is_finished(bench: TestBench, configuration: Configuration) -> bool:
     return all(component.source is not None and component.source.is_finished for component in parts)
 
 
-def _study(workspace: Workspace, path: str) -> None:
-    _require_runnable(workspace.study(path))
+def _study(workspace: Workspace, path: str, designs: _Designs) -> None:
+    _require_runnable(workspace.study(path), designs)
 
 
-def _require_runnable(study: Study) -> None:
+def _require_runnable(study: Study, designs: _Designs) -> None:
     space = study.bench.design
-    if check_space(space):
+    if designs.problems(space):
         return  # the design's own file says what is wrong
     opened = proposing(study) if study.sampler.proposes else open_space(space, where=study.selection.where)
     few = selected(space, study.selection, study.where) if study.selection.ids else opened.configurations(_MOST_WIRED)
@@ -175,17 +192,17 @@ def _require_runnable(study: Study) -> None:
         compile_rule(constraint, types_of(study.variables))
 
 
-def _rating(workspace: Workspace, path: str) -> None:
+def _rating(workspace: Workspace, path: str, _designs: _Designs) -> None:
     """What can be told without the protocol's package."""
     workspace.rating(path)
 
 
-def _procedure(workspace: Workspace, path: str) -> None:
+def _procedure(workspace: Workspace, path: str, designs: _Designs) -> None:
     problems = Problems()
     for test in workspace.procedure(path).tests:
         with problems:
-            check_bench(test.bench, _first(test.bench.design))
-            _require_runnable(test)
+            check_bench(test.bench, designs.first(test.bench.design))
+            _require_runnable(test, designs)
     raise_if_any(problems)
 
 

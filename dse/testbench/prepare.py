@@ -152,9 +152,15 @@ def prepare_world(
     method = whole.simulation.method
     if method.algorithm is Algorithm.JACOBI:
         method = replace(method, leading=wired.order[:1])
-    nothing = compile_metrics((), (), {}, frozenset())
-    far = CheckedBench(wired, replace(whole.simulation, method=method), nothing, (), {})
-    return build_checked({configuration.id: far}, version=version, cache=cache)[configuration.id]
+    return prepare_unmeasured(wired, replace(whole.simulation, method=method), version=version, cache=cache)
+
+
+def prepare_unmeasured(
+    wired: WiredBench, simulation: Simulation, *, version: int = 2, cache: Path | None = None
+) -> PreparedBench:
+    """A run of *wired* that measures and records nothing. Raises DseError with all problems."""
+    checked = CheckedBench(wired, simulation, compile_metrics((), (), {}, frozenset()), (), {})
+    return build_checked({wired.configuration.id: checked}, version=version, cache=cache)[wired.configuration.id]
 
 
 def _derived(wired: WiredBench, problems: list[Problem]) -> dict[str, RowProgram]:

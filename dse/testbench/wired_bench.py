@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from dse.domain.bench import TestBench
 from dse.domain.component import Causality, Component, Kind, Type, Value, as_number
@@ -14,7 +15,7 @@ from dse.system import WiredParts
 from dse.testbench.prepared_bench import Setting
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class WiredBench(WiredParts):
     """All components on a bench, every connection between single ports; *faces*: what `architecture_outputs` gives.
 
@@ -26,14 +27,14 @@ class WiredBench(WiredParts):
     faces: Mapping[str, str]
     streams: tuple[NoiseStream, ...] = ()
 
-    @property
+    @cached_property
     def signals(self) -> dict[str, Type]:
         """The waveforms a metric may use: outputs of components, and of the architectures before them."""
         found = {end: port.type for end, (_, port) in self.ports.items() if port.causality is Causality.OUTPUT}
         found |= {face: found[source] for face, source in self.faces.items()}
         return {end: type_ for end, type_ in found.items() if type_.kind.is_number}
 
-    @property
+    @cached_property
     def types(self) -> dict[str, Type]:
         """Every name a metric may use: the signals, and what keeps one value for a run."""
         connected = self.connected
@@ -41,7 +42,7 @@ class WiredBench(WiredParts):
         loose = {end: type_ for end, type_ in loose.items() if type_.kind.is_number}
         return loose | {name: setting.type for name, setting in self.settings.items()} | self.signals
 
-    @property
+    @cached_property
     def settings(self) -> dict[str, Setting]:
         """What a run may be given, by ``part.parameter`` or the port of an input that the bench gives a value.
 

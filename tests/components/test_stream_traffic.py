@@ -79,6 +79,60 @@ def test_200_vehicles_drive_as_an_independent_implementation_does(new_part: NewP
     assert compared(new_part, 60, 3, 25) > 0
 
 
+def test_a_car_of_a_shared_world_is_to_the_traffic_what_the_host_is(new_part: NewPart) -> None:
+    road = {
+        "count": 40,
+        "closed": True,
+        "path_length": 1500.0,
+        "left_lane": 1,
+        "decision_period": 0.0,
+        "start_to": 1200,
+    }
+    alone, shared = new_part("stream_traffic", **road), new_part("stream_traffic", **road, **ALONE)
+    station, behind, lanes = 1350.0, [], []
+    for k in range(300):
+        speed = max(25.0 - 0.2 * k, 4.0)
+        alone["lane.station"], alone["motion.speed"] = station, speed
+        for name, value in (("length", 4.6), ("width", 1.8), ("station", station), ("speed", speed)):
+            shared[f"hosts[3].{name}"] = value
+        for part in (alone, shared):
+            part.step(H) if k else part.init()
+        station = (station + speed * H) % 1500.0
+        one, other = everyone(alone)[:40], everyone(shared)[:40]
+        assert np.allclose(one["station"], other["station"], rtol=0, atol=1e-6)
+        assert np.array_equal(np.rint(one["offset"]), np.rint(other["offset"]))
+        behind.append(np.min(np.where(one["offset"] < 1, (station - one["station"]) % 1500.0, np.inf)))
+        lanes.append(np.rint(one["offset"] / 3.5))
+    assert min(behind) < 40  # somebody had to follow it
+    assert np.any(np.diff(lanes, axis=0))
+
+
+def test_each_car_of_a_shared_world_gets_room_where_it_joins_and_is_never_hit(new_part: NewPart) -> None:
+    part = new_part("stream_traffic", **ALONE, count=60, closed=True, path_length=1600.0, left_lane=1)
+    part.init()
+    hosts = {1: (400.0, 0.0, 0.0), 2: (1000.0, 3.5, 6.0), 16: (1040.0, 0.0, 12.0)}  # station, offset, speed
+    for k in range(1, 500):
+        if k == 20:
+            near = [h[0] for h in hosts.values()]
+            assert min(abs(s - near[0]) for s in everyone(part)["station"][:60]) < 30
+        for number, (station, offset, speed) in hosts.items():
+            if k >= 20:
+                values = {"length": 4.6, "width": 1.8, "station": station, "offset": offset, "speed": speed}
+                for name, value in values.items():
+                    part[f"hosts[{number}].{name}"] = value
+        part.step(H)
+        now = everyone(part)
+        now = now[now["class"] > 0]
+        for number, (station, offset, speed) in hosts.items():
+            if k >= 20:
+                apart = np.abs((now["station"] - station + 800) % 1600 - 800)
+                assert k > 20 or apart.min() > 59
+                is_beside = np.abs(now["offset"] - offset) < (now["width"] + 1.8) / 2
+                assert not np.any(is_beside & (apart < (now["length"] + 4.6) / 2)), (k, number)
+                hosts[number] = ((station + speed * H) % 1600, offset, speed)
+    assert np.sum(now["speed"] < 0.5) > 3  # behind the one that stands
+
+
 @pytest.mark.thorough
 def test_200_vehicles_change_lanes_as_an_independent_implementation_does(new_part: NewPart) -> None:
     assert compared(new_part, 200, 3, 250) > 40

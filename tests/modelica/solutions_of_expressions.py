@@ -329,6 +329,21 @@ def function_jumps(t: float, given: Given) -> Values:
     return {"place": place, "sum": total, "rows": rows}
 
 
+def interval(c: float) -> tuple[float, float]:
+    turns = max(0, math.ceil(math.log(5 / c, 1.5) + 1e-12))
+    return 0, 1.5**turns
+
+
+OPEN_AT = tuple(k for n in range(1, 7) for k in (n * n / 60, 5 / 1.5**n - 1))
+
+
+@case("FunctionOpenLoops", events=OPEN_AT, error=1e-12)
+def function_open_loops(t: float, given: Given) -> Values:
+    lo, hi = interval(1 + t)
+    n = next((n for n in range(1, 7) if n * n > 60 * t), -1)
+    return {"y": math.floor(t) + 1, "lo": lo, "hi": hi, "n": n}
+
+
 @case("EnumerationLoops", error=1e-12)
 def enumeration_loops(t: float, given: Given) -> Values:
     return {"force": [t, 2 * t, 4 * t], "total": 11 * t, "squares": [1, 4, 16]}

@@ -188,6 +188,12 @@ package Combustion "Cars and benches around the combustion library, for comparis
     extends Driver;
   end ColdStopStartOnCycle;
 
+  model PhasesOnCycle "Shifts with two phases, intervention and a charger"
+    extends PoweredCar(redeclare AdasPowertrain.Powertrains.CombustionDualClutch powertrain(
+      initial_speed = initial_speed/radius, shift_time = 0.45, torque_phase = 0.15, intervention_share = 1, has_charger = true));
+    extends Driver;
+  end PhasesOnCycle;
+
   model SlipControlOnCycle
     extends PoweredCar(redeclare AdasPowertrain.Powertrains.CombustionAutomatic powertrain(initial_speed = initial_speed/radius, has_slip_control = true));
     extends Driver;

@@ -19,7 +19,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path
 
 @pytest.mark.thorough
 @pytest.mark.sampled(5)
-@pytest.mark.parametrize("model", ["QuasiStatic", "Automatic", "SlipControl", "DualClutch", "ColdStopStart"])
+@pytest.mark.parametrize("model", ["QuasiStatic", "Automatic", "SlipControl", "DualClutch", "ColdStopStart", "Phases"])
 def test_the_energy_balance_closes_over_the_cycle(model: str, cache: Path) -> None:
     bench = Bench(opened(f"Combustion.{model}OnCycle", cache), 1e-6)
     stored, worst = bench.get(ENERGIES)[3], 0.0

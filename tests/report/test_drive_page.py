@@ -260,3 +260,52 @@ def test_nothing_reaches_beyond_the_window_and_no_two_panels_meet(opened, width)
     page.locator(".finish").click()
     page.wait_for_selector(".boards td")
     assert page.evaluate(fits)
+
+
+def test_the_button_that_starts_is_in_reach_on_a_phone_and_says_what_is_missing(opened):
+    it = opened(viewport={"width": 400, "height": 560}, has_touch=True, is_mobile=True)
+    page = it.page
+    start = page.locator(".go")
+    assert page.evaluate("document.documentElement.scrollHeight > 1.2 * innerHeight")
+    for share in (0, 0.5, 1):
+        page.evaluate("share => scrollTo(0, share * document.documentElement.scrollHeight)", share)
+        box = start.bounding_box()
+        assert 0 <= box["y"] <= box["y"] + box["height"] <= 560
+        assert page.evaluate(
+            "([x, y]) => Boolean(document.elementFromPoint(x, y).closest('.go'))", [200, box["y"] + 20]
+        )
+    assert page.locator(".start .why").is_visible()
+
+
+WHEEL = """() => {
+  window.axes = [0, 0, 0];
+  const wheel = { id: "A wheel", index: 0, mapping: "", buttons: [], connected: true };
+  navigator.getGamepads = () => [null, { ...wheel, axes: [...axes] }];
+}"""
+
+
+def test_a_steering_wheel_is_calibrated_in_the_help_and_drives(opened):
+    it = opened(CAR)
+    page = it.page
+    page.evaluate(f"({WHEEL})()")
+    begin(it)
+    page.keyboard.press("h")
+    steps = page.get_by_role("region", name="Steering wheel")
+    steps.get_by_role("button", name="Start").click()
+    for axes in ([-1, 0, 0], [0.9, 0, 0], [0, -1, 0], [0, 1, -1], [0, 1, 1]):
+        page.evaluate("to => { axes = to; }", axes)
+        steps.get_by_role("button", name="Next").click()
+    assert steps.get_by_role("status").text_content() == "A wheel is calibrated."
+    page.get_by_role("button", name="Resume").click()
+    page.evaluate("axes = [-1, 0, 1]")
+    wait_for(it, lambda: heard(it, "accelerator")[-1:] == [0.5] and heard(it, "steering")[-1] == 0.5)
+    page.evaluate("axes = [-0.05, 1, -1]")
+    wait_for(it, lambda: heard(it, "accelerator")[-1] == 0 and heard(it, "brake")[-1] == 1)
+    page.reload()
+    page.evaluate(f"({WHEEL})()")
+    page.wait_for_selector(".alternative")
+    begin(it)
+    page.wait_for_function("() => document.documentElement.dataset.frames > 9")
+    # Nothing has moved yet: no pedal is pressed.
+    assert heard(it, "accelerator")[-1] == heard(it, "brake")[-1] == 0
+    assert it.problems == []

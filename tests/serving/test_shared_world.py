@@ -48,8 +48,14 @@ def client(field, served, tmp_path: Path) -> Iterator:
         yield found
 
 
-def taken(client, driver: str) -> str:
-    answer = client.post("/drive/start", {"bench": "field", "driver": driver})
+def browser_of(client) -> dict[str, str]:
+    """What another browser sends along."""
+    return {"Cookie": client.get("/drive/world").headers["set-cookie"].partition(";")[0]}
+
+
+def taken(client, driver: str, **browser: str) -> str:
+    order = {"bench": "field", "driver": driver}
+    answer = client.post("/drive/start", order, **(browser or browser_of(client)))
     assert answer.status == 200, answer.text
     return json.loads(answer.text)["drive"]
 
@@ -103,6 +109,24 @@ def test_seats_are_listed_and_watched_and_a_watcher_changes_nothing(client) -> N
         for gone in ("1", "99", "", "../1"):
             with sits(client, f"watch={gone}") as watcher:
                 assert until(watcher, "ended")["text"] == "this seat has no driver"
+
+
+@pytest.mark.thorough
+def test_a_browser_has_one_seat_and_leaves_it_for_another_one_when_its_page_is_gone(client) -> None:
+    bea = browser_of(client)
+    with sits(client, f"drive={taken(client, 'Bea', **bea)}") as first:
+        until(first, "scene")
+        answer = client.post("/drive/start", {"bench": "field", "driver": "Bea again"}, **bea)
+        assert (answer.status, "already has a seat" in answer.text) == (409, True)
+        assert goes_on(first)
+        nameless = [client.post("/drive/start", {"bench": "field", "driver": "x"}) for _ in range(2)]
+        assert [each.status for each in nameless] == [200, 200]  # the second closes what the first never began
+    second = taken(client, "Bea again", **bea)
+    with sits(client, f"drive={second}") as back:
+        until(back, "scene")
+        assert goes_on(back)
+        seats = json.loads(client.get("/drive/world").text)["seats"]
+        assert [each["driver"] for each in seats if each["time"] is not None] == ["Bea again"]
 
 
 @pytest.mark.thorough

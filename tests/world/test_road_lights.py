@@ -39,6 +39,17 @@ def test_a_light_shows_its_phases_in_turn_to_the_tick(new_road: NewRoad) -> None
     assert part["light.distance"] == pytest.approx(200.0)
 
 
+def test_in_a_shared_world_lights_follow_its_time(new_road: NewRoad) -> None:
+    part = new_road(lit(LINE.path(), Light("1", 300.0, PHASES, 10.0)))
+    put(part, 100.0, 0.0)
+    part["clock_offset"] = 31.5
+    part.init()
+    assert (part["light.colour"], part["light.remaining"]) == (YELLOW, pytest.approx(1.5))
+    part["clock_offset"] = 33.5  # the run has fallen behind
+    part.step(0.01)
+    assert (part["light.colour"], part["light_heads[1].colour"]) == (RED, RED)
+
+
 def test_the_light_told_is_the_nearest_one_ahead(new_road: NewRoad) -> None:
     part = new_road(lit(LINE.path(), Light("1", 300.0, PHASES, 0.0), Light("2", 200.0, (), 0.0)))
     told = []

@@ -27,9 +27,10 @@ from dse.errors import DseError
 from dse.fmu import build, open_fmu
 from dse.kinds.sumo import KIND
 from dse.loading import Workspace
-from dse.world import RoadPath, lane_middle, open_roads, place, road_tables
+from dse.world import RoadPath, lane_middle, open_roads, opendrive_text, place, road_tables
 from dse.world.code import along_own_lane
 from dse.world.pieces import value
+from dse.world.sumo.lanes import _Feet, placed_lanes, sumo_lanes
 from dse.world.sumo.resources import sumo_network, sumo_version
 
 pytestmark = [needs_sumo, pytest.mark.usefixtures("kept_cache")]
@@ -120,6 +121,21 @@ def cruise(component: Component, resources: Path, path: RoadPath) -> dict[str, A
     """The host goes into the bend at 80 km/h, in dense traffic."""
     parameters = starts(component, warm_up=25.0, flow=4000 / 3600, truck_share=0.3, speed_deviation=0.2)
     return run(resources, parameters, driven(path, np.full(1200, 22.0)))
+
+
+def test_netconvert_reads_the_heights_of_our_roads_and_a_lane_above_a_path_is_not_of_it(
+    component: Component, path: RoadPath, kept_cache: None
+) -> None:
+    text = opendrive_text(str(component.source.file), Workspace(component.source.inside))
+    lanes = sumo_lanes(sumo_network(text, None, None))
+    feet = _Feet(path)
+    for lane in lanes:
+        # netconvert gives all lanes the height of the reference line, whatever the bank.
+        assert lane.heights == pytest.approx(value(path.height, feet.of(lane.points)[0]), abs=0.02)
+    assert max(lane.heights.max() for lane in lanes) > 20
+    assert placed_lanes(lanes, [path], None)["lanes"].keys() == {lane.name for lane in lanes}
+    with pytest.raises(DseError, match="has no lanes along the path"):
+        placed_lanes([replace(lane, heights=lane.heights + 8.0) for lane in lanes], [path], None)
 
 
 def test_vehicles_are_where_sumo_has_them_but_for_the_chords_it_drives_on(

@@ -6,6 +6,10 @@ partial model Engine "What all combustion engines share: friction, full load, fu
   parameter Boolean is_cold = false "Warms up from initial_temperature; else it is warm";
   parameter Real initial_temperature(unit = "K", min = 230, max = 400) = 296.15 "Of a cold engine";
   Warming body(is_modelled = is_cold, initial_temperature = initial_temperature, heat_capacity = scale*65e3, losses = loss_power);
+  parameter Boolean has_charger = false "The torque follows the boost pressure of a turbocharger; else it is there at once";
+  Charger charger(is_modelled = has_charger, natural_torque = scale*data.displacement/(4*pi)*data.natural_pressure, wanted = noEvent(min(wanted, full)),
+    exhaust = fuel_power/fuel.heating_value*(1 + fuel.air_per_fuel));
+  input Real intervention(unit = "N.m") = 0 "Torque taken away by late ignition, at once";
   Interfaces.RealInput torque_demand(unit = "N.m", start = 0) "On the crankshaft, beyond what the auxiliaries take; >= 0";
   Real speed(unit = "rad/s") "Of the crankshaft";
   Interfaces.RealOutput torque(unit = "N.m") "On the crankshaft, before its inertia";
@@ -20,20 +24,25 @@ protected
   Real friction(unit = "N.m");
   Real auxiliaries(unit = "N.m");
   Real drag(unit = "N.m") "Both";
-  Real highest(unit = "N.m") "Torque of the combustion at full load";
+  constant Real least_ignition = 0.3 "Part of the torque that the latest ignition leaves";
+  Real full(unit = "N.m") "Torque of the combustion at full load";
+  Real highest(unit = "N.m") "The same with the boost there is";
   Real wanted(unit = "N.m") "Torque of the combustion for the demand";
   Real combustion(unit = "N.m") "Torque of the combustion, >= 0";
+  Real ignited(unit = "N.m") "The same with the intervention";
   Real slope "Of the Willans line";
 equation
   friction = body.friction_factor*scale*data.displacement/(4*pi)*(data.friction_pressure + data.friction_pressure_1*abs(speed)
     + data.friction_pressure_2*speed*speed)*Smooth.direction(speed, standing);
   auxiliaries = scale*data.auxiliary_power*speed/(speed*speed + 400);
   drag = friction + auxiliaries;
-  highest = max(0, scale*Tables.smooth1D(speed, data.speeds, data.full_load) + drag);
+  full = max(0, scale*Tables.smooth1D(speed, data.speeds, data.full_load) + drag);
+  highest = if has_charger then noEvent(min(full, charger.limit)) else full;
   wanted = max(0, torque_demand) + drag*Smooth.direction(max(0, torque_demand), light);
-  torque = combustion - drag;
+  ignited = noEvent(max(least_ignition*combustion, combustion - intervention));
+  torque = ignited - drag;
   slope = Tables.smooth1D(speed, data.speeds, data.efficiency);
   fuel_power = combustion*max(0, speed)/slope;
   co2 = fuel.co2_per_energy*fuel_power;
-  loss_power = (1 - slope)*fuel_power + drag*speed;
+  loss_power = (1 - slope)*fuel_power + (combustion - ignited)*max(0, speed) + drag*speed;
 end Engine;

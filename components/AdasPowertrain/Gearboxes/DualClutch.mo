@@ -11,9 +11,12 @@ model DualClutch
   parameter Real bite_speed(unit = "rad/s") = 69
     "Engine speed from which the clutch closes; below idle, so that the car creeps";
   parameter Real closed_speed(unit = "rad/s") = 170 "Engine speed at which the clutch holds 250 N.m";
+  parameter Real intervention_share(min = 0, max = 1) = 0 "Part of the torque that slows the engine in upshifts which its ignition takes over";
+  parameter Real engine_inertia(unit = "kg.m2", min = 0) = 0 "For the intervention";
   Interfaces.RealInput wheel_speed(unit = "rad/s") "Driven axle";
   Interfaces.RealInput power_demand(unit = "W");
   Real ratio "Torque at the output against torque at the input, before losses";
+  Real intervention(unit = "N.m") "Torque that the engine is to give less";
   Real loss_power(unit = "W");
   Real energy(unit = "J") "Kinetic";
   Couplings.Clutch clutch(
@@ -39,6 +42,7 @@ equation
   engine_speed = der(a.phi);
   beyond = max(0, engine_speed - bite_speed)/(closed_speed - bite_speed);
   capacity = max(0, Smooth.minimum(clutch_capacity, at_closed*beyond*beyond, 1));
+  intervention = intervention_share*(engine_inertia + data.inertia_in)*noEvent(max(0, -gear.schedule.ratio_rate*gear.output_speed));
   ratio = gear.schedule.ratio;
   loss_power = clutch.loss_power + gear.loss_power;
   energy = gear.energy;

@@ -1,8 +1,8 @@
 within AdasPowertrain.Gearboxes;
 model SteppedGear
   "Gears changed under power. During a shift the clutches lead the input from the old gear's speed to the new one's while
-   one of them slips: the torque goes through the gear that turns slip into heat, the lower ratio when driving, the
-   higher in overrun. Nothing is lost but mesh losses, drag and that heat"
+   one of them slips (ShiftSchedule has the phases; the clutches are controlled ideally: their torque is what moves the
+   input as planned). Nothing is lost but mesh losses, drag and the heat of the slip"
   extends Interfaces.TwoFlanges;
   parameter Vehicles.GearboxData data;
   parameter Real initial_speed(unit = "rad/s", min = 0) = 0 "Of the output";
@@ -18,7 +18,8 @@ model SteppedGear
     initial_speed = initial_speed,
     max_power = max_power,
     output_speed = wheel_speed*data.final_ratio,
-    power = power_demand);
+    power = power_demand,
+    is_driving = is_driving);
 protected
   constant Real standing(unit = "rad/s") = 1 "Losses against the rotation fall to zero below";
   Real angle_in(unit = "rad", start = 0, fixed = true);
@@ -36,7 +37,7 @@ equation
   output_speed = der(angle_out);
   input_speed = schedule.ratio*output_speed;
   is_driving = torque > (if pre(is_driving) then -idling else idling);
-  torque_ratio = if is_driving then schedule.lower else schedule.higher;
+  torque_ratio = if is_driving then schedule.driving else schedule.overrun;
   mesh = (1 - data.efficiency)*(if is_driving then torque else -torque)*Smooth.direction(output_speed, standing);
   drag = data.drag*Smooth.direction(input_speed, standing);
   data.inertia_in*der(input_speed) = a.tau - drag - torque;

@@ -20,6 +20,8 @@ block Controlled
   input Real torque_demand(unit="N.m", start=0) "At the shaft";
   input Real shaft_speed(unit="rad/s", start=0);
   input Real voltage(unit="V", start=initial_voltage) "Of the direct-current link";
+  input Real copper_factor = 1 "On the copper losses, by temperature";
+  input Real derating = 1 "On the torque limit, by temperature";
   output Real torque(unit="N.m", start=0, fixed=true) "On the shaft";
   output Real electric_power(unit="W") "Taken from the link";
   output Real loss(unit="W") "Of machine and inverter";
@@ -41,9 +43,9 @@ equation
   inverter.link_voltage = seen_voltage;
   power_limit = noEvent(min(max_power, 0.95 * machine.available_power));
   is_fast = max_torque * abs(shaft_speed) > power_limit;
-  torque_limit = if is_fast then power_limit / abs(shaft_speed) else max_torque;
+  torque_limit = derating * (if is_fast then power_limit / abs(shaft_speed) else max_torque);
   target = if torque_demand > torque_limit then torque_limit elseif torque_demand < -torque_limit then -torque_limit else torque_demand;
   der(torque) = (target - torque) / torque_lag;
-  loss = machine.copper_loss + machine.iron_loss + machine.friction_loss + inverter.loss;
+  loss = copper_factor * machine.copper_loss + machine.iron_loss + machine.friction_loss + inverter.loss;
   electric_power = torque * shaft_speed + loss;
 end Controlled;

@@ -2,7 +2,7 @@ within AdasPowertrain.Powertrains;
 model CombustionDualClutch "Petrol engine, seven-speed dual-clutch gearbox, compliant shafts to the front axle"
   extends Interfaces.Powertrain;
   parameter Vehicles.TurboPetrol15 engine_data;
-  parameter Vehicles.SevenSpeedDualClutch gearbox_data(final_ratio = final_ratio, shift_time = shift_time);
+  parameter Vehicles.SevenSpeedDualClutch gearbox_data(final_ratio = final_ratio, shift_time = shift_time, torque_phase = torque_phase);
   parameter Vehicles.Fuel fuel;
   parameter Boolean is_cold = false "The engine starts at initial_temperature; else it is warm";
   parameter Real initial_temperature(unit = "K", min = 230, max = 400) = 296.15 "Of a cold engine";
@@ -11,6 +11,9 @@ model CombustionDualClutch "Petrol engine, seven-speed dual-clutch gearbox, comp
   parameter Real engine_inertia(unit = "kg.m2", min = 0.02, max = 1) = 0.15 "With flywheel or flexplate";
   parameter Real final_ratio(min = 2, max = 6) = 4.438;
   parameter Real shift_time(unit = "s", min = 0.05, max = 2) = 0.25;
+  parameter Real torque_phase(unit = "s", min = 0, max = 1) = 0 "Part of the shift in which the torque is handed over; 0: at once";
+  parameter Real intervention_share(min = 0, max = 1) = 0 "Part of the torque that slows the engine in upshifts which its ignition takes over";
+  parameter Boolean has_charger = false "The engine's torque follows the boost pressure of its turbocharger";
   parameter Real shaft_stiffness(unit = "N.m/rad", min = 1e3, max = 20e3) = 3e3
     "Half shafts, tyre walls and mounts in series; stable with wheels of 2 kg.m2 coupled every 10 ms";
   parameter Real shaft_damping(unit = "N.m.s/rad", min = 0, max = 300) = 100 "Of the same";
@@ -21,11 +24,15 @@ model CombustionDualClutch "Petrol engine, seven-speed dual-clutch gearbox, comp
     inertia = engine_inertia,
     is_cold = is_cold,
     initial_temperature = initial_temperature,
+    has_charger = has_charger,
+    intervention = gearbox.intervention,
     has_stop_start = has_stop_start,
     may_stop = may_stop,
     initial_speed = max(engine_data.idle_speed, gearbox.initial_input_speed));
   Gearboxes.DualClutch gearbox(
     data = gearbox_data,
+    intervention_share = intervention_share,
+    engine_inertia = engine_inertia,
     initial_speed = initial_speed*final_ratio,
     max_power = engine_scale*engine_data.max_power,
     starts_locked = gearbox.initial_input_speed >= engine_data.idle_speed,

@@ -14,6 +14,7 @@ record EngineData
   parameter Real friction_pressure(unit = "Pa") = 0.97e5 "Mean, at rest";
   parameter Real friction_pressure_1(unit = "Pa.s/rad") = 143.24 "Growing with the speed";
   parameter Real friction_pressure_2(unit = "Pa.s2/rad2") = 0.45595 "Growing with the squared speed";
+  parameter Real natural_pressure(unit = "Pa") = 13e5 "Mean effective pressure of the combustion without boost";
   parameter Real auxiliary_power(unit = "W") "For the alternator and pumps, while running";
   parameter Real air_lag(unit = "s") "Time constant of the manifold and the charger";
 end EngineData;

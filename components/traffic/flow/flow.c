@@ -112,7 +112,8 @@ void flow_begin(flow *self) {
 
 /* The acceleration of *who* behind *ahead* at that gap; the host is assumed to drive as *judge*. */
 static double acceleration_of(const flow *self, int32_t who, int32_t judge, double gap, int32_t ahead) {
-    const following_driver *driver = &self->users[who == FLOW_HOST ? judge : who].driver;
+    bool is_host = who == FLOW_HOST || self->users[who].is_host;
+    const following_driver *driver = &self->users[is_host ? judge : who].driver;
     return following_acceleration(driver, flow_speed_of(self, who), gap, ahead == FLOW_NOBODY ? 0 : flow_speed_of(self, ahead));
 }
 
@@ -125,7 +126,8 @@ static double own_acceleration(const flow *self, int32_t i, int32_t lane) {
 static double gain_behind(const flow *self, int32_t i, int32_t lane, double sign, double *with) {
     flow_neighbour behind = flow_next(self, i, lane, false), ahead = flow_next(self, i, lane, true);
     *with = 0;
-    if (behind.who == FLOW_NOBODY || (behind.who != FLOW_HOST && self->users[behind.who].walks)) return 0;
+    if (behind.who == FLOW_NOBODY) return 0;
+    if (behind.who != FLOW_HOST && self->users[behind.who].walks && !self->users[behind.who].is_host) return 0;
     bool alone = ahead.who == FLOW_NOBODY || ahead.who == behind.who; /* then, on a closed path, it is ahead of itself */
     double whole = behind.gap + flow_length_of(self, i) + ahead.gap;
     double without = acceleration_of(self, behind.who, i, alone ? HUGE_VAL : whole, alone ? FLOW_NOBODY : ahead.who);

@@ -26,6 +26,7 @@ typedef struct {
     following_driver dry, driver;    /* on a dry road, on the present surface */
     int32_t id, class;               /* class 0: empty place */
     bool walks;                      /* a walker is moved elsewhere, and is in the lanes from low to high */
+    bool is_host;                    /* a walker that is a car of a shared world: it is assumed to drive as the host */
     int32_t path, lane, old_lane;    /* present or new lane, former lane */
     double length, width, height;
     double station, speed, acceleration; /* of its centre, m along the path; m/s, m/s2 along the lane */

@@ -79,10 +79,11 @@ static void gather(const flow *self, double entry, meeting *met) {
     for (int32_t k = 0; k < self->count && self->order[k].path <= path && met->count < OTHERS; ++k) {
         if (self->order[k].path != path) continue;
         const flow_user *user = &self->users[self->order[k].who];
-        if (user->walks) continue;
+        if (user->walks && !user->is_host) continue;
         double way = traffic_ahead(lap, front_of(user), entry);
         if (-way - user->length >= in || way > (self->rules.critical_gap + AHEAD) * (user->speed + 1)) continue;
         bool is_held = fmin(user->stop, user->stopped) <= way + 1 && user->goes == 0;
+        if (user->is_host) is_held = user->speed < STANDS && way > 0;
         met->others[met->count++] = (coming){way, user->length, user->speed, is_held, (user->goes & met->other_bit) != 0};
     }
     if (!self->rules.minds_host || path != 0 || met->count == OTHERS) return;

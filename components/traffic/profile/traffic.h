@@ -11,6 +11,7 @@
 #define TRAFFIC_HEADS 16
 #define TRAFFIC_CONFLICTS 16
 #define TRAFFIC_LANES 8 /* that a path tells of */
+#define TRAFFIC_HOSTS 16
 #define TRAFFIC_CAR 1 /* of actor_class */
 #define TRAFFIC_TRUCK 2
 #define TRAFFIC_MOTORCYCLE 3
@@ -68,6 +69,9 @@ typedef struct {
     struct {
         double friction_loss, water_film, temperature;
     } surface;
+    struct {
+        double length, width, station, offset, speed;
+    } hosts[TRAFFIC_HOSTS]; /* cars of a shared world, by their centres, on path 0; length 0: none */
 } traffic_in;
 
 typedef struct {

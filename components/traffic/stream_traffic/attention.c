@@ -60,8 +60,8 @@ static bool is_told(const stream_traffic *self, int32_t who) {
 
 /* The eight most relevant users, the most relevant one first; FLOW_NOBODY where there are fewer. */
 static void choose(const stream_traffic *self, const flow *all, int32_t *chosen) {
-    double ranks[STREAM_USERS], best[TRAFFIC_MOVERS];
-    for (int32_t i = 0; i < self->count; ++i) ranks[i] = UNRELATED + i;
+    double ranks[STREAM_PLACES], best[TRAFFIC_MOVERS];
+    for (int32_t i = 0; i < STREAM_PLACES; ++i) ranks[i] = UNRELATED + i;
     for (int32_t n = 0; n < TRAFFIC_MOVERS; ++n) {
         best[n] = HUGE_VAL;
         chosen[n] = FLOW_NOBODY;

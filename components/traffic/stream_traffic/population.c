@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "guests.h"
 #include "random_draw.h"
 #include "walkers.h"
 
@@ -191,8 +192,8 @@ static bool make_room_for_host(stream_traffic *self, const flow *all) {
 bool population_begin(stream_traffic *self, flow *all) {
     int32_t counts[TRAFFIC_PATHS];
     self->count = self->ids = 0;
+    for (int32_t i = 0; i < STREAM_PLACES; ++i) self->users[i] = (flow_user){0};
     for (int32_t i = 0; i < STREAM_USERS; ++i) {
-        self->users[i] = (flow_user){0};
         self->walkers[i] = (stream_walker){0};
         self->waiting[i] = 0;
     }
@@ -203,7 +204,8 @@ bool population_begin(stream_traffic *self, flow *all) {
     for (int32_t n = 0; n < self->par.cyclists; ++n) walkers_add(self, all, TRAFFIC_BICYCLE, false);
     int32_t crossing = (int32_t)rint(self->par.pedestrians * self->par.crossing_share);
     for (int32_t n = 0; n < self->par.pedestrians; ++n) walkers_add(self, all, TRAFFIC_PEDESTRIAN, n < crossing);
-    all->count = self->count;
+    all->count = self->count + TRAFFIC_HOSTS;
+    guests_step(self, all);
     keep_places_free(self, all);
     do {
         flow_begin(all);

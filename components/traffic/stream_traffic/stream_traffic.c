@@ -3,11 +3,12 @@
 #include <math.h>
 
 #include "attention.h"
+#include "guests.h"
 #include "population.h"
 #include "walkers.h"
 
 static flow flow_of(stream_traffic *self, int32_t deciding) {
-    flow all = {.users = self->users, .order = self->order, .count = self->count, .steps = self->steps, .in = &self->in};
+    flow all = {.users = self->users, .order = self->order, .count = self->count + TRAFFIC_HOSTS, .steps = self->steps, .in = &self->in};
     flow_rules rules = {
         self->par.change_duration, self->par.politeness, self->par.change_threshold, self->par.keep_right,
         self->par.safe_deceleration, deciding, self->par.reaction_time, self->par.critical_gap, self->par.together,
@@ -53,6 +54,7 @@ void stream_traffic_step(stream_traffic *self, double h) {
     }
     self->steps += 1;
     flow all = flow_of(self, (int32_t)fmin(fmax(rint(self->par.decision_period / h), 1), 1e6));
+    guests_step(self, &all);
     population_exchange(self, &all);
     walkers_step(self, &all, h);
     flow_step(&all, h);

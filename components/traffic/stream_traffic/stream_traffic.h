@@ -6,13 +6,16 @@
 
    Eight of them are reported in *movers* (attention.c): users near the host on its path, the next ones on each lane
    first, and users that approach a conflict with it. A reported user keeps its place while it is among the eight, or
-   nearly so. A place is empty for one step before it is reused. Sizes of the road users are assumed. */
+   nearly so. A place is empty for one step before it is reused. Sizes of the road users are assumed.
+
+   Traffic of a shared world reacts to all of its cars (*hosts*, guests.c). */
 #ifndef STREAM_TRAFFIC_H
 #define STREAM_TRAFFIC_H
 
 #include "../flow/flow.h"
 
 #define STREAM_USERS 256
+#define STREAM_PLACES (STREAM_USERS + TRAFFIC_HOSTS)
 
 /* A cyclist or pedestrian. */
 typedef struct {
@@ -48,8 +51,8 @@ typedef struct {
         int32_t host_lane;
         double host_front, host_rear, host_width;
     } par;
-    flow_user users[STREAM_USERS];
-    flow_place order[STREAM_USERS];
+    flow_user users[STREAM_PLACES]; /* its own, then the cars of a shared world */
+    flow_place order[STREAM_PLACES];
     stream_walker walkers[STREAM_USERS];
     int32_t waiting[STREAM_USERS]; /* path on which it waits for room, counted from 1; 0: it does not wait */
     int32_t count, ids;            /* users; assigned ids */

@@ -64,9 +64,9 @@ static bool may_cross(const stream_traffic *self, const flow *all, int32_t i) {
     const stream_walker *walker = &self->walkers[i];
     double time = fabs(walker->to - walker->from) / walker->pace + START_UP, station = self->users[i].station;
     double lap = all->paths[0].lap;
-    for (int32_t n = 0; n < self->count; ++n) {
+    for (int32_t n = 0; n < all->count; ++n) {
         const flow_user *user = &self->users[n];
-        if (!flow_drives(user) || user->path != 0) continue;
+        if (!(flow_drives(user) || user->is_host) || user->path != 0) continue;
         double way = traffic_ahead(lap, user->station + 0.5 * user->length, station);
         if (!lets_cross(way, user->length, user->speed, time)) return false;
     }

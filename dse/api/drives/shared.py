@@ -85,21 +85,25 @@ def open_shared_drive(
     With a *script*, a file as `read_script` takes it, no person drives. Raises DseError if the bench cannot be driven
     or shared, or if the world has no place.
     """
-    from dse.live import MOTION, Car, Sights, sharing_of, without_traffic
+    from dse.live import MOTION, Car, Sights, sharing_of, traffic_of, without_traffic
 
     chosen = drivable(bench, configuration)
     sharing = sharing_of(bench, chosen)
     wired = wire(without_traffic(bench, sharing), chosen)
     view = View(wired, bench.simulation.stop)
-    view.document["subtitle"] = "shared: the other drivers are the traffic"
+    if not world.has_traffic and (traffic := traffic_of(bench, chosen, sharing, version=fmi)):
+        traffic.take_part(world)
+    view.document["subtitle"] = "shared" if world.has_traffic else "shared: the other drivers are the traffic"
     car = next((n.removesuffix(".motion.heading") for n in wired.signals if n.endswith(".motion.heading")), "")
     if not car:
         raise fail(f"bench '{bench.name}' cannot be shared: no part gives 'motion', which others see", bench.where)
-    told = [*(f"{car}.motion.{axis}" for axis in MOTION), f"{sharing.road}.lane.station"]
+    told = [f"{car}.motion.{axis}" for axis in MOTION]
+    told += [f"{sharing.road}.lane.{name}" for name in ("station", "offset")]
     also = [name for name in told if name in wired.signals and name not in view.wanted]
     host, start = view.host, wired.settings[_start(sharing)].value
     others = Car(host.length, host.width, place=host.front - host.length / 2)
     place = world.admit(others, float(start), sharing.fields, sharing.places)
+    place.has_clock = sharing.has_clock
     try:
         placed = replace(bench, parameters={**bench.parameters, _start(sharing): place.start})
         parts = opened(placed, chosen, view, also, sharing, fmi=fmi)

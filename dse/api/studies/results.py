@@ -302,13 +302,18 @@ class Results:
         Raises DseError as `write_scene` does, for another ending, and without the extra ``traces``.
         """
         from dse.api.studies.scenes import trace_of
-        from dse.report import frames_of, require_packages, write_mcap, write_osi
+        from dse.report import SceneSignals, chosen_part, frames_of, parts_with, require_packages, write_mcap, write_osi
+
+        def check(told: SceneSignals) -> None:
+            if kind == ".osi" and message != "ground_truth":
+                chosen_part(parts_with(message, told), message, part)
 
         require_packages()
         target = Path(target)
         if (kind := target.suffix.lower()) not in (".osi", ".mcap"):
             raise fail(f"'{target.name}' is not a trace file", hint="the ending is .osi or .mcap")
-        trace = trace_of(self.run(run), source=source or self.source, near=self.folder, rate=rate, tell=tell)
+        source = source or self.source
+        trace = trace_of(self.run(run), source=source, near=self.folder, rate=rate, tell=tell, check=check)
         if kind == ".osi":
             return {message: write_osi(trace, target, message, part)}
         told = tell or (lambda _: None)

@@ -14,7 +14,7 @@ from dse.errors import Location, fail
 from dse.scratch import ScratchFolder
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from numpy.typing import NDArray
 
@@ -53,15 +53,21 @@ def scene_of(
 
 
 def trace_of(
-    stored: Run, *, source: str | Path | None = None, near: str | Path = "", rate: float, tell: Tell | None = None
+    stored: Run,
+    *,
+    source: str | Path | None = None,
+    near: str | Path = "",
+    rate: float,
+    tell: Tell | None = None,
+    check: Callable[[SceneSignals], object] = lambda _: None,
 ) -> Trace:
     """*stored* simulated again as `scene_of` does, with all signals, *rate* times a second or at the nearest rate above
-    that the steps allow. Raises DseError as `scene_of` does."""
+    that the steps allow. Before that, *check* may refuse it. Raises DseError as `scene_of` does."""
     from dse.report import Trace, rear_axle_of
 
     with ScratchFolder() as scratch:
         bench = _bench_of(stored, source, Path(near), None, Path(scratch))
-        made = _made_again(bench, stored, 2, tell, rate=rate, for_trace=True)
+        made = _made_again(bench, stored, 2, tell, rate=rate, for_trace=True, check=check)
         values = made.waveforms.values
         signals = {name: values[name] for name in made.wired.signals if name in values}
         rear_axle = rear_axle_of(made.told.settings)
@@ -136,6 +142,7 @@ def _made_again(
     *,
     rate: float = _FRAMES,
     for_trace: bool = False,
+    check: Callable[[SceneSignals], object] = lambda _: None,
 ) -> _Made:
     from dse.api.studies.single_run import alone
     from dse.domain.study import Selection
@@ -149,6 +156,7 @@ def _made_again(
     if not told.is_scene:
         what = "no part gives the position of a car: neither 'motion.x' nor 'position', 'gap' and 'lead.speed'"
         raise fail(f"run {stored.number} of bench '{bench.name}' is not a scene: {what}", Location(bench.name))
+    check(told)
     again = replace(bench, simulation=_recording(bench, told.wanted, rate))
     made, planned = alone(bench_study(again, Selection.of((chosen,))), fmi, tell=tell)
     if made.problem and stored.is_done:

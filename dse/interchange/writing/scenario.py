@@ -20,7 +20,7 @@ _PEDESTRIAN = 5
 class DrivenEntity:
     """A road user that was there at *times* (s): its *class* as ``actor_class`` counts, size in m, poses in m and rad.
 
-    *x* and *y* are those of the middle of its box.
+    *x* and *y* are those of the middle of its box, *z* is that of the road below it.
     """
 
     name: str
@@ -29,6 +29,7 @@ class DrivenEntity:
     times: Floats
     x: Floats
     y: Floats
+    z: Floats
     heading: Floats
 
 
@@ -74,7 +75,9 @@ def _object(each: DrivenEntity) -> Iterator[str]:
         axle = 'maxSteering="0.5" wheelDiameter="0.65" trackWidth="1.5" positionZ="0.32"'
         yield f'  <Vehicle name="{_CATEGORIES[each.class_]}" vehicleCategory="{_CATEGORIES[each.class_]}">{box}'
         yield '    <Performance maxSpeed="100" maxAcceleration="20" maxDeceleration="20"/>'
-        yield f'    <Axles><FrontAxle {axle} positionX="1.3"/><RearAxle {axle} positionX="-1.3"/></Axles>'
+        # Players place the rear axle where the position is, and move the box with it: so its middle is there.
+        front = f'{axle} positionX="{0.4 * length:.6g}"'
+        yield f'    <Axles><FrontAxle {front}/><RearAxle {axle} positionX="0"/></Axles>'
         yield "    <Properties/></Vehicle>"
     elif each.class_ == _PEDESTRIAN:
         kind = 'name="pedestrian" mass="75" pedestrianCategory="pedestrian" model="pedestrian"'
@@ -86,7 +89,7 @@ def _object(each: DrivenEntity) -> Iterator[str]:
 
 
 def _position(each: DrivenEntity, row: int) -> str:
-    place = f'x="{each.x[row]:.6f}" y="{each.y[row]:.6f}" h="{each.heading[row]:.6f}"'
+    place = f'x="{each.x[row]:.6f}" y="{each.y[row]:.6f}" z="{each.z[row]:.6f}" h="{each.heading[row]:.6f}"'
     return f"<Position><WorldPosition {place}/></Position>"
 
 

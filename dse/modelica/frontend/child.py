@@ -1,17 +1,15 @@
 """Runs in a Python of its own, without the rest of dse: reads one request a line on stdin, writes one answer a line.
 
 The first request opens: ``{"roots": [folders]}``, answered by the front-end's version. Then ``{"wrapper": text,
-"model": name, "filename": name, "folder": path}`` compiles a model of that text beside the files in the folder,
-``{"class": name, "file": path, "folder": path}`` tells whether a class of a file is partial, and ``{"check": [paths],
-"folder": path}`` lists what is wrong with files. The front-end may crash, hang or print: the parent expects that, and
-answers go over a channel that nothing else writes to.
+"model": name, "filename": name, "folder": path}`` compiles a model of that text beside the files in the folder, and
+``{"check": [paths], "folder": path}`` lists what is wrong with files. The front-end may crash, hang or print: the
+parent expects that, and answers go over a channel that nothing else writes to.
 """
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
 from typing import Any
 
 
@@ -31,7 +29,7 @@ def main() -> None:
             else:
                 # Paths are relative to the folder, because the order of what the front-end writes depends on them.
                 os.chdir(request["folder"])
-                answer = _KINDS[next(kind for kind in _KINDS if kind in request)](request, roots)
+                answer = _check(request) if "check" in request else _wrapper(request, roots)
         except BaseException as error:  # noqa: BLE001  # a panic of the front-end is no Exception
             answer = {"error": {"kind": type(error).__name__, "message": str(error)}}
         answers.write(json.dumps(answer, separators=(",", ":")) + "\n")
@@ -66,15 +64,7 @@ def _wrapper(request: dict[str, Any], roots: list[str]) -> dict[str, Any]:
     return {"dae": model.to_dict("dae"), "flat": model.to_dict("flat")}
 
 
-def _class(request: dict[str, Any], roots: list[str]) -> dict[str, Any]:
-    # Without the own files among the roots: two ways to the same file are two definitions to the front-end.
-    import rumoca
-
-    flat = rumoca.Session(roots[1:]).load(request["file"], model=request["class"]).to_dict("flat")
-    return {"is_partial": bool(flat["is_partial"])}
-
-
-def _check(request: dict[str, Any], roots: list[str]) -> dict[str, Any]:  # noqa: ARG001  # one shape for all
+def _check(request: dict[str, Any]) -> dict[str, Any]:
     import rumoca
 
     found = [(path, entry) for path in request["check"] for entry in rumoca.validate(path)]
@@ -86,12 +76,6 @@ def _check(request: dict[str, Any], roots: list[str]) -> dict[str, Any]:  # noqa
         ]
     }
 
-
-_KINDS: dict[str, Callable[[dict[str, Any], list[str]], dict[str, Any]]] = {
-    "wrapper": _wrapper,
-    "class": _class,
-    "check": _check,
-}
 
 if __name__ == "__main__":
     main()

@@ -43,7 +43,6 @@ class Session:
         """The flat system of the model with the parameters in *changes* given as Modelica texts. Raises DseError."""
         try:
             result = read_answer(self.sources, self._flattened(_BASE, changes))
-            self._refuse_partial(result)
         except FrontEndDied as error:
             what = f"component '{self.sources.component}': {self.sources.model}: the Modelica front-end {error}"
             raise fail(what, self.sources.where) from error
@@ -67,19 +66,6 @@ class Session:
         request = {"wrapper": text, "model": WRAPPER, "filename": _WRAPPER_FILE}
         return self.front_end.ask({**request, "folder": str(self.folder / folder)})
 
-    def _refuse_partial(self, result: FrontEndResult) -> None:
-        """A model that extends a partial one is not partial to the front-end, so that one is asked for by itself."""
-        partial = [found for found in declarations(result.sources.values(), self.sources.model) if found.is_partial]
-        named = sorted(name for name in self.sources.contents if name.endswith(".mo"))
-        if not partial or not named:
-            return
-        top = self.sources.model.split(".", maxsplit=1)[0]
-        first = next((name for name in named if name in (f"{top}/package.mo", f"{top}.mo")), named[0])
-        request = {"class": self.sources.model, "file": f"{FILES}/{first}", "folder": str(self.folder / _BASE)}
-        if self.front_end.ask(request)["is_partial"]:
-            what = f"component '{self.sources.component}': {self.sources.model} is partial"
-            raise fail(what, partial[0].where, "name a model that is complete")
-
     def _problems(self, message: str) -> list[Problem]:
         files = [f"{FILES}/{name}" for name in sorted(self.sources.contents) if name.endswith(".mo")]
         found: list[Any] = []
@@ -102,7 +88,7 @@ def read_answer(
         for number, path, text in dae["source_map"]["files"]
         if path != _WRAPPER_FILE
     }
-    described = [found.description for found in declarations(texts.values(), sources.model)]
+    described = [description for _, description in declarations(texts.values(), sources.model)]
     description = described[0] if len(described) == 1 else ""
     return FrontEndResult(sources.model, dae, flat, texts, structural, description)
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import partial
 
-from dse.modelica.frontend.source_text import arguments, code
+from dse.modelica.frontend.source_text import arguments, changed, code, edited
 
 _ENUMERATION = re.compile(r"\btype\s+(\w+)\s*=\s*enumeration\s*\(((?:[^()]|\([^()]*\))*)\)")
 _RANGE = re.compile(r"\bin\s+((?:\w+\s*\.\s*)*(\w+))(?=\s*(?:\bloop\b|[,})]))")
@@ -20,12 +21,10 @@ def counted(contents: Mapping[str, bytes], others: Mapping[str, bytes]) -> dict[
 
     One that shares its name with an enumeration of another size, or with a variable, is left alone.
     """
-    texts = {name: content.decode("utf-8", "replace") for name, content in contents.items() if name.endswith(".mo")}
-    cleaned = {name: code(text) for name, text in texts.items() if _RANGE.search(text)}
-    wanted = {match[2] for text in cleaned.values() for match in _RANGE.finditer(text)}
+    everything = [code(text.decode("utf-8", "replace")) for text in (*others.values(), *contents.values())]
+    wanted = {match[2] for text in everything for match in _RANGE.finditer(text)}
     if not wanted:
         return dict(contents)
-    everything = [code(text.decode("utf-8", "replace")) for text in (*others.values(), *contents.values())]
     sizes: dict[str, set[int]] = {}
     for text in everything:
         for match in _ENUMERATION.finditer(text):
@@ -35,11 +34,9 @@ def counted(contents: Mapping[str, bytes], others: Mapping[str, bytes]) -> dict[
     )
     taken = {match[1] for text in everything for match in variables.finditer(text)}
     counts = {name: sizes[name].pop() for name in wanted - taken if len(sizes.get(name, ())) == 1}
-    changed = dict(contents)
-    for name, clean in cleaned.items():
-        text = texts[name]
-        for match in reversed(list(_RANGE.finditer(clean))):
-            if match[2] in counts:
-                text = f"{text[: match.start(1)]}1:{counts[match[2]]}{text[match.end(1) :]}"
-        changed[name] = text.encode()
-    return changed
+    return changed(contents, partial(_counted, counts))
+
+
+def _counted(counts: Mapping[str, int], text: str) -> str:
+    ranges = [match for match in _RANGE.finditer(code(text)) if match[2] in counts]
+    return edited(text, [(*match.span(1), f"1:{counts[match[2]]}") for match in ranges])

@@ -2,190 +2,160 @@
 
 The front-end refuses such jumps. What follows one is put into ``if not left then … end if``, in its loop and behind it,
 which is the same because a function has no other effects than its values. Lines stay where they are.
+
+A loop by `while` whose number of turns the front-end does not find is one by `for` that is left where the condition is
+false, and an assertion that it was left.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from functools import partial
 
-from dse.modelica.frontend.source_text import SourceText, code
-from dse.modelica.frontend.used_classes import Classes
+from dse.modelica.frontend.source_text import Change, SourceText, changed, code, edited
+from dse.modelica.frontend.syntax import KINDS, UNREADABLE, Tree
 
-_TOKEN = re.compile(r"[()\[\]{};]|\b(?:if|then|elseif|else|for|while|when|loop|return|break)\b|\bend\s+\w+")
-_JUMP = re.compile(r"\b(?:return|break)\s*;")
-_ANNOTATION = re.compile(r"(?<=;)\s*annotation\b")
 _RETURNED = "dse_returned"
+_MOST_TURNS = 100
+OPEN_LOOP = "a loop by while"
+"""What the front-end's refusal of a loop by `while` says."""
 
 
-def without_jumps(text: str) -> str:
-    """*text* of a file with such functions rewritten; those that cannot be read stay as they are."""
-    if not _JUMP.search(text):
+def without_jumps(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """*files* with such functions rewritten; what cannot be read stays as it is."""
+    return changed(files, partial(_changed, False))
+
+
+def without_open_loops(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """*files* with all loops by `while` in functions rewritten."""
+    return changed(files, partial(_changed, True))
+
+
+def _changed(whiles: bool, text: str) -> str:
+    wanted = {"while"} if whiles else {"return", "break"}
+    if not any(word in text for word in wanted):
         return text
-    clean = code(text)
-    found = Classes([SourceText("", clean)])
-    changes: list[tuple[int, str]] = []
-    cuts: dict[int, int] = {}
-    for own in found.classes:
-        if own.kind != "function" or own.inside:
+    try:
+        tree = Tree(SourceText("", code(text)))
+    except UNREADABLE:
+        return text
+    changes: list[Change] = []
+    for own in tree.elements:
+        words = tree.words[own.start : own.end] if own.kind == "function" else []
+        if "algorithm" not in words or wanted.isdisjoint(words) or any(each.kind in KINDS for each in own.elements):
             continue
-        begins = re.compile(r"\balgorithm\b").search(clean, own.body, own.finish)
-        if begins is None or not _JUMP.search(clean, begins.end(), own.finish):
-            continue
-        last = _ANNOTATION.search(clean, begins.end(), own.finish)
-        body = _Body(clean, begins.end(), last.start() if last else own.finish)
+        begins = own.start + words.index("algorithm")
+        body = _Body(tree, begins + 1, whiles)
         try:
-            block = body.block()
-        except (IndexError, ValueError):
+            new, flags = body.block(frozenset(), "")
+        except UNREADABLE:
             continue
-        if body.place < len(body.tokens) or not body.jumps_from_loop:
-            continue
-        names = sorted({_RETURNED, *body.left})
-        changes.append((begins.start(), f"protected {' '.join(f'Boolean {name};' for name in names)} "))
-        changes.append((begins.end(), f" {_RETURNED} := false;"))
-        for start, end, flag in body.jumps:
-            cuts[start] = end
-            changes.append((start, f"{flag} := true;"))
-        changes += _rewritten(block, frozenset())
-    for at, new in sorted(changes, key=lambda change: change[0], reverse=True):
-        text = text[:at] + new + text[cuts.get(at, at) if new.endswith(" := true;") else at :]
-    return text
+        if body.is_left:
+            declared = "".join(f"Boolean {name} = false; " for name in sorted(body.loops | flags))
+            changes += [(tree.starts[begins], tree.starts[begins], f"protected {declared}"), *new]
+    return edited(text, changes)
 
 
-@dataclass(slots=True)
-class _Statement:
-    """From *start* to *end*; of a loop, *blocks* is its body, and *left* the name that says that a `break` ended it."""
-
-    start: int
-    end: int = -1
-    blocks: list[_Block] = field(default_factory=list)
-    is_loop: bool = False
-    left: str = ""
-    flags: frozenset[str] = frozenset()
-    """What the statement may set: that the function, or a loop around it, was left."""
+_Flags = frozenset[str]
+"""Names that say that the function, or a loop, was left."""
 
 
-@dataclass(slots=True)
-class _Block:
-    statements: list[_Statement] = field(default_factory=list)
-
-
-def _rewritten(block: _Block, flags: frozenset[str]) -> Iterator[tuple[int, str]]:
-    """Texts to insert, and where, so that the statements of *block* are carried out while none of *flags* is true.
-
-    Of two texts at one place, the one before is the later one. A loop has its condition in its statements: the
-    front-end takes no loop in a condition.
-    """
-    before = [
-        frozenset(flags.union(*(one.flags for one in block.statements[:k]))) for k in range(len(block.statements))
-    ]
-    for statement, own in reversed(list(zip(block.statements, before, strict=True))):
-        if own and not statement.is_loop:
-            yield statement.end, " end if;"
-        for inner in reversed(statement.blocks):
-            around = own | frozenset(flag for one in inner.statements for flag in one.flags)
-            yield from _rewritten(inner, around if statement.is_loop else frozenset())
-        if own and not statement.is_loop:
-            yield statement.start, f"if {' and '.join(f'not {flag}' for flag in sorted(own))} then "
-        if statement.left:
-            yield statement.start, f"{statement.left} := false; "
+def _if_none(flags: _Flags) -> str:
+    return f"if {' and '.join(f'not {flag}' for flag in sorted(flags))} then "
 
 
 class _Body:
-    """The statements of a function's algorithm: text from *start* to *end*. Raises ValueError where it is not one."""
+    """The statements of a function from a word of *tree* on. What is not one raises one of UNREADABLE.
 
-    def __init__(self, text: str, start: int, end: int) -> None:
-        self.text, self.start, self.end = text, start, end
-        self.tokens = list(_TOKEN.finditer(text, start, end))
-        self.place = 0
-        self.left: list[str] = []
-        self.jumps: list[tuple[int, int, str]] = []
-        self.jumps_from_loop = False
-        self._loops: list[_Statement] = []
+    *loops* are the flags of loops, and *is_left* says whether one is left, or replaced.
+    """
 
-    def block(self) -> _Block:
-        """Statements up to a word that ends them, which is not taken."""
-        block = _Block()
-        while self.place < len(self.tokens) and not self._word().startswith(("end ", "else")):
-            statement = _Statement(self._begin())
-            self._statement(statement)
-            statement.end = self._after()
-            block.statements.append(statement)
-        return block
+    def __init__(self, tree: Tree, at: int, whiles: bool) -> None:
+        self._tree, self._at, self._whiles = tree, at, whiles
+        self.loops: set[str] = set()
+        self.is_left = False
 
-    def _statement(self, statement: _Statement) -> None:
-        word = self._word() if self.tokens[self.place].start() == statement.start else ""
-        flags: set[str] = set()
+    def block(self, flags: _Flags, loop: str) -> tuple[list[Change], _Flags]:
+        """Changes so that the statements up to a word that ends them are carried out while none of *flags* is true; and
+        the flags that they may set. *loop* is that of the loop around them.
+
+        A loop has its condition in its statements: the front-end takes no loop in a condition.
+        """
+        changes: list[Change] = []
+        found: _Flags = frozenset()
+        while (word := self._tree.words[self._at]) not in ("end", "else", "elseif", "annotation"):
+            start, own, is_loop = self._tree.starts[self._at], flags | found, word in ("for", "while")
+            new, new_flags = self._loop(own) if is_loop else self._statement(loop)
+            end = self._after()
+            is_guarded = bool(own) and not is_loop
+            changes += [(start, start, _if_none(own)), *new, (end, end, " end if;")] if is_guarded else new
+            found |= new_flags
+        return changes, found
+
+    def _loop(self, own: _Flags) -> tuple[list[Change], _Flags]:
+        begun, word = self._at, self._tree.words[self._at]
+        self._until("loop")
+        opened = self._at
+        name = f"dse_{'done' if self._whiles else 'left'}_{begun}"
+        _, inside = self.block(frozenset(), name)
+        ended = self._at
+        is_replaced = word == "while" and (self._whiles or bool(inside))
+        around = own | inside | ({name} if is_replaced else set())
+        self._at = opened
+        changes, _ = self.block(around, name)
+        self._take("end", word, ";")
+        start, loop, end, after = (*(self._tree.starts[at] for at in (begun, opened - 1, ended + 1)), self._after())
+        if is_replaced:
+            turns = f"for {name}_turn in 1:{_MOST_TURNS + 1} loop {_if_none(around)}{name} := not ("
+            left = f' assert({" or ".join(sorted(around))}, "a loop of more than {_MOST_TURNS} turns");'
+            changes = [(start, start + 5, turns), (loop, loop + 4, "); end if;"), *changes, (end, end + 5, "for")]
+            changes.append((after, after, left))
+        self.is_left |= bool(inside) or is_replaced
+        if name in inside or is_replaced:
+            self.loops.add(name)
+            changes.insert(0, (start, start, f"{name} := false; "))
+        return changes, inside - {name}
+
+    def _statement(self, loop: str) -> tuple[list[Change], _Flags]:
+        start, word = self._tree.starts[self._at], self._tree.words[self._at]
+        changes: list[Change] = []
+        flags: _Flags = frozenset()
         if word in ("return", "break"):
-            start = self.tokens[self.place].start()
-            self.place += 1
-            self._take(";")
-            flag = _RETURNED if word == "return" else self._left()
-            self.jumps_from_loop |= bool(self._loops)
-            self.jumps.append((start, self._after(), flag))
-            flags = {flag}
-        elif word in ("for", "while"):
-            statement.is_loop = True
-            self._until("loop")
-            self._loops.append(statement)
-            statement.blocks.append(self.block())
-            self._loops.pop()
-            self._take(f"end {word}")
-            self._take(";")
-            flags = {flag for one in statement.blocks[0].statements for flag in one.flags} - {statement.left}
+            self._take(word, ";")
+            flags = frozenset({_RETURNED if word == "return" else loop})
+            changes.append((start, self._after(), f"{next(iter(flags))} := true;"))
         elif word == "if":
-            self._until("then")
-            statement.blocks.append(self.block())
-            while self._word() in ("elseif", "else"):
-                if self._word() == "elseif":
-                    self._until("then")
+            while self._tree.words[self._at] != "end":
+                if self._tree.words[self._at] == "else":
+                    self._at += 1
                 else:
-                    self.place += 1
-                statement.blocks.append(self.block())
-            self._take("end if")
-            self._take(";")
-            flags = {flag for block in statement.blocks for one in block.statements for flag in one.flags}
-        elif word:
+                    self._until("then")
+                new, new_flags = self.block(frozenset(), loop)
+                changes += new
+                flags |= new_flags
+            self._take("end", "if", ";")
+        elif word == "when":
             raise ValueError(word)
         else:
-            self._until(";")
-        statement.flags = frozenset(flags)
+            self._at = self._tree.until(self._at, ";")
+            self._take(";")
+        return changes, flags
 
-    def _left(self) -> str:
-        loop = self._loops[-1]
-        if not loop.left:
-            loop.left = f"dse_left_{len(self.left) + 1}"
-            self.left.append(loop.left)
-        return loop.left
-
-    def _word(self) -> str:
-        return re.sub(r"\s+", " ", self.tokens[self.place][0])
-
-    def _take(self, word: str) -> None:
-        if self._word() != word:
-            raise ValueError(word)
-        self.place += 1
+    def _take(self, *words: str) -> None:
+        if tuple(self._tree.words[self._at : self._at + len(words)]) != words:
+            raise ValueError(words)
+        self._at += len(words)
 
     def _until(self, word: str) -> None:
-        """Go behind *word*, but for one in brackets or in an expression with `if`."""
-        if self._word() in ("if", "elseif", "for", "while"):
-            self.place += 1
-        depth = inner = 0
+        """Go behind *word*, which ends a condition or a range, but for one of an expression with `if`."""
+        inner = 0
+        self._at += 1
         while True:
-            found = self._word()
-            self.place += 1
-            depth += (found in "([{") - (found in ")]}")
-            if depth == 0 and found == word and not (inner and word == "then"):
+            self._at = self._tree.until(self._at, word, "if", "elseif", "then") + 1
+            found = self._tree.words[self._at - 1]
+            if found == word and not (inner and word == "then"):
                 return
-            if depth == 0 and found in ("if", "then", "elseif"):
-                inner += 1 if found != "then" else -1
+            inner += {"if": 1, "elseif": 1, "then": -1}[found]
 
     def _after(self) -> int:
-        return self.tokens[self.place - 1].end() if self.place else self.start
-
-    def _begin(self) -> int:
-        match = re.compile(r"\S").search(self.text, self._after(), self.end)
-        if match is None:
-            raise ValueError
-        return match.start()
+        return self._tree.starts[self._at - 1] + 1

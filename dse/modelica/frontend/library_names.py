@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from dse.modelica.frontend.source_text import SourceText, code
+from dse.modelica.frontend.source_text import Change, SourceText, code, edited
 from dse.modelica.frontend.used_classes import Class, Classes
 
 _MODELS = ("model", "block")
@@ -25,7 +25,7 @@ def distinct(texts: Sequence[SourceText], own: Sequence[SourceText]) -> Iterator
     are; a new text has its class in the lines where it was, and is called after both classes.
     """
     found = Classes([SourceText(text.path, code(text.text)) for text in (*texts, *own)])
-    changes: list[list[tuple[int, int, str]]] = [[] for _ in texts]
+    changes: list[list[Change]] = [[] for _ in texts]
     for owner, new in _functions(found):
         if found.classes[owner].source < len(texts):
             changes[found.classes[owner].source] += new
@@ -43,10 +43,7 @@ def distinct(texts: Sequence[SourceText], own: Sequence[SourceText]) -> Iterator
             changes[number].append((base_class.start, base_class.end, "\n" * content.count("\n")))
             uses = re.compile(rf"\bextends\s+({re.escape(short)})\b").finditer(found.texts[number].text)
             changes[number] += [(*use.span(1), name) for use in uses]
-        changed = text.text
-        for start, end, new_text in sorted(changes[number], reverse=True):
-            changed = changed[:start] + new_text + changed[end:]
-        yield replace(text, text=changed), text.path
+        yield replace(text, text=edited(text.text, changes[number])), text.path
 
 
 def _bases(found: Classes, source: int) -> Iterator[tuple[int, str]]:
@@ -70,7 +67,7 @@ def _bases(found: Classes, source: int) -> Iterator[tuple[int, str]]:
             yield number, f"{outer.name.rpartition('.')[2]}_{short}"
 
 
-def _functions(found: Classes) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+def _functions(found: Classes) -> Iterator[tuple[int, list[Change]]]:
     """The models with functions of names that others have too, and the changes of text that rename them."""
     named: dict[str, list[int]] = {}
     for number, own in enumerate(found.classes):
@@ -109,7 +106,7 @@ def _used_elsewhere(found: Classes) -> set[str]:
     return names
 
 
-def _renamed(text: str, outer: Class, name: str, new: str) -> Iterator[tuple[int, int, str] | None]:
+def _renamed(text: str, outer: Class, name: str, new: str) -> Iterator[Change | None]:
     """The places of *name* in a class; None for one that may be anything but the function."""
     for match in re.compile(rf"\b{re.escape(name)}\b").finditer(text, outer.start, outer.end):
         start, end = match.span()

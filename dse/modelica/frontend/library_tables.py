@@ -14,7 +14,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from dse.modelica.frontend.source_text import arguments, code, inside
+from dse.modelica.frontend.source_text import Change, arguments, code, edited, inside
 
 _TYPES = "Modelica.Blocks.Types."
 _KINDS = {
@@ -38,7 +38,7 @@ def with_tables(text: str) -> str:
     if not any(kind in text for kind in _KINDS):
         return text
     clean = code(text)
-    changes: list[tuple[int, int, str]] = []
+    changes: list[Change] = []
     for match in _OBJECT.finditer(clean):
         changes.append((match.start(), clean.index(";", match.end()) + 1, ""))
         given = _given(text, match[1], inside(clean, match.start(3)), match.end())
@@ -52,10 +52,8 @@ def with_tables(text: str) -> str:
     for function, new in _FUNCTIONS.items():
         whole = re.compile(rf"(?:\bpure\s+)?\bfunction\s+{function}\b.*?\bend\s+{function}\s*;", re.DOTALL)
         changes += [(*found.span(), new) for found in whole.finditer(clean) if _IS_KNOWN.search(found[0])]
-    for start, end, new in sorted(changes, reverse=True):
-        one_line = " ".join(new.split())
-        text = text[:start] + one_line + "\n" * text.count("\n", start, end) + text[end:]
-    return text
+    lines = ((start, end, " ".join(new.split()) + "\n" * text.count("\n", start, end)) for start, end, new in changes)
+    return edited(text, lines)
 
 
 def _users(clean: str, place: int) -> Iterator[tuple[int, int]]:

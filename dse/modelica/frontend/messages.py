@@ -83,7 +83,7 @@ def _most_telling(message: str) -> str:
 def model_location(sources: ModelSources) -> Location | None:
     """Where the model is declared, if one of the component's own files does."""
     places = declarations(_texts(sources), sources.model)
-    return places[0].where if places else None
+    return places[0][0] if places else None
 
 
 def _mentioned(sources: ModelSources, message: str) -> Location | None:
@@ -200,7 +200,7 @@ _WORDINGS = (
         ),
     ),
     (
-        r"unsupported Flat semantic owner `function statement`: `(?P<name>[^`]*)` contains .*",
+        r"unsupported Flat semantic owner `function (?:statement|loop reduction)`: `(?P<name>[^`]*)` .*",
         Wording(
             r"a statement of function '\g<name>' is not supported: a loop by while, or one that is left by break",
             "loop by for, or bound the loop by a counter: while … and n < 30 loop n := n + 1; …",

@@ -10,29 +10,24 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Mapping
+from functools import partial
 
-from dse.errors import DseError
-from dse.modelica.frontend.source_text import code
+from dse.modelica.frontend.source_text import changed, code
 
-_REASON = "element assignments must cover a discrete coordinate exactly once"
+ELEMENTS = "element assignments must cover a discrete coordinate exactly once"
+"""What the front-end's refusal of such connections says."""
 _PATH = r"[A-Za-z_]\w*(?:\s*\.\s*[A-Za-z_]\w*)*"
 _CONNECT = re.compile(
     rf"\bconnect\s*\(\s*(?P<one>{_PATH})(?P<a>\s*\[[\w\s]+\])?\s*,\s*(?P<other>{_PATH})(?P<b>\s*\[[\w\s]+\])?\s*\)"
 )
 
 
-def is_refused_for_connections(refusal: DseError) -> bool:
-    """Whether the front-end refused a model because of such connections."""
-    return any(_REASON in problem.what for problem in refusal.problems)
+def with_equations(files: Mapping[str, bytes], least: int) -> dict[str, bytes]:
+    """*files* with such connections, of signals that have at *least* so many, as equations as long."""
+    return changed(files, partial(_changed, least))
 
 
-def with_equations(contents: Mapping[str, bytes], least: int) -> dict[str, bytes]:
-    """The files *contents* with such connections, of signals that have at *least* so many, as equations as long."""
-    return {name: _changed(content, least) if name.endswith(".mo") else content for name, content in contents.items()}
-
-
-def _changed(content: bytes, least: int) -> bytes:
-    text = content.decode("utf-8", "replace")
+def _changed(least: int, text: str) -> str:
     found = [match for match in _CONNECT.finditer(code(text)) if (match["a"] is None) != (match["b"] is None)]
     used = Counter(_signal(match) for match in found)
     for match in reversed(found):
@@ -44,7 +39,7 @@ def _changed(content: bytes, least: int) -> bytes:
             )
             equation = f"{element} = {signal}".ljust(match.end() - match.start())
             text = text[: match.start()] + equation + text[match.end() :]
-    return text.encode()
+    return text
 
 
 def _signal(match: re.Match[str]) -> str:

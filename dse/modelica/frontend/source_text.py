@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 from bisect import bisect
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
 from dse.errors import Location
 
 CLASS_KINDS = "class|model|block|record|connector|type|package|function"
-PREFIXES = r"(?:(?:each|final|replaceable|encapsulated|partial|pure|impure)\s+)*"
 # Quoted names are not hidden, but what looks like a comment or a string in them begins none.
 _HIDDEN = re.compile(r"""'(?:\\.|[^'\\\n])*'|"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/""", re.DOTALL)
 _LINE_END = re.compile("\n")
@@ -20,16 +20,10 @@ _BLANK = re.compile(r"[^\n]")
 
 @dataclass(frozen=True, slots=True)
 class SourceText:
-    """One file as the front-end read it. *path* is spelled as the user does.
-
-    Where *text* is made of pieces of another, *whole* is that one, and *pieces* are where each piece starts in *text*
-    and in *whole*, in order.
-    """
+    """One file as the front-end read it. *path* is spelled as the user does."""
 
     path: str
     text: str
-    whole: str = ""
-    pieces: tuple[tuple[int, int], ...] = ()
 
     def location(self, offset: int) -> Location:
         """Line and column of the byte *offset* of the text in UTF-8; columns count characters."""
@@ -38,15 +32,6 @@ class SourceText:
         line = bisect(starts, offset)
         column = len(content[starts[line - 1] : offset].decode("utf-8", "replace"))
         return Location(self.path, line, column + 1)
-
-
-@dataclass(frozen=True, slots=True)
-class Declaration:
-    """Where a class is declared."""
-
-    where: Location
-    is_partial: bool
-    description: str
 
 
 @lru_cache(maxsize=16)
@@ -69,14 +54,35 @@ def code(text: str) -> str:
     return _HIDDEN.sub(blank, text)
 
 
-def declarations(sources: Iterable[SourceText], name: str) -> list[Declaration]:
-    """What may be the declaration of the class *name*, a full name: those of its last word."""
-    word = name.rsplit(".", maxsplit=1)[-1]
-    pattern = re.compile(rf"^[ \t]*((?:\w+[ \t]+)*?)(?:{CLASS_KINDS}|operator)\s+({re.escape(word)})\b", re.MULTILINE)
-    return [
-        Declaration(place, "partial" in match[1].split(), _description(source.text[match.end() :]))
-        for source, match, place in found(sources, pattern)
-    ]
+def changed(files: Mapping[str, bytes], change: Callable[[str], str]) -> dict[str, bytes]:
+    """*files* by name, with the texts of those that contain Modelica changed."""
+    return {
+        name: change(content.removeprefix(codecs.BOM_UTF8).decode("utf-8", "replace")).encode()
+        if name.endswith(".mo")
+        else content
+        for name, content in files.items()
+    }
+
+
+Change = tuple[int, int, str]
+"""Start and end of a piece of text, and what stands there instead."""
+
+
+def edited(text: str, changes: Iterable[Change]) -> str:
+    """*text* with all *changes*, those of one place in their order."""
+    parts, at = [], 0
+    for start, end, new in sorted(changes, key=lambda change: change[0]):
+        parts += [text[at:start], new]
+        at = end
+    return "".join([*parts, text[at:]])
+
+
+def declarations(sources: Iterable[SourceText], name: str) -> list[tuple[Location, str]]:
+    """Place and description of what may be the class *name*, a full name: all with its last word."""
+    word = re.escape(name.rpartition(".")[2])
+    pattern = re.compile(rf"^[ \t]*(?:\w+[ \t]+)*?(?:{CLASS_KINDS}|operator)\s+({word})\b", re.MULTILINE)
+    listed = found(sources, pattern)
+    return [(place, _description(source.text[match.end() :])) for source, match, place in listed]
 
 
 def found(
@@ -84,26 +90,13 @@ def found(
 ) -> Iterator[tuple[SourceText, re.Match[str], Location]]:
     """Where *pattern* occurs outside of comments and strings; the place is that of its last group."""
     for source in sources:
-        for _, match, where in occurring((SourceText(source.path, code(source.text)),), pattern):
-            yield source, match, where
-
-
-def occurring(
-    cleaned: Iterable[SourceText], pattern: re.Pattern[str]
-) -> Iterator[tuple[SourceText, re.Match[str], Location]]:
-    """The same of texts that have neither comments nor strings any more."""
-    for source in cleaned:
-        for match in pattern.finditer(source.text):
+        for match in pattern.finditer(code(source.text)):
             yield source, match, place(source, match.start(match.lastindex or 0))
 
 
 def place(source: SourceText, start: int) -> Location:
     """Line and column of the character number *start*."""
-    text = source.text
-    if source.pieces:
-        here, there = source.pieces[bisect(source.pieces, (start, len(source.whole))) - 1]
-        text, start = source.whole, there + start - here
-    starts = _line_starts(text)
+    starts = _line_starts(source.text)
     line = bisect(starts, start)
     return Location(source.path, line, start - starts[line - 1] + 1)
 
@@ -124,16 +117,6 @@ def inside(text: str, start: int) -> str:
         if depth == 0:
             return text[start + 1 : match.start()]
     return text[start + 1 :]
-
-
-def value(text: str, start: int) -> str:
-    """The expression at *start*: up to a comma, a semicolon or a bracket that closes what stands around it."""
-    depth = 0
-    for match in BRACKET.finditer(text, start):
-        depth += (match[0] in "([{") - (match[0] in ")]}")
-        if depth < 0 or (depth == 0 and match[0] in ",;"):
-            return text[start : match.start()]
-    return text[start:]
 
 
 def arguments(text: str) -> list[tuple[int, int]]:

@@ -125,14 +125,7 @@ def _accepted(sources: ModelSources) -> ModelSources:
     contents, parts = (
         counted(files, {**sources.parts, **sources.contents}) for files in (sources.contents, sources.parts)
     )
-    return replace(sources, contents=_without_jumps(contents), parts=_without_jumps(parts))
-
-
-def _without_jumps(files: Mapping[str, bytes]) -> dict[str, bytes]:
-    return {
-        name: without_jumps(_text(content)).encode() if name.endswith(".mo") else content
-        for name, content in files.items()
-    }
+    return replace(sources, contents=without_jumps(contents), parts=without_jumps(parts))
 
 
 def _with_parts(sources: ModelSources, keep: Keep) -> ModelSources:
@@ -169,11 +162,17 @@ def _library_files(sources: ModelSources) -> Iterator[tuple[str, Path, bytes]]:
     for root in sources.roots:
         # A root may be the folder of a package itself.
         base = root.resolve().parent if (root / "package.mo").is_file() else root
-        for path in sorted((root.resolve() if base is not root else root).rglob("*.mo")):
+        top = root.resolve() if base is not root else root
+        for path in sorted(path for path in top.rglob("*.mo") if _is_in_packages(path.parent, top)):
             try:
                 yield path.relative_to(base).as_posix(), path, path.read_bytes()
             except OSError as error:
                 raise DseError(_unreadable(sources.component, path, error, sources.where)) from error
+
+
+def _is_in_packages(folder: Path, top: Path) -> bool:
+    """Whether *folder* is *top* or a package in packages: no other folder belongs to a library."""
+    return folder == top or ((folder / "package.mo").is_file() and _is_in_packages(folder.parent, top))
 
 
 def libraries(sources: ModelSources) -> list[str]:

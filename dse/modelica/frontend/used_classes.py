@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from dse.modelica.frontend.source_text import CLASS_KINDS, SourceText, code
 
@@ -17,7 +17,6 @@ _CLASS = re.compile(
     rf"|\b(?:(?:{_BEFORE})\s+)*(?P<kind>{CLASS_KINDS}|operator)\s+"
     rf"(?!record\b|function\b)(?:extends\s+)?(?P<name>{_NAME})\s*(?P<next>[=(.]?)"
 )
-_UNBROKEN = re.compile(r"\S++(?:\s\S++)*+")
 
 
 @dataclass(slots=True)
@@ -41,36 +40,19 @@ class Class:
     inside: list[int] = field(default_factory=list)
 
 
-@dataclass(frozen=True, slots=True)
-class Used:
-    """The sources without what a model does not use, comments and strings; one blank in place of each run of blanks.
-
-    *packages* are the same, but of packages (and what is only called a class), without the classes in them.
-    """
-
-    texts: tuple[SourceText, ...]
-    packages: tuple[SourceText, ...]
+def used(sources: Iterable[SourceText], model: str) -> list[SourceText]:
+    """As `reached`, without comments and strings."""
+    return reached([replace(source, text=code(source.text)) for source in sources], model)
 
 
-def used(sources: Iterable[SourceText], model: str) -> Used:
-    """What *model* may use of *sources*.
+def reached(sources: Sequence[SourceText], model: str) -> list[SourceText]:
+    """*sources* with blanks in place of the classes that *model* does not use; texts without any others are left out.
 
     A class counts as used if its name occurs in the text of one that is used, and so is the class around it: there is
     no other way to it. All that is declared in a class is used with it unless it is a package, and so is what the
     classes around it declare themselves. What cannot be read is kept whole; so is everything if *model* is not found.
     """
     found = Classes([SourceText(source.path, code(source.text)) for source in sources])
-    reached = found.reached(model)
-    packages = {number for number in reached if found.classes[number].kind in ("package", "class")}
-    whole, own = (tuple(map(_squeezed, found.texts, found.pieces(numbers))) for numbers in (reached, packages))
-    return Used(whole, own)
-
-
-def reached(sources: Sequence[SourceText], model: str) -> list[SourceText]:
-    """*sources* with blanks in place of the classes that *model* does not use; texts without any others are left out.
-
-    What is used is kept as it is written, with comments and strings.
-    """
     found = Classes([SourceText(source.path, code(source.text)) for source in sources])
     kept = zip(sources, found.pieces(found.reached(model)), strict=True)
     return [SourceText(source.path, _blanked(source.text, pieces)) for source, pieces in kept if pieces]
@@ -200,15 +182,3 @@ def _blanked(text: str, pieces: list[tuple[int, int]]) -> str:
 def _without(text: str, start: int, end: int) -> str:
     line = max(text.rfind("\n", start, end) + 1, start)
     return "\n" * text.count("\n", start, end) + " " * (end - line)
-
-
-def _squeezed(source: SourceText, pieces: list[tuple[int, int]]) -> SourceText:
-    parts: list[str] = []
-    starts: list[tuple[int, int]] = []
-    length = 0
-    for start, end in pieces:
-        for match in _UNBROKEN.finditer(source.text, start, end):
-            parts.append(match[0])
-            starts.append((length, match.start()))
-            length += len(match[0]) + 1
-    return SourceText(source.path, " ".join(parts), source.text, tuple(starts))

@@ -103,16 +103,15 @@ class SceneSignals:
 
     def sensors(self, columns: Mapping[str, Floats], titles: Mapping[str, str]) -> Iterator[Sensor]:
         """What looks around and tells several objects, or one."""
-        for part in sorted({name.split(".scan.")[0] for name in self.signals if ".scan.returns[" in name}):
+        for part in self._scanning:
             places = self._places(f"{part}.scan.returns", "range")
             names = self._more(_RETURN, _RETURN_OF_TRACE)
             returns = tuple({name: columns[f"{place}.{name}"] for name in names} for place in places)
             scan = {name: columns[f"{part}.scan.{name}"] for name in self._more((), ("number", "age"))}
             yield self._sensor(part, titles, tuple(each for each in returns if np.any(each["valid"] > 0)), scan)
-        for part in sorted(name.removesuffix(".target.gap") for name in self.signals if name.endswith(".target.gap")):
-            if f"{part}.max_range" in self.settings:
-                gap, seen = columns[f"{part}.target.gap"], columns[f"{part}.target.detected"]
-                yield self._sensor(part, titles, ({"valid": seen, "range": gap, "azimuth": np.zeros_like(gap)},))
+        for part in self._targeting:
+            gap, seen = columns[f"{part}.target.gap"], columns[f"{part}.target.detected"]
+            yield self._sensor(part, titles, ({"valid": seen, "range": gap, "azimuth": np.zeros_like(gap)},))
 
     def lights(self, columns: Mapping[str, Floats], ids: Sequence[str]) -> dict[str, Floats]:
         """What traffic lights show, as places in `COLOURS`: *ids* are those that the road tells, in its order."""
@@ -140,6 +139,20 @@ class SceneSignals:
         for name, type_ in self.signals.items():
             if name in columns and type_.items and _is_shown(name):
                 yield Instrument(name.replace(".", " "), "", columns[name], items=type_.items)
+
+    @property
+    def sensor_parts(self) -> tuple[str, ...]:
+        """The parts that `sensors` gives."""
+        return (*self._scanning, *self._targeting)
+
+    @property
+    def _scanning(self) -> list[str]:
+        return sorted({name.split(".scan.")[0] for name in self.signals if ".scan.returns[" in name})
+
+    @property
+    def _targeting(self) -> list[str]:
+        found = sorted(name.removesuffix(".target.gap") for name in self.signals if name.endswith(".target.gap"))
+        return [part for part in found if f"{part}.max_range" in self.settings]
 
     def _more(self, drawn: tuple[str, ...], of_trace: tuple[str, ...]) -> tuple[str, ...]:
         return drawn + of_trace if self.for_trace else drawn

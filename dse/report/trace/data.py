@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from dse.domain.component import Type
 from dse.report.content.data import Floats
 from dse.report.scene.data import Scene
+from dse.report.scene.from_signals import SceneSignals
 
 _TRACK = re.compile(r"^(.+)\.(\w+)\[1\]\.existence$")
 _TRACKED = ("id", "class", "x", "y", "vx", "vy", "width", "age", "existence")
@@ -38,14 +39,26 @@ class Trace:
     @property
     def trackers(self) -> Iterator[Tracker]:
         """The parts that output tracks."""
-        for name in sorted(self.signals):
-            if found := _TRACK.match(name):
-                stem, count = f"{found[1]}.{found[2]}", 1
-                while f"{stem}[{count + 1}].id" in self.signals:
-                    count += 1
-                places = range(1, count + 1)
-                columns = tuple({port: self.signals[f"{stem}[{n}].{port}"] for port in _TRACKED} for n in places)
-                yield Tracker(found[1], columns)
+        for part, stem in _tracks(self.signals):
+            count = 1
+            while f"{stem}[{count + 1}].id" in self.signals:
+                count += 1
+            places = range(1, count + 1)
+            columns = tuple({port: self.signals[f"{stem}[{n}].{port}"] for port in _TRACKED} for n in places)
+            yield Tracker(part, columns)
+
+
+def parts_with(message: str, told: SceneSignals) -> tuple[str, ...]:
+    """The parts with messages of the type *message*, sensor_view or sensor_data, in a run with these signals."""
+    trackers = (part for part, _ in _tracks(told.signals)) if message == "sensor_data" else ()
+    return (*told.sensor_parts, *trackers)
+
+
+def _tracks(signals: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Each part that outputs tracks, and the stem of their names."""
+    for name in sorted(signals):
+        if found := _TRACK.match(name):
+            yield found[1], f"{found[1]}.{found[2]}"
 
 
 def rear_axle_of(settings: Mapping[str, float]) -> float:

@@ -72,15 +72,9 @@ def road(trace: Trace) -> Any:
 
 def road_users(trace: Trace) -> Iterator[Any]:
     """A ``foxglove.SceneUpdate`` of the host and of all road users for each moment; it replaces the one before."""
-    from foxglove_schemas_protobuf.SceneEntityDeletion_pb2 import SceneEntityDeletion
-    from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
-
     host = trace.scene.host
-    for at, moment in enumerate(trace.scene.time):
-        message = SceneUpdate()
-        message.deletions.add(type=SceneEntityDeletion.ALL).timestamp.FromNanoseconds(_nanoseconds(moment))
-        entity = _entity(message, float(moment), "host", HOST)
-        cube = entity.cubes.add()
+    for at, moment, message in _updates(trace):
+        cube = _entity(message, moment, "host", HOST).cubes.add()
         _put_colour(cube.color, "host")
         put_vector(cube.size, host.length, host.width, host.height)
         put_vector(cube.pose.position, host.front - host.length / 2, 0.0, host.height / 2)
@@ -90,7 +84,7 @@ def road_users(trace: Trace) -> Iterator[Any]:
             kind = CLASSES[int(row["class"])]
             if kind == "none":
                 continue
-            cube = _entity(message, float(moment), f"{kind} {int(row['id'])}", WORLD).cubes.add()
+            cube = _entity(message, moment, f"{kind} {int(row['id'])}", WORLD).cubes.add()
             _put_colour(cube.color, kind)
             clearance = row.get("clearance", 0.0)
             put_vector(cube.size, row["length"], row["width"], row["height"] - clearance)
@@ -101,13 +95,8 @@ def road_users(trace: Trace) -> Iterator[Any]:
 
 def returns(trace: Trace, sensor: Sensor) -> Iterator[Any]:
     """A ``foxglove.SceneUpdate`` of what *sensor* returns, in the frame of its mounting, for each moment."""
-    from foxglove_schemas_protobuf.SceneEntityDeletion_pb2 import SceneEntityDeletion
-    from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
-
-    for at, moment in enumerate(trace.scene.time):
-        message = SceneUpdate()
-        message.deletions.add(type=SceneEntityDeletion.ALL).timestamp.FromNanoseconds(_nanoseconds(moment))
-        entity = _entity(message, float(moment), sensor.name, sensor.name)
+    for at, moment, message in _updates(trace):
+        entity = _entity(message, moment, sensor.name, sensor.name)
         for each in sensor.returns:
             if each["valid"][at] > 0:
                 reach, angle = float(each["range"][at]), float(each["azimuth"][at])
@@ -117,6 +106,17 @@ def returns(trace: Trace, sensor: Sensor) -> Iterator[Any]:
                 put_vector(sphere.pose.position, reach * np.cos(angle), reach * np.sin(angle), 0.0)
                 sphere.pose.orientation.w = 1.0
         yield message
+
+
+def _updates(trace: Trace) -> Iterator[tuple[int, float, Any]]:
+    """For each moment its number, its time in s, and an update that deletes all entities of the one before."""
+    from foxglove_schemas_protobuf.SceneEntityDeletion_pb2 import SceneEntityDeletion
+    from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+
+    for at, moment in enumerate(map(float, trace.scene.time)):
+        message = SceneUpdate()
+        message.deletions.add(type=SceneEntityDeletion.ALL).timestamp.FromNanoseconds(_nanoseconds(moment))
+        yield at, moment, message
 
 
 def picture(data: bytes, kind: str, moment: float) -> Any:

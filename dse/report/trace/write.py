@@ -49,7 +49,8 @@ def write_osi(trace: Trace, target: Path, message: str = "ground_truth", of: str
     if message == "ground_truth":
         messages = ground_truths(trace)
     else:
-        messages = _chosen(dict(sensor_views(trace) if message == "sensor_view" else sensor_data(trace)), message, of)
+        found = dict(sensor_views(trace) if message == "sensor_view" else sensor_data(trace))
+        messages = found[chosen_part(tuple(found), message, of)]
     count = 0
     with written_whole(target) as path, path.open("wb") as file:
         for each in messages:
@@ -59,7 +60,8 @@ def write_osi(trace: Trace, target: Path, message: str = "ground_truth", of: str
     return count
 
 
-def _chosen(found: Mapping[str, Iterator[Any]], message: str, of: str) -> Iterator[Any]:
+def chosen_part(found: Sequence[str], message: str, of: str) -> str:
+    """*of*, else the only one of the parts *found* that have a *message*. Raises DseError as `write_osi` does."""
     names = ", ".join(found)
     if not found:
         raise fail(f"the run has no sensor, so no {message} messages", hint="take --message ground_truth")
@@ -67,7 +69,7 @@ def _chosen(found: Mapping[str, Iterator[Any]], message: str, of: str) -> Iterat
         raise fail(f"a file contains the {message} messages of one part", hint=f"name one with --part: {names}")
     if of and of not in found:
         raise fail(f"'{of}' has no {message} messages", hint=f"those that have: {names}")
-    return found[of or next(iter(found))]
+    return of or found[0]
 
 
 def write_mcap(trace: Trace, target: Path, frames: Frames | None = None) -> dict[str, int]:

@@ -74,7 +74,9 @@ def architecture_outputs(space: DesignSpace, choices: Choices) -> dict[str, str]
         for port in place.interface.ports
         if port.causality is Causality.OUTPUT
     }
-    return {".".join(here): ".".join(source) for source, here, _ in _ways(root)[0] if here in outputs}
+    return (
+        {".".join(here): ".".join(source) for source, here, _ in _ways(root)[0] if here in outputs} if outputs else {}
+    )
 
 
 _Onward = Mapping[PortOf, Sequence[tuple[PortOf, int, Connection]]]
@@ -177,7 +179,7 @@ def port_pairs(connection: Connection, scope: PlacedPart) -> list[tuple[PortOf, 
 
 def _check_shapes(connection: Connection, source: _End, target: _End) -> None:
     """Raise DseError if an array is connected to one of another shape, or to a single value."""
-    if not any("[" in name for name in (*source.ports, *target.ports)):
+    if source.ports.keys() == target.ports.keys():
         return
     given, taken = shapes(source.ports), shapes(target.ports)
     for name, shape in given.items():

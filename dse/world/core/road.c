@@ -332,7 +332,7 @@ typedef struct {
 /* What a light shows now: one without phases is there, and unlit. */
 static shown show(const road *self, const path_light *light) {
     if (light->phase_count == 0) return (shown){UNLIT, 0};
-    double time = self->base_time + (double)self->steps * self->step + SLACK - light->shift;
+    double time = self->base_time + (double)self->steps * self->step + SLACK - light->shift + self->in.clock_offset;
     double into = time - light->cycle * floor(time / light->cycle);
     const path_phase *phase = light->phases, *last = phase + light->phase_count - 1;
     for (; phase < last && into >= phase->seconds; ++phase) into -= phase->seconds;

@@ -49,6 +49,7 @@ typedef struct {
             bool given;
             double x, y, heading, speed;
         } host_start;
+        double clock_offset;
     } in;
     struct {
         struct {

@@ -18,16 +18,18 @@ import numpy as np
 from dse.errors import DseError, Location, fail
 from dse.world.cross_section import borders_of
 from dse.world.flatten import path_along
+from dse.world.in_the_way import on_one_level
 from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph, next_places
 from dse.world.opendrive.curves import curve_of
 from dse.world.opendrive.driving import runs_along
 from dse.world.opendrive.structure import Network, Road, Section
-from dse.world.pieces import value
+from dse.world.pieces import from_cubics, value
 from dse.world.routes import Route, way_of
 from dse.world.tables import RoadPath
 from dse.world.ways import Onward, Way, straight_on, way_in
 
 _MOST_PATHS = 40
+_OTHER_LEVEL = 1e6
 _UPSTREAM = 1000.0
 """How far a path reaches back before the place that it was made for, in m, if the lanes there go straight on."""
 
@@ -157,14 +159,19 @@ class Paths:
         section = road.sections[place.section]
         return section.end if self._along(place) else section.s
 
-    def nearest(self, x: float, y: float) -> tuple[str, int, float, float] | None:
-        """The road, lane, station and distance to that lane's middle of the lane that is nearest to a point, in m."""
+    def nearest(self, x: float, y: float, z: float | None = None) -> tuple[str, int, float, float] | None:
+        """The road, lane, station and distance to that lane's middle of the lane that is nearest to a point, in m.
+
+        With *z*, roads on its level go before all others.
+        """
         best: tuple[float, str, int, float, float] | None = None
         for road in self.network.roads.values():
             s, t, off = _foot(road, x, y)
-            if best is not None and off > best[0] + 60.0:
+            if best is not None and off > best[0] + 60.0 and best[0] < _OTHER_LEVEL:
                 continue
             section = _section_at(road, s)
+            if z is not None and not on_one_level(z - height_at(road, s, t)):
+                off += _OTHER_LEVEL
             for id_, (right, left) in borders_of(road, section).items():
                 u = s - section.s
                 low, high = float(value(right, np.array(u))), float(value(left, np.array(u)))
@@ -324,6 +331,15 @@ def _rows(road: Road, place: LanePlace, section: Section, start: float, *, along
 
 def _section_at(road: Road, s: float) -> Section:
     return next((each for each in road.sections if s < each.end), road.sections[-1])
+
+
+def height_at(road: Road, s: float, t: float) -> float:
+    """The height of a road, in m, at its station *s* and *t* m to the left of its reference line."""
+    height, bank = (
+        float(value(from_cubics(cubics, 0.0, road.length), np.array([s]))[0]) if cubics else 0.0
+        for cubics in (road.elevation, road.superelevation)
+    )
+    return height + t * math.tan(bank)
 
 
 def _foot(road: Road, x: float, y: float) -> tuple[float, float, float]:

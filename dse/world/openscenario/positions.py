@@ -102,7 +102,7 @@ class Layout:
             other = self.starts.get(self.entity(place))
             return None if other is None else Placed(other.path)
         if place.tag == "WorldPosition":
-            return self._nearest(place.number("x").value, place.number("y").value, place.where)
+            return self._nearest(place)
         return None
 
     def _lane_place(self, place: Node) -> tuple[str, int, float]:
@@ -115,13 +115,17 @@ class Layout:
             raise fail(f"road '{road}' has no lane {lane}", place.where, f"possible: {listed}")
         return road, lane, s
 
-    def _nearest(self, x: float, y: float, where: Location) -> Placed | None:
-        paths = self.network(where)
-        found = paths.nearest(x, y)
+    def _nearest(self, place: Node) -> Placed | None:
+        found = self._nearest_lane(place)
         if found is None or abs(found[3]) > 20.0:
             return None
         road, lane, s, _ = found
-        return Placed(paths.through(road, lane, s, where), road, lane, s)
+        return Placed(self.network(place.where).through(road, lane, s, place.where), road, lane, s)
+
+    def _nearest_lane(self, place: Node) -> tuple[str, int, float, float] | None:
+        """Where a <WorldPosition> is; a z chooses among roads above each other."""
+        x, y = (place.number(name).value for name in "xy")
+        return self.network(place.where).nearest(x, y, place.number("z").value if place.has("z") else None)
 
     def _on_route(self, place: Node) -> Placed:
         route = place.need("RouteRef").only().resolved()
@@ -157,7 +161,7 @@ class Layout:
             return place.text("roadId"), 0, place.number("s").value
         if place.tag != "WorldPosition":
             raise place.unsupported()
-        found = self.network(place.where).nearest(place.number("x").value, place.number("y").value)
+        found = self._nearest_lane(place)
         if found is None:
             raise fail("the position is on no road", place.where)
         return found[:3]

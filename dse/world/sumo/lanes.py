@@ -14,6 +14,7 @@ from dse.errors import Location, Problem, fail, raise_if_any
 from dse.formats import XmlElement, read_xml
 from dse.world.code import along_own_lane
 from dse.world.evaluation import lane_middle
+from dse.world.in_the_way import LEVEL
 from dse.world.pieces import value
 from dse.world.tables import Piecewise, RoadPath
 
@@ -27,11 +28,13 @@ _NO_LIMIT = 70.0  # m/s
 
 @dataclass(frozen=True, eq=False)
 class SumoLane:
-    """A lane of SUMO: its *edge*, and points (n, 2) along its middle at *positions* (n), SUMO's way of counting."""
+    """A lane of SUMO: its *edge*, and points (n, 2) along its middle with *heights* (n) at *positions* (n), SUMO's way
+    of counting."""
 
     name: str
     edge: str
     points: Array
+    heights: Array
     positions: Array
 
     @property
@@ -62,7 +65,7 @@ def _lane(edge: str, lane: XmlElement, shift: Array) -> SumoLane:
     length = float(told["length"])
     # What lies between two roads that touch has a length for SUMO alone.
     positions = along * (length / along[-1]) if along[-1] > 0 else np.linspace(0.0, length, len(along))
-    return SumoLane(told["id"], edge, points, positions)
+    return SumoLane(told["id"], edge, points, shape[:, 2], positions)
 
 
 def placed_lanes(lanes: Sequence[SumoLane], paths: Sequence[RoadPath], where: Location | None) -> dict[str, Any]:
@@ -136,7 +139,8 @@ def _along(lane: SumoLane, path: RoadPath, feet: _Feet, own: Piecewise, lap: flo
     way = np.diff(lane.points, axis=0)
     against = np.abs(np.angle(np.exp(1j * (np.arctan2(way[:, 1], way[:, 0]) - heading[:-1]))))
     length = np.hypot(*way.T)
-    if off.max() > _NEAR or np.any(against[length > 0.2] > np.pi / 3):
+    apart = lane.heights - value(path.height, s)  # SUMO leaves the bank out
+    if off.max() > _NEAR or np.abs(apart).max() >= LEVEL or np.any(against[length > 0.2] > np.pi / 3):
         return None
     best = min(_numbered(path, s, aside), default=None)
     if best is None:

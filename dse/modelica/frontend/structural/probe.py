@@ -7,16 +7,18 @@ stands where a model gets its shape, as a trial may not cross a threshold (`shap
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from dse.errors import DseError, Problem, raise_if_any
 from dse.modelica.frontend.compile import Session, opened
+from dse.modelica.frontend.jumps import OPEN_LOOP, without_open_loops
 from dse.modelica.frontend.literal import Value, literal
 from dse.modelica.frontend.process import FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import FrontEndResult
-from dse.modelica.frontend.signal_connections import is_refused_for_connections, with_equations
+from dse.modelica.frontend.signal_connections import ELEMENTS, with_equations
 from dse.modelica.frontend.sources import ModelSources
 from dse.modelica.frontend.structural.alterations import Alteration, alterations, number, refers_to
 from dse.modelica.frontend.structural.shape import shaping
@@ -24,16 +26,26 @@ from dse.modelica.frontend.structural.shape import shaping
 
 def compile_probed(sources: ModelSources, structural: Mapping[str, Value] | None = None) -> FrontEndResult:
     """As `compile_model`, and the result's *structural* is known. Raises DseError."""
-    changed = sources
-    for least in (2, 1, 0):  # first only signals with more than one such connection
+    ways = list(_OTHER_WORDS)
+    while True:
         try:
-            return _compiled(changed, structural or {})
+            return _compiled(sources, structural or {})
         except DseError as refusal:
-            if not least or not is_refused_for_connections(refusal):
+            said = " ".join(problem.what for problem in refusal.problems)
+            found = next((way for way in ways if way[0] in said), None)
+            if found is None:
                 raise
-        contents, parts = (with_equations(files, least) for files in (sources.contents, sources.parts))
-        changed = replace(sources, contents=contents, parts=parts)
-    raise AssertionError
+        ways.remove(found)
+        contents, parts = (found[1](files) for files in (sources.contents, sources.parts))
+        sources = replace(sources, contents=contents, parts=parts)
+
+
+_OTHER_WORDS: tuple[tuple[str, Callable[[Mapping[str, bytes]], dict[str, bytes]]], ...] = (
+    (ELEMENTS, partial(with_equations, least=2)),  # first only signals with more than one such connection
+    (ELEMENTS, partial(with_equations, least=1)),
+    (OPEN_LOOP, without_open_loops),
+)
+"""What a refusal says, and how the sources are written for another try."""
 
 
 def _compiled(sources: ModelSources, structural: Mapping[str, Value]) -> FrontEndResult:

@@ -8,31 +8,22 @@ too few.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from dse.modelica.frontend.result import FrontEndResult
-from dse.modelica.frontend.source_text import arguments, inside, value
+from dse.modelica.frontend.syntax import Forest, Tree
 from dse.modelica.frontend.used_classes import used
 
-_WORD = re.compile(r"[A-Za-z_]\w*|'(?:[^'\\]|\\.)*'")
-# A component's condition ends with the declaration; those of equations and expressions have a "then".
-_CONDITION = re.compile(r"(?<!\bend )\bif\b((?:(?!\bthen\b|\bif\b)[^;])+);")
-# A type's name and a variable's, or a type with its size; what stands before an index is an operator or a bracket.
-_SIZE = re.compile(
-    r"(?<![\w.])(?!(?:and|or|not|then|else|elseif|if|in|each)\b)[A-Za-z_][\w.]*(?:\s+[A-Za-z_]\w*)?\s*(\[)"
-)
-_NAME_AFTER = re.compile(r"\s*(?!(?:and|or|not|then|else|elseif|if|in|loop|for)\b)[A-Za-z_]")
-_INDEX = re.compile(r"(?<=[\w\])'])\s*(\[)")
-_RANGE = re.compile(r"\bin\b([^;]*?)(?:\bloop\b|[)};])")
-_SIZED = re.compile(r"\b(fill|ones|zeros|identity|linspace|sample|Clock)\s*(\()")
-_ASKED = re.compile(r"\bsize\s*\([^()]*\)")
-_COMPUTED = re.compile(r"[<>(]|\bif\b|==")
+_SIZED = {"fill": 1, "linspace": 2, "ones": 0, "zeros": 0, "identity": 0}
+"""Functions, and how many of their arguments come before sizes."""
+_ASKED = re.compile(r"\bsize \( [^()]* \)")
+_COMPUTED = {"<", ">", "<=", ">=", "<>", "==", "(", "if"}
 
 
 def shaping(result: FrontEndResult) -> frozenset[str]:
-    """The parameters whose names say that the shape of the model may depend on them."""
-    texts = [source.text for source in used(result.sources.values(), result.model).texts]
-    of_any_type, whole = _written(texts)
+    """The parameters whose names say that the shape of the model may depend on them. Raises DseError."""
+    trees = Forest(used(result.sources.values(), result.model)).trees
+    of_any_type, whole = places(trees)
     types = result.flat["variable_type_names"]
     parameters = {
         variable["name"]: _last(variable["name"])
@@ -44,7 +35,7 @@ def shaping(result: FrontEndResult) -> frozenset[str]:
         for name, word in parameters.items()
         if word in of_any_type or (word in whole and types.get(name) != "Real")
     }
-    words = here | _made_of(texts, here, set(parameters.values()))
+    words = here | made_of(trees, here, set(parameters.values()))
     return frozenset(
         name
         for name, word in parameters.items()
@@ -56,46 +47,52 @@ def _last(name: str) -> str:
     return re.sub(r"\[[^\]]*\]", "", name).rpartition(".")[2]
 
 
-def _written(texts: Iterable[str]) -> tuple[set[str], set[str]]:
+def places(trees: Iterable[Tree]) -> tuple[set[str], set[str]]:
     """Names in such places; and those that can matter there only if they are no Real: alone in a size or an index."""
     of_any_type: set[str] = set()
     whole: set[str] = set()
-    for text in texts:
-        for match in _CONDITION.finditer(text):
-            of_any_type.update(_WORD.findall(match[1]))
-        for place in _sizes(text):
+    for tree in trees:
+        for element in tree.elements:
+            words = tree.words[element.named : element.end] if element.kind == "component" else []
+            if "if" in words:
+                condition = words[len(words) - words[::-1].index("if") :]
+                of_any_type.update(condition if "then" not in condition else ())
+        for bracket, word in enumerate(tree.words[1:], 1):
+            if word == "(" and tree.words[bracket - 1] in ("sample", "Clock"):
+                of_any_type.update(tree.words[bracket + 1 : tree.closing[bracket]])
+        for place in _sizes(tree):
             # The size of an array is fixed with its declaration; its elements do not matter.
-            rest = _ASKED.sub("", place)
-            (of_any_type if _COMPUTED.search(rest) else whole).update(_WORD.findall(rest))
-        for match in _SIZED.finditer(text):
-            if match[1] in ("sample", "Clock"):
-                of_any_type.update(_WORD.findall(inside(text, match.start(2))))
+            rest = _ASKED.sub("", " ".join(place)).split()
+            (whole if _COMPUTED.isdisjoint(rest) else of_any_type).update(rest)
     return of_any_type, whole
 
 
-def _sizes(text: str) -> Iterator[str]:
-    for match in _SIZE.finditer(text):
-        size = inside(text, match.start(1))
-        follows = _NAME_AFTER.match(text, match.start(1) + len(size) + 2)
-        if match[0].split("[")[0].split()[1:] or follows:
-            yield size
-    for match in _INDEX.finditer(text):
-        if _COMPUTED.search(index := inside(text, match.start(1))):
-            yield index
-    for match in _RANGE.finditer(text):
-        yield match[1]
-    for match in _SIZED.finditer(text):
-        given = inside(text, match.start(2))
-        parts = [given[start:end] for start, end in arguments(given)]
-        yield from {"fill": parts[1:], "linspace": parts[2:]}.get(match[1], parts)
+def _sizes(tree: Tree) -> Iterator[Sequence[str]]:
+    declared = set(tree.sizes)
+    for number, word in enumerate(tree.words):
+        before = tree.words[number - 1] if number else ""
+        if word == "[":
+            inside = tree.words[number + 1 : tree.closing[number]]
+            is_index = before[-1:].isalnum() or before[-1:] in ("_", "'", ")", "]")
+            if number in declared or (is_index and not _COMPUTED.isdisjoint(inside)):
+                yield inside
+        elif word == "in":
+            yield tree.words[number + 1 : tree.until(number + 1, "loop", ",", ";")]
+        elif word == "(" and before in _SIZED:
+            yield from list(tree.parts(number))[_SIZED[before] :]
 
 
-def _made_of(texts: list[str], names: set[str], parameters: set[str]) -> set[str]:
+def made_of(trees: Iterable[Tree], names: set[str], parameters: set[str]) -> set[str]:
     """Which *parameters* the values given to *names* are written with, and what those are given, and so on."""
     given: dict[str, set[str]] = {}
-    for text in texts:
-        for match in _GIVEN.finditer(text):
-            given.setdefault(match[1], set()).update(_WORD.findall(value(text, match.end())))
+    for tree in trees:
+        for number, word in enumerate(tree.words):
+            if word == "=":
+                named = number - 1
+                while tree.words[named] in ")]":
+                    named = tree.closing[named] - 1
+                value = tree.words[number + 1 : tree.until(number + 1, ",", ";")]
+                given.setdefault(tree.words[named], set()).update(value)
     found: set[str] = set()
     pending = list(names)
     while pending:
@@ -103,6 +100,3 @@ def _made_of(texts: list[str], names: set[str], parameters: set[str]) -> set[str
         found |= new
         pending += new
     return found
-
-
-_GIVEN = re.compile(r"([A-Za-z_]\w*)\s*(?:\[[^\]]*\]\s*)?(?:\([^()]*\)\s*)?=(?!=)")

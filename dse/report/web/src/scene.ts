@@ -153,6 +153,7 @@ function play(page: HTMLElement, recording: Recording): void {
   const resize = (): void => {
     [drawn, detail] = isPlaying ? [resolution.value, resolution.detail] : [1, still];
     stage.resize(canvas.clientWidth, canvas.clientHeight, drawn, detail);
+    document.documentElement.dataset.drawn = `${drawn.toFixed(2)} ${detail}`;
     shown = -1;
   };
   new ResizeObserver(resize).observe(canvas);

@@ -25,7 +25,7 @@ export function drawPoint(offer: Offer, point: Point, pick: Pick): HTMLElement {
   return el(
     "section",
     { class: "point", "aria-label": point.title },
-    el("h2", {}, point.title, state ? el("span", { class: `state ${state}` }, state) : null),
+    el("h2", {}, capital(point.title), state ? el("span", { class: `state ${state}` }, state) : null),
     el("div", { class: "alternatives", role: "group", "aria-label": point.title }, ...chips),
     line,
   );
@@ -96,7 +96,11 @@ export function whyNot(offer: Offer): string {
 
 export function sentence(text: string): string {
   const whole = text.trim();
-  return whole && `${whole[0]!.toUpperCase()}${whole.slice(1)}${/[.!?]$/.test(whole) ? "" : "."}`;
+  return whole && `${capital(whole)}${/[.!?]$/.test(whole) ? "" : "."}`;
+}
+
+function capital(text: string): string {
+  return `${text[0]?.toUpperCase() ?? ""}${text.slice(1)}`;
 }
 
 function titleOf(offer: Offer, path: string, name: string): string {

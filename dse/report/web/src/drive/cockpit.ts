@@ -12,6 +12,7 @@ import type { Drive, Tunable } from "./messages";
 import { buildSounding } from "./sounding";
 import { buildTouch } from "./touch";
 import { buildCalibration } from "./wheel";
+import { labelOf } from "./words";
 
 const EVERY = 1000 / 30; // ms between two messages
 const FEW = 8; // sliders that are shown at once
@@ -169,14 +170,14 @@ export function showDrive(page: HTMLElement, drive: Drive): () => void {
 function buildTuning(drive: Drive): HTMLElement {
   const row = ({ name, title, unit, min, max, value }: Tunable): HTMLElement => {
     const output = el("output", {});
-    const text = name.slice(name.indexOf(".") + 1).replaceAll("_", " ");
+    const { label, note } = labelOf(name, title);
     const slider = el("input", {
       type: "range",
       min,
       max,
       step: "any",
       value,
-      "aria-label": title ? `${text}: ${title}` : text,
+      "aria-label": note ? `${label}: ${note}` : label,
       input: () => {
         tell();
         waiting = true;
@@ -192,17 +193,17 @@ function buildTuning(drive: Drive): HTMLElement {
       waiting = false;
       return { [name]: Number(slider.value) };
     });
-    return el("label", {}, el("span", { title: `${name} ${title}`.trim() }, text), output, slider);
+    return el("label", {}, el("span", { title: name }, label), output, note ? el("small", {}, note) : null, slider);
   };
   const sliders: (() => Record<string, number>)[] = [];
   const parts = new Map<string, Tunable[]>();
   for (const each of drive.tunables) {
-    const part = each.name.split(".")[0]!;
+    const { part } = labelOf(each.name, each.title);
     parts.set(part, [...(parts.get(part) ?? []), each]);
   }
   const isOpen = drive.tunables.length <= FEW;
   const groups = [...parts].map(([part, each]) =>
-    el("details", { open: isOpen }, el("summary", {}, part.replaceAll("_", " ")), ...each.map(row)),
+    el("details", { open: isOpen }, el("summary", {}, part), ...each.map(row)),
   );
   const panel = el("details", { class: "panel tuning" }, el("summary", {}, "Tuning"), ...groups);
   let timer = 0;

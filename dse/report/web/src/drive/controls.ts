@@ -164,10 +164,13 @@ export class Controls {
     return this.last;
   }
 
-  /** The first gamepad of the standard kind: triggers, left stick; A switches, B asks for another gap, the bumpers for another speed. */
+  /** A wheel that was calibrated, else the first gamepad of the standard kind: triggers, left stick; A switches, B asks
+   * for another gap, the bumpers for another speed. */
   private pad(): { accelerate: number; brake: number; steer: number | null } {
+    const wheel = wheelNow();
+    if (wheel) return wheel;
     const pad = navigator.getGamepads?.().find((each) => each?.mapping === "standard");
-    if (!pad) return wheelNow() ?? { accelerate: 0, brake: 0, steer: null };
+    if (!pad) return { accelerate: 0, brake: 0, steer: null };
     const tapped = (button: number): boolean => Boolean(pad.buttons[button]?.pressed) && !this.buttons[button];
     if (tapped(0)) this.cruise = !this.cruise;
     if (tapped(1)) this.gap = (this.gap + 1) % GAPS.length;

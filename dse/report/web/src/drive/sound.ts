@@ -37,50 +37,72 @@ export function voicesOf({
     pitch: (turns * FIRINGS) / (2 * Math.PI),
     engine: 0.12 + 0.2 * load + 0.06 * Math.min(1, turns / 500),
     tyres: 0.2 * pace * (1 + 0.8 * wetness),
-    squeal: wetness > 0.5 ? 0 : 0.25 * Math.min(1, Math.max(0, slip - 0.12) / 0.3) * Math.min(1, Math.abs(speed) / 3),
+    squeal: wetness > 0.5 ? 0 : 0.9 * Math.min(1, Math.max(0, slip - 0.12) / 0.3) * Math.min(1, Math.abs(speed) / 3),
     wind: 0.18 * pace ** 2,
   };
 }
 
 export class Sound {
+  /** Whether the car is heard; the horn is also without. */
+  isOn = false;
   private context: AudioContext | null = null;
-  private parts: { engine: OscillatorNode[]; gains: Record<string, GainNode>; horn: GainNode } | null = null;
-
-  get isOn(): boolean {
-    return this.context?.state === "running";
-  }
+  private voices: Voices | null = null;
 
   /** Browsers allow sound only from a click or a key. */
   toggle(): void {
-    if (!this.context) {
-      this.context = new AudioContext();
-      this.parts = build(this.context);
-    } else if (this.isOn) void this.context.suspend();
-    else void this.context.resume();
+    this.isOn = !this.isOn;
+    if (this.isOn) this.wake();
+    else this.voices?.hush();
   }
 
   hear(heard: Heard): void {
-    if (!this.context || !this.parts || !this.isOn) return;
-    const now = this.context.currentTime;
-    const { pitch, ...loud } = voicesOf(heard);
-    this.parts.engine.forEach((each, i) => each.frequency.setTargetAtTime(pitch * [0.5, 1, 2][i]!, now, 0.05));
-    for (const [name, value] of Object.entries(loud)) this.parts.gains[name]!.gain.setTargetAtTime(value, now, 0.08);
+    if (this.isOn) this.voices?.hear(heard);
   }
 
   horn(isPressed: boolean): void {
-    if (isPressed && !this.context) this.toggle();
-    if (this.context && this.parts)
-      this.parts.horn.gain.setTargetAtTime(isPressed ? 0.3 : 0, this.context.currentTime, 0.015);
+    if (isPressed) this.wake();
+    this.voices?.horn(isPressed);
   }
 
   close(): void {
     void this.context?.close();
     this.context = null;
-    this.parts = null;
+    this.voices = null;
+  }
+
+  private wake(): void {
+    this.context ??= new AudioContext();
+    this.voices ??= buildVoices(this.context);
+    if (this.context.state === "suspended") void this.context.resume();
   }
 }
 
-function build(context: AudioContext) {
+export interface Voices {
+  hear(heard: Heard): void;
+  horn(isPressed: boolean): void;
+  /** The car falls silent. */
+  hush(): void;
+}
+
+/** All that can be heard, silent at first. */
+export function buildVoices(context: BaseAudioContext): Voices {
+  const { engine, gains, horn } = build(context);
+  return {
+    hear: (heard) => {
+      const now = context.currentTime;
+      const { pitch, ...loud } = voicesOf(heard);
+      engine.forEach((each, i) => each.frequency.setTargetAtTime(pitch * [0.5, 1, 2][i]!, now, 0.05));
+      for (const name of Object.keys(gains) as (keyof typeof gains)[])
+        gains[name].gain.setTargetAtTime(loud[name], now, 0.08);
+    },
+    horn: (isPressed) => horn.gain.setTargetAtTime(isPressed ? 0.3 : 0, context.currentTime, 0.015),
+    hush: () => {
+      for (const each of Object.values(gains)) each.gain.setTargetAtTime(0, context.currentTime, 0.02);
+    },
+  };
+}
+
+function build(context: BaseAudioContext) {
   const gain = (value: number, to: AudioNode = context.destination): GainNode => {
     const node = new GainNode(context, { gain: value });
     node.connect(to);
@@ -112,7 +134,8 @@ function build(context: AudioContext) {
   const gains = { engine: gain(0), tyres: gain(0), squeal: gain(0), wind: gain(0) };
   const muffled = filter("lowpass", 420, gains.engine);
   const engine = [
-    tone("sawtooth", 20, muffled),
+    // Loudest as often as it fires, beside the turns of its crankshaft.
+    tone("sawtooth", 20, gain(0.45, muffled)),
     tone("triangle", 40, muffled),
     tone("square", 80, gain(0.25, muffled)),
   ];

@@ -17,9 +17,8 @@ export function buildSounding(stream: Stream): Sounding {
     "\u266a",
   );
   const toggle = (): void => {
-    const wasOn = sound.isOn;
     sound.toggle();
-    button.setAttribute("aria-pressed", String(!wasOn));
+    button.setAttribute("aria-pressed", String(sound.isOn));
   };
   button.addEventListener("click", toggle);
   const wires = new AbortController();

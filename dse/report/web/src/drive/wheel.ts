@@ -59,10 +59,26 @@ export function readWheel(
   };
 }
 
+/** Axes that have moved, by wheel: until then browsers report 0 for them, which is a pedal that is half pressed. */
+const moved = new Map<string, Set<number>>();
+
 /** The wheel that was calibrated, if it is plugged in. */
 export function wheelNow(): ReturnType<typeof readWheel> | null {
   const pad = navigator.getGamepads?.().find((each): each is Gamepad => Boolean(each && stored()[each.id]));
-  return pad ? readWheel(stored()[pad.id]!, pad.axes) : null;
+  if (!pad) {
+    moved.clear();
+    return null;
+  }
+  const calibration = stored()[pad.id]!;
+  const own = moved.get(pad.id) ?? new Set();
+  moved.set(pad.id, own);
+  pad.axes.forEach((value, axis) => {
+    if (value !== 0) own.add(axis);
+  });
+  const resting = [calibration.accelerate, calibration.brake].filter(({ axis }) => !own.has(axis));
+  const axes = [...pad.axes];
+  for (const { axis, low } of resting) axes[axis] = low;
+  return readWheel(calibration, axes);
 }
 
 let known: Record<string, Calibration> | null = null;
@@ -90,13 +106,15 @@ const STEPS = [
   ["right", "Turn it fully to the right and press Next."],
   ["accelerate", "Let the wheel go, press the accelerator fully and press Next."],
   ["brake", "Release it, press the brake fully and press Next."],
+  // Last: before a pedal has moved, browsers do not know where it rests.
+  ["rest", "Release both pedals and press Next."],
 ] as const;
 
 /** Asks for one movement after another; calls *done* at the end. */
 export function buildCalibration(done: () => void): HTMLElement {
-  const text = el("p", { role: "status" }, "Release wheel and pedals, move any of them a little, and press Start.");
+  const text = el("p", { role: "status" }, "Plug the wheel in, turn it a little, and press Start.");
   const button = el("button", { type: "button", click: () => next() }, "Start");
-  const seen: Partial<Record<"rest" | (typeof STEPS)[number][0], readonly number[]>> = {};
+  const seen: Partial<Record<(typeof STEPS)[number][0], readonly number[]>> = {};
   let step = -1;
   const padNow = (): Pad | null =>
     navigator.getGamepads?.().find((pad) => pad && pad.mapping !== "standard" && pad.axes.length > 1) ?? null;
@@ -106,8 +124,7 @@ export function buildCalibration(done: () => void): HTMLElement {
       text.textContent = "No steering wheel is found. Plug it in, move it, and press Start.";
       return;
     }
-    if (step < 0) seen.rest = [...pad.axes];
-    else seen[STEPS[step]![0]] = [...pad.axes];
+    if (step >= 0) seen[STEPS[step]![0]] = [...pad.axes];
     step++;
     if (step < STEPS.length) {
       text.textContent = STEPS[step]![1];

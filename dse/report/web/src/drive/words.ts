@@ -62,3 +62,28 @@ export function meaningOf(items: string[]): { title: string; say(item: number): 
   if (!known) return null;
   return { title: known.title, say: (item) => known.phrases[items[Math.round(item)] ?? ""] ?? calm("\u2013") };
 }
+
+const WRITTEN_OUT: Record<string, string> = {
+  aeb: "emergency brake",
+  cg: "centre of gravity",
+  kd: "D gain",
+  ki: "I gain",
+  kp: "P gain",
+  max: "maximum",
+  min: "minimum",
+  ttc: "time to collision",
+};
+
+/** The name of a part or parameter as words: `max_steering` is "Maximum steering". */
+export function wordsOf(name: string): string {
+  const words = name.split("_").map((word) => WRITTEN_OUT[word] ?? word);
+  const text = words.join(" ");
+  return `${text[0]?.toUpperCase() ?? ""}${text.slice(1)}`;
+}
+
+/** What a slider is called, the part that it belongs to, and what its component says of it ("" if nothing). */
+export function labelOf(name: string, title: string): { part: string; label: string; note: string } {
+  const path = name.split(".");
+  const last = path.pop()!;
+  return { part: path.map(wordsOf).join(" \u203a "), label: wordsOf(last), note: title === last ? "" : title };
+}

@@ -8,7 +8,7 @@ import {
   RedFormat,
   RepeatWrapping,
 } from "three";
-import { ALL_LIT, GRAIN, lit } from "./light";
+import { ALL_LIT, define, GRAIN, lit } from "./light";
 import { hash, noise } from "./random";
 
 const SIDE = 128;
@@ -16,16 +16,16 @@ const SIDE = 128;
 // Rain fills the pores first, then puddles; a flat look mirrors the sky more.
 const SURFACE = `
 #ifdef GRAINS
-float grains = texture2D(grain, vFlat.xy * 0.31).r;
-diffuseColor.rgb *= 0.9 + 0.2 * grains;
+  float grains = texture2D(grain, vFlat.xy * 0.31).r;
+  shown *= 0.9 + 0.2 * grains;
 #endif
-if (wetness > 0.0) {
-  vec3 seen = normalize(cameraPosition - vFlat);
-  float flatness = 1.0 - seen.z;
-  float puddle = smoothstep(0.42, 0.62, texture2D(grain, vFlat.xy * 0.017).r);
-  float mirror = wetness * (0.35 + 0.65 * puddle) * pow(flatness, 3.0);
-  diffuseColor.rgb = mix(diffuseColor.rgb * (1.0 - 0.4 * wetness), horizon * diffuse, 0.75 * mirror);
-}`;
+  if (wetness > 0.0) {
+    vec3 seen = normalize(cameraPosition - vFlat);
+    float flatness = 1.0 - seen.z;
+    float puddle = smoothstep(0.42, 0.62, texture2D(grain, vFlat.xy * 0.017).r);
+    float mirror = wetness * (0.35 + 0.65 * puddle) * pow(flatness, 3.0);
+    shown = mix(shown * (1.0 - 0.4 * wetness), horizon * diffuse, 0.75 * mirror);
+  }`;
 
 export const ROAD = lit(
   new MeshBasicMaterial({
@@ -40,12 +40,10 @@ export const ROAD = lit(
 );
 ALL_LIT.push(ROAD);
 
-/** With grains, or without where pictures take long. */
-export function setGrains(shown: boolean): void {
-  const road: MeshBasicMaterial & { defines?: Record<string, string> } = ROAD;
-  if (shown === "GRAINS" in (road.defines ?? {})) return;
-  road.defines = shown ? { GRAINS: "" } : {};
-  road.needsUpdate = true;
+/** With *grains* or *wet* the road is computed for each pixel; with neither it costs what everything else does. */
+export function setSurface(grains: boolean, wet: boolean): void {
+  define(ROAD, "GRAINS", grains);
+  define(ROAD, "PLACED", grains || wet);
 }
 
 /** Made when the first stage is built: there is no texture without a page. */

@@ -32,8 +32,10 @@ export interface Cabin {
   group: Group;
   /** Turns the steering wheel with the front wheels, to *steering* rad. */
   show(steering: number): void;
-  /** Draws what the mirrors show. */
-  mirror(renderer: WebGLRenderer, scene: Scene, car: Group, isShown: boolean): void;
+  /** Draws what the mirrors show; *prepare* is told the camera that looks back. */
+  mirror(renderer: WebGLRenderer, scene: Scene, car: Group, prepare: (back: PerspectiveCamera) => void): void;
+  /** Without mirrors. */
+  dull(): void;
   close(): void;
 }
 
@@ -77,14 +79,20 @@ export function buildCabin(
     mirror(glass, [cowl - 0.02, -width / 2 - 0.06, 1.01], [0.18, 0.12], [0, 0.34], -0.5),
   ];
   for (const each of mirrors) group.add(each);
+  // Drawn first: what is behind costs less.
+  group.traverse((each) => (each.renderOrder = -9));
   return {
     group,
     show: (steering) => (wheel.rotation.z = RATIO * steering),
-    mirror: (renderer, scene, car, isShown) => {
-      for (const each of mirrors) each.visible = isShown;
-      if (!isShown) return;
+    dull: () => {
+      for (const each of mirrors) each.visible = false;
+    },
+    mirror: (renderer, scene, car, prepare) => {
+      for (const each of mirrors) each.visible = true;
       const place = car.localToWorld(camera.position.set(front - length - 0.1, 0, 1.25));
       camera.lookAt(car.localToWorld(place.clone().set(front - length - 30, 0, 0.9)));
+      camera.updateMatrixWorld();
+      prepare(camera);
       group.visible = false;
       renderer.setRenderTarget(target);
       renderer.render(scene, camera);

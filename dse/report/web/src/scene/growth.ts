@@ -1,24 +1,40 @@
 // What stands in the land: shapes of trees, bushes, houses and lamps, each in one mesh that is drawn many times.
-import { type BufferGeometry, ConeGeometry, CylinderGeometry, IcosahedronGeometry } from "three";
+import { type BufferGeometry, ConeGeometry, CylinderGeometry, IcosahedronGeometry, PlaneGeometry } from "three";
+import { mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
 import { Faces } from "./bodies/loft";
-import { box, joined, painted, type Surface } from "./light";
+import { box, joined, LAMPLIT, painted, type Surface } from "./light";
 import { hash } from "./random";
 
 const TINTED: Surface = [1, 0];
 const BARK = 0x5b4936;
 
-/** Crumples a ball, so that no two sides of a crown are the same. */
-function crown(radius: number, flat: number, seed: number, detail = 1): BufferGeometry {
-  const ball = new IcosahedronGeometry(radius, detail);
+/** A crumpled ball around (x, y, z), so that no two sides of a crown are the same; darker below, as leaves shade leaves. */
+function crown(
+  radius: number,
+  flat: number,
+  seed: number,
+  detail: number,
+  colour = 0xffffff,
+  [x, y, z]: [number, number, number] = [0, 0, 0],
+): BufferGeometry {
+  const ball = mergeVertices(new IcosahedronGeometry(radius, detail).deleteAttribute("uv").deleteAttribute("normal"));
   const points = ball.getAttribute("position");
   for (let i = 0; i < points.count; i++) {
-    const [x, y, z] = [points.getX(i), points.getY(i), points.getZ(i)];
+    const [a, b, c] = [points.getX(i), points.getY(i), points.getZ(i)];
     const key = (value: number): number => Math.round(value * 50);
-    const k = 0.82 + 0.36 * hash(key(x) + 7 * key(z), key(y), seed);
-    points.setXYZ(i, x * k, y * k, z * k * flat);
+    const k = 0.8 + 0.4 * hash(key(a) + 7 * key(c), key(b), seed);
+    points.setXYZ(i, a * k, b * k, c * k * flat);
   }
   ball.computeVertexNormals();
-  return ball;
+  const leaves = painted(ball, colour, x, y, z, TINTED);
+  const [place, shade] = [leaves.getAttribute("position"), leaves.getAttribute("color")];
+  for (let i = 0; i < place.count; i++) {
+    const key = (value: number): number => Math.round(value * 300);
+    const up = (place.getZ(i) - z) / (radius * flat);
+    const tone = 0.92 + 0.16 * up + 0.18 * (hash(key(place.getX(i)), key(place.getY(i)), key(place.getZ(i))) - 0.5);
+    shade.setXYZ(i, tone * shade.getX(i), tone * shade.getY(i), tone * shade.getZ(i));
+  }
+  return leaves;
 }
 
 /** Trees of height 1, leafy ones wide, others slim; *fine* ones are seen from near. */
@@ -28,12 +44,13 @@ export function treeShapes(fine: boolean): BufferGeometry[] {
   const leafy = (seed: number): BufferGeometry =>
     joined([
       trunk(0.03, 0.42),
-      painted(crown(0.27, 0.95, seed, fine ? 1 : 0), 0xffffff, 0, 0, 0.66, TINTED),
+      crown(0.27, 0.95, seed, fine ? 2 : 0, 0xffffff, [0, 0, 0.66]),
       ...(fine ? boughs(seed) : []),
     ]);
   const boughs = (seed: number): BufferGeometry[] => [
-    painted(crown(0.19, 0.9, seed + 1, 0), 0xe4ead6, 0.15, 0.06, 0.52, TINTED),
-    painted(crown(0.18, 0.9, seed + 2, 0), 0xd8e0c8, -0.12, -0.11, 0.55, TINTED),
+    crown(0.19, 0.9, seed + 1, 1, 0xe4ead6, [0.15, 0.06, 0.54]),
+    crown(0.18, 0.9, seed + 2, 1, 0xd8e0c8, [-0.12, -0.11, 0.57]),
+    crown(0.17, 0.9, seed + 3, 1, 0xf2f4ea, [-0.05, 0.12, 0.8]),
   ];
   const fir = joined([
     trunk(0.025, 0.2),
@@ -53,44 +70,69 @@ export function treeShapes(fine: boolean): BufferGeometry[] {
 
 /** A piece of hedge or a bush, 1 m high and 2 m long. */
 export function bushShape(fine: boolean): BufferGeometry {
-  return joined([painted(crown(0.75, 0.62, 3, fine ? 1 : 0).scale(1.5, 0.7, 1), 0xffffff, 0, 0, 0.4, TINTED)]);
+  return crown(0.75, 0.62, 3, fine ? 2 : 0)
+    .scale(1.5, 0.7, 1)
+    .translate(0, 0, 0.4);
 }
 
-/** A house 1 wide, 1 deep and 1 high to its eaves, with a façade to the front (-x): *floors* and *columns* of windows. */
+/** A house 1 wide, 1 deep and 1 high to its eaves, with a façade to the front (-x): *floors* and *columns* of windows.
+ *
+ * The finest *level* is 0; at 2 the windows of a floor are one band.
+ */
 export function houseShape(
   floors: number,
   columns: number,
   isFlat: boolean,
   seed: number,
-  fine: boolean,
+  level: number,
 ): BufferGeometry {
+  const fine = level === 0;
   const wall = box([1, 1, 1], 0xffffff, [0, 0, 0.5], 0, TINTED);
-  const parts = [wall, box([1.02, 1.005, 0.06], 0x8d8881, [0, 0, 0.03])];
+  const parts = [wall, isFlat ? box([1.05, 1.02, 0.035], 0x8b877f, [0, 0, 1.015]) : roof()];
   const [high, wide] = [1 / floors, 1 / columns];
+  if (level > 1) {
+    for (let floor = 0; floor < floors; floor++)
+      parts.push(pane([-0.502, 0, (floor + 0.54) * high], [0.86, 0.4 * high], 0x56616a, 0.3));
+    return joined(parts);
+  }
+  parts.push(box([1.02, 1.005, 0.06], 0x8d8881, [0, 0, 0.03]));
   for (let floor = 0; floor < floors; floor++) {
     const isShop = floor === 0 && seed % 2 === 0 && isFlat;
     for (let column = 0; column < columns; column++) {
       const isDoor = floor === 0 && column === seed % columns;
       const y = -0.5 + (column + 0.5) * wide;
       const z = (floor + (isDoor ? 0.4 : 0.54)) * high;
-      const size: [number, number, number] = [
-        0.012,
+      const size: [number, number] = [
         wide * (isShop ? 0.8 : isDoor ? 0.36 : 0.42),
         high * (isDoor ? 0.8 : isShop ? 0.66 : 0.52),
       ];
       const glass = isDoor ? 0x5a4030 : hash(column, floor, seed) > 0.85 ? 0x8a8678 : 0x2c3844;
-      if (fine) parts.push(box([0.008, size[1] * 1.25, size[2] * 1.16], 0xefece4, [-0.502, y, z]));
-      parts.push(box(size, glass, [-0.505, y, z], 0, [0, isDoor ? 0 : 0.55]));
-      if (floor === 0 || isFlat || !fine) continue;
-      parts.push(box([0.05, wide * 0.6, 0.03 * high], 0xcac5ba, [-0.515, y, floor * high + 0.24 * high]));
+      if (fine) parts.push(pane([-0.506, y, z], [size[0] * 1.25, size[1] * 1.16], 0xefece4, 0));
+      const isLit = !isDoor && (isShop || hash(column, floor, seed + 9) > 0.6);
+      parts.push(pane([-0.511, y, z], size, glass, isDoor ? 0 : 0.55, 0, isLit));
+      if (fine && floor > 0 && !isFlat)
+        parts.push(pane([-0.513, y, (floor + 0.26) * high], [wide * 0.6, 0.05 * high], 0xdad5ca, 0));
     }
+    if (!floor) continue;
     for (const side of [1, -1])
-      if (floor)
-        parts.push(box([0.3, 0.012, high * 0.42], 0x36424c, [0.05, side * 0.503, (floor + 0.54) * high], 0, [0, 0.4]));
+      parts.push(pane([0.05, side * 0.509, (floor + 0.54) * high], [0.3, high * 0.42], 0x36424c, 0.4, side));
   }
-  if (isFlat) parts.push(box([1.05, 1.02, 0.035], 0x8b877f, [0, 0, 1.015]));
-  else parts.push(roof());
   return joined(parts);
+}
+
+/** A window around *place*: in the façade, or with a *side* of 1 or -1 in a wall beside it; *isLit* by night. */
+function pane(
+  place: [number, number, number],
+  [wide, high]: [number, number],
+  colour: number,
+  gloss: number,
+  side = 0,
+  isLit = false,
+): BufferGeometry {
+  const plane = side
+    ? new PlaneGeometry(wide, high).rotateX((-side * Math.PI) / 2)
+    : new PlaneGeometry(high, wide).rotateY(-Math.PI / 2);
+  return painted(plane, colour, ...place, [isLit ? LAMPLIT : 0, gloss]);
 }
 
 function roof(): BufferGeometry {

@@ -1,5 +1,6 @@
-// One light for all that is solid: sun, sky, what glossy surfaces mirror and the snow on top are computed for each corner,
-// and night dims everything by one colour. Light that is computed for each pixel halves the frames without a graphics card.
+// One light for all that is solid: sun, sky, fog, what glossy surfaces mirror and the snow on top are computed for each
+// corner, and night dims everything by one colour. Without a graphics card what is computed for each pixel is the dearest:
+// that are only the grains of the road, water on it, headlamps by night, and fog where it is dense.
 import {
   BoxGeometry,
   type BufferGeometry,
@@ -43,83 +44,142 @@ export const HEADLAMPS = { lit: { value: 0 }, from: { value: new Matrix4() } };
 /** Grey grains, set by asphalt.ts. */
 export const GRAIN: { value: Texture | null } = { value: null };
 
-const BEFORE = `#include <common>
+const CORNER = `#include <common>
 attribute vec2 surface;
-uniform mat4 headlampsFrom;
+uniform vec3 diffuse;
+uniform vec3 fogColor;
+uniform float fogDensity;
 uniform vec3 sunDirection;
 uniform float sunShare;
 uniform float snowCover;
 uniform vec3 horizon;
 uniform vec3 zenith;
+varying vec3 vShade;
+#ifdef FINE
+uniform mat4 headlampsFrom;
+uniform float headlampsLit;
 varying vec3 vBefore;
+varying float vDepth;
+#endif
 #ifdef PLACED
 varying vec3 vFlat;
-#endif`;
-
-const PAINT = `vColor.xyz = color;
+varying float vFog;
+#endif
+void main() {
+  vec3 paint = color;
+  vec4 place = vec4(position, 1.0);
+  vec3 outward = normal;
 #ifdef USE_INSTANCING_COLOR
-vColor.xyz *= mix(vec3(1.0), instanceColor.xyz, surface.x);
-#endif`;
-
-const SHADE = `#include <project_vertex>
-vBefore = (headlampsFrom * mvPosition).xyz;
-vec4 worldPlace = vec4(transformed, 1.0);
-vec3 outward = normal;
+  if (surface.x <= 1.0) paint *= mix(vec3(1.0), instanceColor.xyz, surface.x);
+#endif
 #ifdef USE_INSTANCING
-worldPlace = instanceMatrix * worldPlace;
-outward = mat3(instanceMatrix) * outward;
+  place = instanceMatrix * place;
+  outward = mat3(instanceMatrix) * outward;
 #endif
-worldPlace = modelMatrix * worldPlace;
-outward = normalize(mat3(modelMatrix) * outward);
-#ifdef PLACED
-vFlat = worldPlace.xyz;
-#endif
-float laying = snowCover * smoothstep(0.5, 0.85, outward.z) * (1.0 - 0.75 * surface.y);
+  place = modelMatrix * place;
+  outward = normalize(mat3(modelMatrix) * outward);
+  vec4 before = viewMatrix * place;
+  gl_Position = projectionMatrix * before;
+  if (snowCover > 0.0) {
+    float laying = snowCover * smoothstep(0.5, 0.85, outward.z) * (1.0 - 0.75 * surface.y);
 #ifndef USE_INSTANCING
-laying *= 1.0 - surface.x; // driven away
+    laying *= 1.0 - surface.x; // driven away
 #endif
-vec3 albedo = mix(vColor.xyz, vec3(0.93, 0.95, 0.98), laying);
-float facing = max(dot(outward, sunDirection), 0.0);
-vec3 light = mix(vec3(0.80, 0.82, 0.86), vec3(0.60, 0.64, 0.72), sunShare) * (0.78 + 0.22 * outward.z);
-light += sunShare * facing * vec3(0.62, 0.57, 0.47);
-vColor.xyz = albedo * light;
-if (surface.y > 0.0) {
-  vec3 seen = normalize(cameraPosition - worldPlace.xyz);
-  vec3 mirrored = reflect(-seen, outward);
-  float share = surface.y * (0.1 + 0.9 * pow(1.0 - max(dot(outward, seen), 0.0), 4.0));
-  vec3 above = mix(horizon, zenith, clamp(1.6 * mirrored.z, 0.0, 1.0));
-  vec3 around = mirrored.z > 0.0 ? above : 0.45 * horizon;
-  vColor.xyz = mix(vColor.xyz, around, share);
-  vColor.xyz += sunShare * surface.y * pow(max(dot(mirrored, sunDirection), 0.0), 48.0);
+    paint = mix(paint, vec3(0.93, 0.95, 0.98), laying);
+  }
+  float facing = max(dot(outward, sunDirection), 0.0);
+  vec3 light = mix(vec3(0.80, 0.82, 0.86), vec3(0.60, 0.64, 0.72), sunShare) * (0.78 + 0.22 * outward.z);
+  vShade = paint * (light + sunShare * facing * vec3(0.62, 0.57, 0.47));
+  if (surface.y > 0.0) {
+    vec3 seen = normalize(cameraPosition - place.xyz);
+    vec3 mirrored = reflect(-seen, outward);
+    float share = surface.y * (0.1 + 0.9 * pow(1.0 - max(dot(outward, seen), 0.0), 4.0));
+    vec3 above = mix(horizon, zenith, clamp(1.6 * mirrored.z, 0.0, 1.0));
+    vShade = mix(vShade, mirrored.z > 0.0 ? above : 0.45 * horizon, share);
+    vShade += sunShare * surface.y * pow(max(dot(mirrored, sunDirection), 0.0), 48.0);
+  }
+#ifdef PLACED
+  vFlat = place.xyz;
+#endif
+#ifdef FINE
+  // Night dims everything but what shines by itself.
+  if (surface.x > 1.0) vShade = mix(vShade, vec3(0.98, 0.82, 0.5) / diffuse, headlampsLit);
+  vBefore = (headlampsFrom * before).xyz;
+  vDepth = -before.z;
+#else
+  float fog = 1.0 - exp(fogDensity * before.z);
+#ifdef PLACED
+  vShade *= diffuse;
+  vFog = fog;
+#else
+  vShade = mix(vShade * diffuse, fogColor, fog);
+#endif
+#endif
 }`;
 
-const BEAM = `#include <color_fragment>
-if (headlampsLit > 0.0) {
-  float ahead = max(vBefore.x, 0.0);
-  float side = vBefore.y / (1.2 + 0.2 * ahead);
-  float above = max(vBefore.z - 0.4, 0.0);
-  float beam = smoothstep(0.0, 5.0, ahead) * exp(-side * side - above) / (1.0 + ahead * ahead / 1600.0);
-  diffuseColor.rgb += headlampsLit * beam * vColor * vec3(0.85, 0.82, 0.74);
+const pixel = (fragment: string): string => `#include <common>
+uniform vec3 diffuse;
+uniform vec3 fogColor;
+uniform float fogDensity;
+varying vec3 vShade;
+#ifdef FINE
+uniform float headlampsLit;
+varying vec3 vBefore;
+varying float vDepth;
+#endif
+#ifdef PLACED
+uniform float wetness;
+uniform vec3 horizon;
+uniform sampler2D grain;
+varying vec3 vFlat;
+varying float vFog;
+#endif
+void main() {
+  vec3 shown = vShade;
+#ifdef FINE
+  shown *= diffuse;
+  float wide = 1.2 + 0.2 * vBefore.x;
+  if (headlampsLit > 0.0 && vBefore.x > 0.0 && vBefore.x < 250.0 && abs(vBefore.y) < 2.5 * wide) {
+    float side = vBefore.y / wide;
+    float above = max(vBefore.z - 0.4, 0.0);
+    float beam = smoothstep(0.0, 5.0, vBefore.x) * exp(-side * side - above) / (1.0 + vBefore.x * vBefore.x / 1600.0);
+    shown += headlampsLit * beam * vShade * vec3(0.85, 0.82, 0.74);
+  }
+#endif
+#ifdef PLACED
+${fragment}
+#endif
+#ifdef FINE
+  shown = mix(shown, fogColor, 1.0 - exp(-fogDensity * vDepth));
+#elif defined(PLACED)
+  shown = mix(shown, fogColor, vFog);
+#endif
+  gl_FragColor = vec4(shown, 1.0);
 }`;
 
-/** Light for a material with colours and surfaces at its corners; *fragment* is put before the headlamps. */
+/** Light for a material with colours and surfaces at its corners; *fragment* changes `shown` where PLACED is defined. */
 export function lit(material: MeshBasicMaterial, fragment = "", name = "lit"): MeshBasicMaterial {
   material.customProgramCacheKey = () => name;
   material.onBeforeCompile = (shader: WebGLProgramParametersWithUniforms) => {
     Object.assign(shader.uniforms, AIR, { headlampsLit: HEADLAMPS.lit, headlampsFrom: HEADLAMPS.from, grain: GRAIN });
-    // Only what has more to paint pays for its place.
-    const placed = fragment ? "#define PLACED\n" : "";
-    shader.vertexShader = shader.vertexShader
-      .replace("#include <common>", placed + BEFORE)
-      .replace("#include <color_vertex>", PAINT)
-      .replace("#include <project_vertex>", SHADE);
-    const own = "uniform float wetness;\nuniform vec3 horizon;\nuniform sampler2D grain;\nvarying vec3 vFlat;";
-    const varying = `uniform float headlampsLit;\nvarying vec3 vBefore;\n${fragment ? own : ""}`;
-    shader.fragmentShader = shader.fragmentShader
-      .replace("#include <common>", `#include <common>\n${varying}`)
-      .replace("#include <color_fragment>", `${BEAM}\n${fragment}`);
+    shader.vertexShader = CORNER;
+    shader.fragmentShader = pixel(fragment);
   };
   return material;
+}
+
+/** Defines *name* in the programs of *material*, or not; those that were used before are kept. */
+export function define(material: MeshBasicMaterial, name: string, isDefined: boolean): void {
+  const own: MeshBasicMaterial & { defines?: Record<string, string> } = material;
+  const { [name]: was, ...others } = own.defines ?? {};
+  if ((was !== undefined) === isDefined) return;
+  own.defines = isDefined ? { ...others, [name]: "" } : others;
+  own.needsUpdate = true;
+}
+
+/** With *fine* light, lamps and fog are computed for each pixel; else fog is, as all other light, for each corner. */
+export function setLight(fine: boolean): void {
+  for (const each of ALL_LIT) define(each, "FINE", fine);
 }
 
 export const LIT = lit(new MeshBasicMaterial({ vertexColors: true, side: DoubleSide }));
@@ -135,6 +195,8 @@ const moved = new Matrix4();
 /** What a surface is: share of the vehicle's own colour, and how much it mirrors. */
 export type Surface = [paint: number, gloss: number];
 export const MATT: Surface = [0, 0];
+/** In place of the share of paint: what is lit from within by night. */
+export const LAMPLIT = 2;
 
 /** *geometry* in one colour, put at a place. */
 export function painted(

@@ -1,5 +1,17 @@
 // Where what stands beside a road is put: by the kind of road, from its own course, so that it is the same each time.
-import { type BufferGeometry, Color, Group, InstancedMesh, Matrix4, Quaternion, Vector3 } from "three";
+import {
+  type BufferGeometry,
+  Color,
+  Frustum,
+  Group,
+  InstancedBufferAttribute,
+  InstancedMesh,
+  Matrix4,
+  type PerspectiveCamera,
+  Quaternion,
+  Sphere,
+  Vector3,
+} from "three";
 import type { Document, StandingObject } from "./data";
 import { bushShape, houseShape, lampShape, postShape, treeShapes } from "./growth";
 import type { Land } from "./land";
@@ -9,10 +21,10 @@ import { every } from "./ribbons";
 import { outerBorders } from "./road";
 import type { RoadMap } from "./roadmap";
 
-const CELL = 300; // m: what is drawn, or left out, together
 const LEAVES = [0x6f8f45, 0x5d8540, 0x7f9a4a, 0x55773a, 0x8a9c50];
 const NEEDLES = [0x4f7048, 0x48684a, 0x587a50];
 const WALLS = [0xe8dcc4, 0xd9c2a0, 0xcfd3d2, 0xe6d3b8, 0xb9a58c, 0xdfe3df, 0xc98f73, 0xe9e2d2, 0xa9b4b0];
+const LAMP = 7; // m
 const MOST = 9000;
 const FINE = 150; // m
 
@@ -28,77 +40,144 @@ interface Planted {
   colour: number;
 }
 
+export interface Lamp {
+  head: Vector3;
+  ground: number;
+}
+
 export interface Planting {
   group: Group;
-  /** Heads of street lamps. */
-  lamps: Vector3[];
-  /** Draws what is within *reach* m. */
-  show(x: number, y: number, reach: number): void;
+  /** Heads of street lamps, and the ground below them. */
+  lamps: Lamp[];
+  /** Draws what *camera* sees within *reach* m. */
+  show(camera: PerspectiveCamera, reach: number): void;
 }
 
 export function buildPlanting(document: Document, roads: RoadMap, land: Land): Planting {
   const planted = plant(document, roads, land);
-  const [fine, plain] = [true, false].map(shapesOf) as [Shapes, Shapes];
-  const cells = new Map<string, Planted[]>();
-  for (const each of planted) {
-    const name = `${each.kind} ${Math.floor(each.x / CELL)} ${Math.floor(each.y / CELL)}`;
-    const cell = cells.get(name);
-    if (cell) cell.push(each);
-    else cells.set(name, [each]);
-  }
   const group = new Group();
-  const meshes: { mesh: InstancedMesh; kind: Kind; x: number; y: number; tall: boolean }[] = [];
-  for (const cell of cells.values()) {
-    const { kind } = cell[0]!;
-    const mesh = new InstancedMesh(plain[kind], kind === "post" || kind === "lamp" ? LIT : BODY, cell.length);
-    let [x, y] = [0, 0];
-    cell.forEach((each, i) => {
-      matrix.compose(place.set(each.x, each.y, each.z), turned.setFromAxisAngle(up, each.turn), size.set(...each.size));
-      mesh.setMatrixAt(i, matrix);
-      mesh.setColorAt(i, tint.set(each.colour));
-      x += each.x / cell.length;
-      y += each.y / cell.length;
-    });
-    mesh.computeBoundingSphere();
-    meshes.push({ mesh, kind, x, y, tall: kind === "house" || kind === "block" || kind === "office" });
-    group.add(mesh);
-  }
+  const shapes = [0, 1, 2].map(shapesOf);
+  const crowds = KINDS.flatMap((kind) => {
+    const own = planted.filter((each) => each.kind === kind);
+    return own.length
+      ? [
+          new Crowd(
+            own,
+            shapes.map((shape) => shape[kind]),
+            group,
+          ),
+        ]
+      : [];
+  });
   const lamps = planted
     .filter(({ kind }) => kind === "lamp")
     .map(({ x, y, z, turn, size: [wide, , high] }) => {
       const arm = 0.24 * wide;
-      return new Vector3(x - arm * Math.cos(turn), y - arm * Math.sin(turn), z + 0.98 * high);
+      return { head: new Vector3(x - arm * Math.cos(turn), y - arm * Math.sin(turn), z + 0.98 * high), ground: z };
     });
   return {
     group,
     lamps,
-    show: (x, y, reach) => {
-      for (const { mesh, kind, x: mx, y: my, tall } of meshes) {
-        const far = Math.hypot(mx - x, my - y);
-        mesh.visible = far < (tall ? 1.3 : 1) * reach + CELL / 2;
-        mesh.geometry = (far < Math.min(FINE, 0.3 * reach) ? fine : plain)[kind];
-      }
+    show: (camera, reach) => {
+      view.setFromProjectionMatrix(matrix.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse));
+      for (const crowd of crowds) crowd.show(camera.position, reach);
     },
   };
 }
 
+const KINDS: Kind[] = ["leafy", "broad", "fir", "bush", "house", "block", "office", "lamp", "post", "box"];
+
+/** All of a kind: those in view are drawn, nearer ones finer and first, so that they hide what is behind them. */
+class Crowd {
+  private readonly meshes: InstancedMesh[];
+  private readonly matrices: Float32Array;
+  private readonly colours: Float32Array;
+  /** Centre and radius of each. */
+  private readonly spheres: Float32Array;
+  private readonly isTall: boolean;
+
+  constructor(planted: Planted[], shapes: BufferGeometry[], group: Group) {
+    const { kind } = planted[0]!;
+    this.isTall = kind === "house" || kind === "block" || kind === "office";
+    this.matrices = new Float32Array(16 * planted.length);
+    this.colours = new Float32Array(3 * planted.length);
+    this.spheres = new Float32Array(4 * planted.length);
+    const { center, radius } = boundsOf(shapes[0]!);
+    planted.forEach((each, i) => {
+      matrix.compose(place.set(each.x, each.y, each.z), turned.setFromAxisAngle(up, each.turn), size.set(...each.size));
+      matrix.toArray(this.matrices, 16 * i);
+      tint.set(each.colour).toArray(this.colours, 3 * i);
+      place
+        .copy(center)
+        .applyMatrix4(matrix)
+        .toArray(this.spheres, 4 * i);
+      this.spheres[4 * i + 3] = radius * Math.max(...each.size);
+    });
+    const material = kind === "post" || kind === "lamp" ? LIT : BODY;
+    this.meshes = shapes.map((shape, level) => {
+      const mesh = new InstancedMesh(shape, material, planted.length);
+      mesh.frustumCulled = false;
+      mesh.renderOrder = level - 3;
+      mesh.instanceColor = new InstancedBufferAttribute(new Float32Array(3 * planted.length), 3);
+      group.add(mesh);
+      return mesh;
+    });
+  }
+
+  show(eye: Vector3, reach: number): void {
+    const most = (this.isTall ? 1.3 : 1) * reach;
+    const ends = [Math.min(FINE, 0.3 * reach), 0.45 * reach];
+    for (const mesh of this.meshes) mesh.count = 0;
+    const { spheres } = this;
+    for (let i = 0, at = 0; at < spheres.length; i++, at += 4) {
+      const far = Math.hypot(spheres[at]! - eye.x, spheres[at + 1]! - eye.y);
+      if (far > most) continue;
+      ball.center.fromArray(spheres, at);
+      ball.radius = spheres[at + 3]!;
+      if (!view.intersectsSphere(ball)) continue;
+      const mesh = this.meshes[far < ends[0]! ? 0 : far < ends[1]! ? 1 : 2]!;
+      mesh.instanceMatrix.array.set(this.matrices.subarray(16 * i, 16 * i + 16), 16 * mesh.count);
+      mesh.instanceColor!.array.set(this.colours.subarray(3 * i, 3 * i + 3), 3 * mesh.count++);
+    }
+    for (const mesh of this.meshes) {
+      mesh.visible = mesh.count > 0;
+      sendFirst(mesh.instanceMatrix, mesh.count);
+      sendFirst(mesh.instanceColor!, mesh.count);
+    }
+  }
+}
+
+function boundsOf(shape: BufferGeometry): Sphere {
+  shape.computeBoundingSphere();
+  return shape.boundingSphere!;
+}
+
+function sendFirst(attribute: InstancedBufferAttribute, count: number): void {
+  attribute.clearUpdateRanges();
+  if (!count) return;
+  attribute.addUpdateRange(0, count * attribute.itemSize);
+  attribute.needsUpdate = true;
+}
+
 type Shapes = Record<Kind, BufferGeometry>;
 
-function shapesOf(isFine: boolean): Shapes {
+/** From the finest (0) to those that are seen from far away (2). */
+function shapesOf(level: number): Shapes {
+  const isFine = level === 0;
   const [leafy, broad, fir] = treeShapes(isFine) as [BufferGeometry, BufferGeometry, BufferGeometry];
   const shapes: Shapes = {
     leafy,
     broad,
     fir,
     bush: bushShape(isFine),
-    house: houseShape(2, 3, false, 1, isFine),
-    block: houseShape(4, 4, false, 3, isFine),
-    office: houseShape(5, 6, true, 2, isFine),
+    house: houseShape(2, 3, false, 1, level),
+    block: houseShape(4, 4, false, 3, level),
+    office: houseShape(5, 6, true, 2, level),
     lamp: lampShape(),
     post: postShape(),
     box: box([1, 1, 1], 0xffffff, [0, 0, 0.5], 0, [1, 0]),
   };
-  for (const kind of Object.keys(shapes) as Kind[]) shapes[kind] = indexed(shapes[kind]);
+  for (const kind of KINDS) shapes[kind] = indexed(shapes[kind]);
   return shapes;
 }
 
@@ -143,7 +222,11 @@ export function plant(document: Document, roads: RoadMap, land: Pick<Land, "heig
     if (kind === "town") {
       if (!hasHouses) houses(at, put);
       if (!hasTrees) at(19, 1.7, (x, y, _, r) => r > 0.25 && tree(x, y, r * 0.5, 0.6, 0.8));
-      if (!hasLamps) at(34, 0.6, (x, y, turn) => put("lamp", x, y, turn, [7, 7, 7], 0xffffff, 0.2));
+      if (!hasLamps)
+        at(34, 0.6, (x, y, turn, __, z) => {
+          if (roads.nearest(x, y).gap > 0.2)
+            found.push({ kind: "lamp", x, y, z: z + 0.1, turn, size: [LAMP, LAMP, LAMP], colour: 0xffffff });
+        });
       return;
     }
     if (kind === "rural")
@@ -234,3 +317,5 @@ const size = new Vector3();
 const turned = new Quaternion();
 const up = new Vector3(0, 0, 1);
 const tint = new Color();
+const view = new Frustum();
+const ball = new Sphere();

@@ -8,6 +8,7 @@ import {
   PointsMaterial,
   Vector3,
 } from "three";
+import { blot } from "./shadows";
 
 const MANY = 2000;
 const SPREAD = 22; // m of the cube around the eye that is full of them
@@ -39,7 +40,10 @@ export class Falling {
           geometry,
           new LineBasicMaterial({ color: 0xe2eaf2, transparent: true, opacity: 0.5, fog: false }),
         )
-      : new Points(geometry, new PointsMaterial({ color: 0xffffff, size: 0.09, fog: false }));
+      : new Points(
+          geometry,
+          new PointsMaterial({ map: blot(), transparent: true, depthWrite: false, size: 0.075, fog: false }),
+        );
     this.mesh.frustumCulled = false;
   }
 

@@ -10,7 +10,7 @@ import {
   ShapeGeometry,
 } from "three";
 import { ROAD } from "./asphalt";
-import type { Document, Marking, RoadKind, Strip } from "./data";
+import type { Document, Marking, RoadKind, StandingObject, Strip } from "./data";
 import { ALL_LIT, LIT, lit, painted } from "./light";
 import { type Line, Ribbons } from "./ribbons";
 
@@ -80,7 +80,9 @@ export function buildRoad(document: Document): Object3D {
   group.add(beside.group(ROAD));
   const marks = document.markings.length ? document.markings : usual(document.strips);
   const drawn = new Ribbons();
-  for (const mark of marks) draw(mark, DASHES[document.kind], drawn);
+  const crossings = document.objects.filter(({ kind }) => kind === "crosswalk");
+  const isFree = (x: number, y: number): boolean => !crossings.some((each) => isOn(each, x, y));
+  for (const mark of marks) draw(mark, DASHES[document.kind], drawn, isFree);
   group.add(drawn.group(MARK));
   for (const [outline, friction] of document.areas) group.add(slippery(outline, friction));
   return group;
@@ -96,7 +98,20 @@ export function laid(points: number[], corners: number[], colour: number): Mesh 
   return new Mesh(painted(geometry, colour), LIT);
 }
 
-function draw({ line, kind, width, colour }: Marking, dash: [number, number], ribbons: Ribbons): void {
+/** Whether a place is on an object of the road's file. */
+function isOn({ place: [x0, y0], heading, size: [length, width] }: StandingObject, x: number, y: number): boolean {
+  const [c, s] = [Math.cos(heading), Math.sin(heading)];
+  const [u, v] = [(x - x0) * c + (y - y0) * s, (y - y0) * c - (x - x0) * s];
+  return Math.abs(u) < length / 2 && Math.abs(v) < width / 2;
+}
+
+/** Where it *isFree*. */
+function draw(
+  { line, kind, width, colour }: Marking,
+  dash: [number, number],
+  ribbons: Ribbons,
+  isFree: (x: number, y: number) => boolean,
+): void {
   const paint = COLOURS[colour] ?? COLOURS.white!;
   const parts = kind.split(" ").filter(Boolean);
   const lines = parts.length === 2 && parts.every((part) => /solid|broken/.test(part)) ? parts : [kind];
@@ -106,6 +121,7 @@ function draw({ line, kind, width, colour }: Marking, dash: [number, number], ri
       ribbons.along(
         piece,
         [aside + width / 2, aside - width / 2].map((left) => ({ left, up: 0.035, colour: paint, free: 0.45 })),
+        isFree,
       );
     if (part === "curb") ribbons.along(line, kerb(1));
     else if (part === "botts dots") dashes(line, 0.15, 1.2, band);

@@ -23,6 +23,8 @@ import { AIR } from "./light";
 import type { Vehicle } from "./vehicles";
 
 const LIFT = 0.06; // m over the road
+const POOL = 17; // m of ground that a street lamp lights
+const POOLS = 24;
 
 /** A body pressed flat along the sun's rays. Where two overlap it is no darker: the stencil keeps what was darkened. */
 export class Shadows {
@@ -116,6 +118,7 @@ export class Shadows {
 /** Lamps by night, seen from afar: round spots of light. */
 export class Glow {
   private readonly points: Points;
+  private readonly pools: InstancedMesh;
   private count = 0;
 
   constructor(
@@ -137,11 +140,28 @@ export class Glow {
     this.points = new Points(geometry, material);
     this.points.frustumCulled = false;
     this.points.renderOrder = 5;
-    scene.add(this.points);
+    const pool = new MeshBasicMaterial({
+      color: 0x5c5138,
+      map: blot(true),
+      transparent: true,
+      depthWrite: false,
+      blending: AdditiveBlending,
+    });
+    this.pools = new InstancedMesh(new PlaneGeometry(POOL, POOL), pool, POOLS);
+    this.pools.frustumCulled = false;
+    this.pools.renderOrder = 1;
+    scene.add(this.points, this.pools);
   }
 
   clear(): void {
     this.count = 0;
+    this.pools.count = 0;
+  }
+
+  /** The light on the *ground* under a street lamp at *place*. */
+  shine(place: Vector3, ground: number): void {
+    if (this.pools.count >= POOLS) return;
+    this.pools.setMatrixAt(this.pools.count++, matrix.makeTranslation(place.x, place.y, ground + 0.1));
   }
 
   add(place: Vector3, colour: Color, share: number): void {
@@ -152,6 +172,8 @@ export class Glow {
   }
 
   finish(): void {
+    this.pools.visible = this.pools.count > 0;
+    this.pools.instanceMatrix.needsUpdate = true;
     this.points.visible = this.count > 0;
     this.points.geometry.setDrawRange(0, this.count);
     this.points.geometry.attributes.position!.needsUpdate = true;
@@ -160,7 +182,7 @@ export class Glow {
 }
 
 /** A round spot that fades outwards: white on black to be added, else by its opacity. */
-function blot(isLight = false): CanvasTexture {
+export function blot(isLight = false): CanvasTexture {
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = 64;
   const pen = canvas.getContext("2d")!;

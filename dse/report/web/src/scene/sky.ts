@@ -31,8 +31,8 @@ const LAYING_SNOW = 1e-3 / 3600;
 const USUAL_SUN = [-0.7, 0.72] as const; // azimuth, elevation in rad where the run has no sun
 
 export interface Sky {
-  /** From above nothing is hidden. */
-  show(time: number, eye: Vector3, above: boolean): void;
+  /** How much of the light the air takes, in 1/m; from above nothing is hidden. */
+  show(time: number, eye: Vector3, above: boolean): number;
 }
 
 export function buildSky(scene: Scene, source: Source): Sky {
@@ -93,6 +93,7 @@ export function buildSky(scene: Scene, source: Source): Sky {
         .add(eye);
       rain.show(above ? 0 : wet, time, eye, 1 - dark);
       snow.show(above ? 0 : white, time, eye, 1 - dark);
+      return fog.density;
     },
   };
 }
@@ -159,7 +160,9 @@ function disc(): CanvasTexture {
   const fade = pen.createRadialGradient(64, 64, 0, 64, 64, 64);
   fade.addColorStop(0, "rgb(255 252 240)");
   fade.addColorStop(0.14, "rgb(255 250 232)");
-  fade.addColorStop(0.2, "rgb(255 244 214 / 45%)");
+  fade.addColorStop(0.17, "rgb(255 246 222 / 24%)");
+  fade.addColorStop(0.3, "rgb(255 244 214 / 8%)");
+  fade.addColorStop(0.55, "rgb(255 244 214 / 2%)");
   fade.addColorStop(1, "rgb(255 240 210 / 0%)");
   pen.fillStyle = fade;
   pen.fillRect(0, 0, 128, 128);

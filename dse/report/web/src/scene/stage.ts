@@ -1,11 +1,11 @@
 // The scene at a moment, seen by one of the cameras.
-import { Group, LinearSRGBColorSpace, Matrix4, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
-import { buildGrain, setGrains } from "./asphalt";
+import { Frustum, Group, LinearSRGBColorSpace, Matrix4, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { buildGrain, setSurface } from "./asphalt";
 import { chooseBody } from "./bodies/choose";
 import { buildCabin, EYE } from "./cabin";
 import type { Source } from "./data";
 import { buildLand } from "./land";
-import { HEADLAMPS, isDrawnByProgram } from "./light";
+import { AIR, HEADLAMPS, isDrawnByProgram, setLight } from "./light";
 import { buildLights } from "./lights";
 import { buildPlanting } from "./planting";
 import { FINEST, QUALITIES } from "./quality";
@@ -31,6 +31,9 @@ const PRESSED = 20; // N m of the brakes
 const DUSK = 0.15; // the darkness at which lamps are lit
 const HOST_HEIGHT = 1.5;
 const LAMPS = 0.65; // m over the ground
+const DENSE = 0.012; // 1/m of fog that takes more than the corners of what is in it
+const VEILED = 5; // how thick the air is through which nothing is seen
+const BEHIND = 160; // m that mirrors show
 
 export interface Stage {
   show(time: number, view: View): void;
@@ -83,7 +86,6 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
     },
     resize: (width, height, resolution, detail = FINEST) => {
       quality = QUALITIES[detail]!;
-      setGrains(quality.grains);
       fleet.detail = { shadows: quality.shadows, reach: quality.bodies };
       renderer.setPixelRatio(Math.min(devicePixelRatio, 2) * resolution);
       renderer.setSize(width, height, false);
@@ -102,7 +104,14 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
       look(camera, view, frame.position, heading);
       camera.updateMatrixWorld();
       const dark = source.at("weather.darkness", time);
-      fleet.clear(dark > DUSK, time, camera.position);
+      const isAbove = view === "top";
+      const density = sky.show(time, camera.position, isAbove);
+      const sight = density ? VEILED / density : Infinity;
+      setLight(dark > DUSK || density > DENSE);
+      setSurface(quality.grains, AIR.wetness.value > 0);
+      const isDue = isInside && quality.mirrors > 0 && pictures++ % quality.mirrors === 0;
+      seen.setFromProjectionMatrix(whole.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse));
+      fleet.clear(dark > DUSK, time, camera.position, isDue ? null : seen, sight);
       cabin.group.visible = isInside;
       // Bodies are built around their middles, the car is told where its centre of gravity is.
       host.position.set(front - length / 2, 0, 0).applyMatrix4(frame.matrixWorld);
@@ -117,21 +126,23 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
       fleet.finish();
       lights.show(time);
       sensing.show(time);
-      land.show(camera.position.x, camera.position.y, camera.position.z, view === "top");
-      planting.show(camera.position.x, camera.position.y, view === "top" ? 1000 : quality.planting);
-      sky.show(time, camera.position, view === "top");
+      land.show(camera.position.x, camera.position.y, camera.position.z, isAbove);
+      // The lamps light what is ahead, and mirrors show what is not.
+      HEADLAMPS.from.value.copy(NOWHERE);
       HEADLAMPS.lit.value = Math.min(Math.max((dark - DUSK) / 0.5, 0), 1);
+      if (isDue) cabin.mirror(renderer, scene, frame, (back) => planting.show(back, Math.min(BEHIND, sight)));
+      else if (!quality.mirrors) cabin.dull();
       HEADLAMPS.from.value.copy(frame.matrixWorld).invert().multiply(camera.matrixWorld).premultiply(lamps);
-      if (isInside) {
-        const isDue = quality.mirrors > 0 && pictures++ % quality.mirrors === 0;
-        if (isDue || !quality.mirrors) cabin.mirror(renderer, scene, frame, isDue);
-      }
+      planting.show(camera, isAbove ? 1000 : Math.min(quality.planting, sight));
       renderer.render(scene, camera);
     },
   };
 }
 
 const looked = new Vector3();
+const seen = new Frustum();
+const whole = new Matrix4();
+const NOWHERE = new Matrix4().makeTranslation(-1e6, 0, 0);
 
 function look(camera: PerspectiveCamera, view: View, place: Vector3, heading: number): void {
   const [c, s] = [Math.cos(heading), Math.sin(heading)];

@@ -6,16 +6,19 @@ import {
   Color,
   CylinderGeometry,
   Euler,
+  type Frustum,
   InstancedMesh,
   Matrix4,
   MeshBasicMaterial,
   Quaternion,
   type Scene,
+  Sphere,
   Vector3,
 } from "three";
 import type { Body, Lamp } from "./bodies/body";
 import { type Choice, chooseBody } from "./bodies/choose";
 import { BODY, box, indexed, joined, LIT, painted } from "./light";
+import type { Lamp as StreetLamp } from "./planting";
 import { Glow, Shadows } from "./shadows";
 
 const COLOURS = [0xb6362c, 0xe9e9e4, 0x878f97, 0x2f5f46, 0xcaa548, 0x3f4f9c, 0x6e4a68, 0x33373d, 0xc6cacf, 0x274a6d];
@@ -25,9 +28,12 @@ const TAIL = new Color(0xb01a12);
 const HEAD = new Color(0xfff6dc);
 const AMBER = new Color(0xffa318);
 const NEAR = [26, 75]; // m up to which a body is drawn finely, and with wheels that turn
+const NEAREST = -4; // drawn first: what is behind costs less
+const SHADOW = 6; // m that one reaches beyond its body
 const MOST_SHAPES = 96;
 const STREET = 64; // street lamps that glow at once
 const LAMPLIGHT = 260; // m
+const POOLED = 130; // m up to which the ground is seen to be lit
 
 /** One road user at a moment; the fleet draws what it is told by `add`. */
 export interface Vehicle {
@@ -73,7 +79,7 @@ export interface Detail {
 
 export class Fleet {
   private readonly shapes = new Map<string, Shape>();
-  private readonly wheels: InstancedMesh;
+  private readonly wheels: InstancedMesh[];
   private readonly lamps: InstancedMesh;
   private readonly limbs: InstancedMesh;
   readonly shadows: Shadows;
@@ -82,13 +88,15 @@ export class Fleet {
   private time = 0;
   private pictures = 0;
   private readonly eye = new Vector3();
+  private view: Frustum | null = null;
+  private sight = Infinity;
   detail: Detail = { shadows: true, reach: 1 };
 
   constructor(
     private readonly scene: Scene,
     private readonly most: number,
   ) {
-    this.wheels = new InstancedMesh(indexed(wheel()), LIT, 10 * most);
+    this.wheels = [true, false].map((fine) => new InstancedMesh(indexed(wheel(fine)), LIT, 10 * most));
     this.lamps = new InstancedMesh(new BoxGeometry(0.03, 1, 1), new MeshBasicMaterial(), 8 * most);
     this.limbs = new InstancedMesh(
       painted(
@@ -105,8 +113,9 @@ export class Fleet {
       BODY,
       4 * most,
     );
-    for (const mesh of [this.wheels, this.lamps, this.limbs]) {
+    for (const mesh of this.parts) {
       mesh.frustumCulled = false;
+      mesh.renderOrder = NEAREST;
       mesh.setColorAt(0, HEAD);
       scene.add(mesh);
     }
@@ -115,48 +124,60 @@ export class Fleet {
     this.clear(false, 0, this.eye);
   }
 
-  /** Whether it *isDark* decides on the lamps of those that come; *eye* on how finely they are drawn. */
-  clear(isDark: boolean, time: number, eye: Vector3): void {
+  /** Whether it *isDark* decides on the lamps of those that come; *eye* on how finely they are drawn. What is outside of
+   * *view* or beyond *sight* m is left out; null sees all around. */
+  clear(isDark: boolean, time: number, eye: Vector3, view: Frustum | null = null, sight = Infinity): void {
     this.isDark = isDark;
     this.time = time;
     this.eye.copy(eye);
+    this.view = view;
+    this.sight = sight;
     this.pictures++;
-    for (const mesh of [this.wheels, this.lamps, this.limbs]) mesh.count = 0;
+    for (const mesh of this.parts) mesh.count = 0;
     for (const { levels } of this.shapes.values()) for (const mesh of levels) if (mesh) mesh.count = 0;
     this.shadows.clear();
     this.glow.clear();
   }
 
+  private get parts(): InstancedMesh[] {
+    return [...this.wheels, this.lamps, this.limbs];
+  }
+
   add(vehicle: Vehicle): void {
     const shape = this.shapeOf(vehicle.choice);
     const { body } = shape;
+    const away = vehicle.position.distanceTo(this.eye);
+    ball.center.copy(vehicle.position);
+    ball.radius = 0.5 * body.shade[0] + SHADOW;
+    if (away > this.sight || this.view?.intersectsSphere(ball) === false) return;
     turned.setFromEuler(vehicle.rotation);
     whole.compose(vehicle.position, turned, unit);
-    const far = vehicle.position.distanceTo(this.eye) / this.detail.reach;
+    const far = away / this.detail.reach;
     const level = far < NEAR[0]! ? 0 : far < NEAR[1]! ? 1 : 2;
     const mesh = this.meshOf(shape, level);
     mesh.setColorAt(mesh.count, vehicle.colour);
     mesh.setMatrixAt(mesh.count++, whole);
     if (this.detail.shadows && far < 160) this.shadows.cast(vehicle, this.meshOf(shape, 2).geometry, body.shade);
     else this.shadows.patch(whole, body.shade);
-    if (level < 2 || body.wheels.length < 3) this.turnWheels(vehicle, body);
+    if (level < 2 || body.wheels.length < 3) this.turnWheels(vehicle, body, this.wheels[Math.min(level, 1)]!);
     this.swing(vehicle, body);
     this.light(vehicle, body, far);
   }
 
   /** Street lamps near the eye glow by night. */
-  lightStreet(lamps: Vector3[]): void {
+  lightStreet(lamps: StreetLamp[]): void {
     if (!this.isDark) return;
     let count = 0;
-    for (const lamp of lamps)
-      if (count < STREET && lamp.distanceTo(this.eye) < LAMPLIGHT) {
-        this.glow.add(lamp, HEAD, 1);
-        count++;
-      }
+    for (const { head, ground } of lamps) {
+      const far = head.distanceTo(this.eye);
+      if (far > LAMPLIGHT || count++ >= STREET) continue;
+      this.glow.add(head, HEAD, 1);
+      if (far < POOLED) this.glow.shine(head, ground);
+    }
   }
 
   finish(): void {
-    const meshes = [this.wheels, this.lamps, this.limbs];
+    const meshes = this.parts;
     for (const { levels } of this.shapes.values()) for (const mesh of levels) if (mesh) meshes.push(mesh);
     for (const mesh of meshes) {
       mesh.visible = mesh.count > 0;
@@ -168,10 +189,10 @@ export class Fleet {
     if (this.shapes.size > MOST_SHAPES) this.forget();
   }
 
-  private turnWheels(vehicle: Vehicle, { wheels }: Body): void {
+  private turnWheels(vehicle: Vehicle, { wheels }: Body, mesh: InstancedMesh): void {
     for (const { x, y, radius, width, isSteered } of wheels) {
       turn.setFromEuler(angles.set(0, vehicle.rolled / radius, isSteered ? vehicle.steered : 0, "ZYX"));
-      this.put(this.wheels, place.set(x, y, radius), size.set(radius, width, radius), HEAD);
+      this.put(mesh, place.set(x, y, radius), size.set(radius, width, radius), HEAD);
     }
   }
 
@@ -224,6 +245,7 @@ export class Fleet {
     if (known) return known;
     const mesh = new InstancedMesh(indexed(shape.body.levels[level]!()), BODY, this.most);
     mesh.frustumCulled = false;
+    mesh.renderOrder = NEAREST;
     mesh.setColorAt(0, HEAD);
     mesh.count = 0;
     shape.levels[level] = mesh;
@@ -246,9 +268,10 @@ export class Fleet {
   }
 }
 
-/** A tyre with a rim of five spokes, of radius and width 1. */
-function wheel(): BufferGeometry {
-  const tyre = painted(new CylinderGeometry(1, 1, 1, 20, 1), 0x191a1c);
+/** A tyre with a rim of five spokes, of radius and width 1; from afar a tyre with a disc. */
+function wheel(fine: boolean): BufferGeometry {
+  const tyre = painted(new CylinderGeometry(1, 1, 1, fine ? 20 : 12, 1), 0x191a1c);
+  if (!fine) return joined([tyre, painted(new CylinderGeometry(0.64, 0.64, 1.04, 8, 1), 0x8d9398)]);
   const rim = painted(new CylinderGeometry(0.66, 0.66, 1.03, 20, 1), 0x50565c);
   const spokes = [0, 1, 2, 3, 4].map((i) =>
     painted(
@@ -272,3 +295,4 @@ const unit = new Vector3(1, 1, 1);
 const matrix = new Matrix4();
 const whole = new Matrix4();
 const tint = new Color();
+const ball = new Sphere();

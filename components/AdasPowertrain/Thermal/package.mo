@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Thermal "Bodies that store heat, and a coolant circuit between their heat ports"
+end Thermal;
