@@ -25,6 +25,7 @@ from dse.testbench.prepare import prepare_bench
 from dse.testbench.prepared_bench import PreparedBench, Setting
 from dse.testbench.selection import digest_of, proposing, selected
 from dse.testbench.split_bench import WorldPlace
+from dse.units import own_units
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,7 +191,8 @@ def with_settings(bench: TestBench, settings: Mapping[str, Raw], configuration: 
             if name == DRAW:
                 values[name] = _read_draw(raw, here)
                 continue
-            values[name] = read_setting(name, raw, components, here, here)
+            with own_units(bench.design.units):
+                values[name] = read_setting(name, raw, components, here, here)
         except DseError as error:
             problems += error.problems
     raise_if_any(problems)

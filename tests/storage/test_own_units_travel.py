@@ -48,6 +48,8 @@ def workspace(folder: Path, stride: str = "0.75 m") -> dse.Workspace:
 @pytest.mark.thorough
 def test_a_study_in_own_units_is_resumed_merged_read_and_shown(tmp_path):
     results = workspace(tmp_path / "there").studies["ways"].explore(tmp_path / "out")
+    bench = dse.open(tmp_path / "there").benches["go"]
+    assert bench.simulate(set={"cart.way": "3 stride"}).metrics["far"] == 3  # 4 stride, in m
     shutil.copytree(tmp_path / "out", tmp_path / "other")
     target, _ = merge_into([tmp_path / "out", tmp_path / "other"], tmp_path / "merged")
     shutil.rmtree(tmp_path / "there")  # what is in the folder is enough
