@@ -204,7 +204,9 @@ def test_the_machine_heats_along_an_exponential_and_loses_torque_when_it_is_hot(
     settled = start + (losses() - 300 - 5 * (start - 296.15)) / (5 - slope)
     bench.step(2.0, 300.0)
     assert torque == pytest.approx(200, abs=1e-6)
-    assert bench.get(["temperature"])[0] == pytest.approx(settled + (start - settled) * math.exp(-300 * decay), abs=1e-4)
+    assert bench.get(["temperature"])[0] == pytest.approx(
+        settled + (start - settled) * math.exp(-300 * decay), abs=1e-4
+    )
     entered, left, lost = bench.get(["energy_in", "energy_out", "energy_loss"])
     assert entered == pytest.approx(left + lost, rel=1e-9)
     bench.set({"heat_flow": 20e3})
