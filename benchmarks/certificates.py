@@ -110,7 +110,8 @@ def _drive(fmu: Path, speeds: NDArray[np.float64], start: dict[str, float], kelv
     times = np.arange(0, len(speeds) - 1 + 1e-9, 0.1)
     seconds = np.arange(len(speeds))
     ahead = np.append(np.diff(speeds), 0.0)[np.minimum(times.astype(int), len(speeds) - 1)]
-    series = np.rec.fromarrays([times, np.interp(times, seconds, speeds), ahead], names="time,target,acceleration")
+    series = np.zeros(len(times), [(name, np.float64) for name in ("time", "target", "acceleration")])
+    series["time"], series["target"], series["acceleration"] = times, np.interp(times, seconds, speeds), ahead
     found = simulate_fmu(
         str(fmu), stop_time=times[-1], output_interval=0.1, input=series, relative_tolerance=1e-6,
         start_values={**start, "powertrain.initial_temperature": kelvin},
