@@ -70,7 +70,7 @@ def boosted(share: float, natural: float, most: float, speed: float) -> float:
     """
     flow_per_torque = speed / Petrol().slope(speed) / 43.2e6 * 15.6
     rate = flow_per_torque / (0.4 * 0.05)
-    return math.log(share / (1 - share) * (most - natural) / natural) / (rate * most)
+    return float(math.log(share / (1 - share) * (most - natural) / natural) / (rate * most))
 
 
 @pytest.mark.thorough
@@ -81,7 +81,7 @@ def test_the_time_to_torque_of_a_charged_engine_is_that_of_a_logistic_curve(cach
     bench = Bench(opened("Fidelity.QuickTurboBench", cache), 1e-9)
     bench.step(0.0, 1.0)
     assert bench.get(("boost",)) == [1.013e5]
-    reached, now = {}, 1.0
+    now, reached = 1.0, dict[float, float]()
     while now < 4:
         bench.step(now, 0.005)
         now += 0.005
@@ -198,14 +198,15 @@ def test_the_machine_heats_along_an_exponential_and_loses_torque_when_it_is_hot(
 
     def losses() -> float:
         power, given = bench.get(["electric_power", "torque"])
-        return power - given * 150.0
+        return float(power - given * 150.0)
 
     decay = (5 - slope) / 20e3
     settled = start + (losses() - 300 - 5 * (start - 296.15)) / (5 - slope)
     bench.step(2.0, 300.0)
     assert torque == pytest.approx(200, abs=1e-6)
-    expected = settled + (start - settled) * math.exp(-300 * decay)
-    assert bench.get(["temperature"])[0] == pytest.approx(expected, abs=1e-4)
+    assert bench.get(["temperature"])[0] == pytest.approx(
+        settled + (start - settled) * math.exp(-300 * decay), abs=1e-4
+    )
     entered, left, lost = bench.get(["energy_in", "energy_out", "energy_loss"])
     assert entered == pytest.approx(left + lost, rel=1e-9)
     bench.set({"heat_flow": 20e3})

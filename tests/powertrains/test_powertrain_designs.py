@@ -45,3 +45,21 @@ def test_a_limited_slip_differential_starts_on_split_friction_and_pulls_to_one_s
     assert limited["speed_reached"] > 2 * open_["speed_reached"]
     assert limited["spin"] < 5 < open_["spin"]
     assert limited["offset"] > 1 > open_["offset"]
+
+
+def test_shift_phases_and_a_charger_cost_little_on_the_cycle() -> None:
+    phases, turbo = (
+        metrics("hybrid_cycle", f"powertrain is combustion_dct7_{name}")["litres"] for name in ("phases", "turbo")
+    )
+    assert phases == pytest.approx(5.72, rel=0.01)
+    assert turbo == pytest.approx(5.69, rel=0.01)
+
+
+def test_a_shared_coolant_circuit_warms_the_battery_sooner_and_ages_it_more() -> None:
+    winter, aged = (
+        [metrics(bench, f"powertrain.coolant is coolant_{kind}") for kind in ("separate", "shared")]
+        for bench in ("hybrid_winter", "hybrid_ageing")
+    )
+    assert [found["warm_up"] for found in winter] == pytest.approx([1719, 1265], rel=0.03)
+    assert [found["health"] for found in aged] == pytest.approx([0.596, 0.586], abs=0.01)
+    assert aged[0]["litres"] == pytest.approx(4.24, rel=0.01)
