@@ -376,7 +376,9 @@ def test_the_parts_of_libraries_are_made_again_only_if_a_file_has_changed(tmp_pa
             made.append(kept[tuple(asked)])
         return kept[tuple(asked)]
 
-    written(tmp_path, {**LIBRARY, "Other/package.mo": "package Lib model A Real x = 1; end A; end Lib;"})
+    more = {"Other/package.mo": "package Lib model A Real x = 1; end A; end Lib;"}
+    no_package = {"Lib/Loose/A.mo": "within Lib.Loose; model A Real x = 1; end A;"}
+    written(tmp_path, {**LIBRARY, **more, **no_package})
     first, again = (read_sources("part", "Lib.A", [], [tmp_path], keep=keep) for _ in range(2))
     assert first == again
     assert sorted(first.parts) == ["Lib/A.mo", "Lib/Part/package.mo", "Lib/package.mo", "Other/package.mo"]

@@ -158,6 +158,11 @@ def no_event_kink(t: float, given: Given) -> Values:
     return {"y": [area, area, max(t - 0.7, 0) ** 3 / 3]}
 
 
+@case("NoEventPulse", stop=9.8, events=tuple(k / 2 for k in range(20)), error=1e-6, exchanged=False)
+def no_event_pulse(t: float, given: Given) -> Values:
+    return {"y": math.floor(t) + min(2 * (t % 1), 1)}
+
+
 @case("SquareRootGuard", error=EXACT)
 def square_root_guard(t: float, given: Given) -> Values:
     x = 1 - 2 * t

@@ -83,11 +83,16 @@ static bool dse_place_within(dse_component *m, double time, const double states[
     return is_placed;
 }
 
+#ifndef DSE_BRANCHES
+#define DSE_BRANCHES 0 /* whether there may be branches without events */
+#endif
+
 /* From m->time to *target* with the present inputs. *is_steady*: they have not changed, so the solver may step beyond;
  * its dense output then gives the states at *target*. False on trouble, which is stored. */
 static bool dse_advance(dse_component *m, dse_tell *tell, double target, bool is_steady, double spare) {
     struct dse_solver *s = &m->solver;
-    const double ahead = !is_steady ? 0.0 : DSE_RELATIONS > 0 ? s->span : 1000.0 * s->span;
+    /* A long step may miss crossings, and jumps of branches without events. */
+    const double ahead = !is_steady ? 0.0 : DSE_RELATIONS + DSE_BRANCHES > 0 ? s->span : 1000.0 * s->span;
     const int64_t most = s->past.steps + DSE_MOST_STEPS;
     while (s->end <= target) {
         const double tick = dse_next_tick(m);

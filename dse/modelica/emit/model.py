@@ -56,6 +56,7 @@ def emit(
         "#ifndef DSE_MODEL_H",
         "#define DSE_MODEL_H",
         *size_lines(solved, memory, lean, collected.largest_system),
+        f"#define DSE_BRANCHES {int(solved.flat.graph.uses('if'))}",
         f"#define DSE_SOLVER DSE_{solver.name}_SOLVER",
         f"#define DSE_DEFAULT_TOLERANCE {literal(tolerance)}",
         '#include "arithmetic.h"',
