@@ -1,6 +1,6 @@
 import { deepEqual, equal, ok } from "node:assert/strict";
 import test from "node:test";
-import { Vector3 } from "three";
+import { type InstancedMesh, Mesh, PerspectiveCamera, Vector3 } from "three";
 import { voicesOf } from "../src/drive/sound";
 import { calibrationOf, readWheel } from "../src/drive/wheel";
 import { meaningOf } from "../src/drive/words";
@@ -8,11 +8,11 @@ import { buildCar, type CarKind } from "../src/scene/bodies/cars";
 import { chooseBody } from "../src/scene/bodies/choose";
 import { type HalfRing, loft, openEdges, volume } from "../src/scene/bodies/loft";
 import type { Document, Strip } from "../src/scene/data";
-import { buildLand } from "../src/scene/land";
-import { plant } from "../src/scene/planting";
+import { buildLand, type Land } from "../src/scene/land";
+import { buildPlanting, plant } from "../src/scene/planting";
 import { FINEST, QUALITIES } from "../src/scene/quality";
 import { Resolution } from "../src/scene/resolution";
-import { outerBorders } from "../src/scene/road";
+import { buildRoad, outerBorders } from "../src/scene/road";
 import { RoadMap } from "../src/scene/roadmap";
 import { near } from "./study";
 
@@ -133,7 +133,7 @@ const straight = (y: number, isDriven = true): Strip => ({
   kind: "driving",
 });
 const street = (kind: Document["kind"], objects: Document["objects"] = []): Document =>
-  ({ strips: [straight(0), straight(3.5)], kind, objects, markings: [], signs: [] }) as unknown as Document;
+  ({ strips: [straight(0), straight(3.5)], kind, objects, markings: [], signs: [], areas: [] }) as unknown as Document;
 
 test("only borders with nothing beside them are outer ones", () => {
   const found = outerBorders(street("rural").strips).map(({ line, side }) => [line[1], side]);
@@ -169,6 +169,53 @@ test("what is planted stands beside the road, and is the same each time", () => 
       kind === "town",
     );
   }
+});
+
+test("only plants that a camera sees within its reach are drawn", () => {
+  const document = street("rural");
+  const roads = new RoadMap(document.strips);
+  const land = { height: (): number => 0 } as unknown as Land;
+  const all = plant(document, roads, land).length;
+  const planting = buildPlanting(document, roads, land);
+  const camera = new PerspectiveCamera(50, 1, 0.3, 3500);
+  camera.up.set(0, 0, 1);
+  camera.position.set(300, 0, 2);
+  const drawn = [1, -1].map((ahead) => {
+    camera.lookAt(300 + ahead, 0, 2);
+    camera.updateMatrixWorld();
+    planting.show(camera, 200);
+    const places = planting.group.children.flatMap((child) => {
+      const { count, instanceMatrix } = child as InstancedMesh;
+      return Array.from({ length: count }, (_, i) => instanceMatrix.array[16 * i + 12]!);
+    });
+    ok(places.length > 5);
+    // Half of the largest crown may be in the picture; houses are seen from a little farther.
+    for (const x of places) ok(ahead * (x - 300) > -15 && Math.abs(x - 300) < 260, `${x}`);
+    return places.length;
+  });
+  ok(drawn[0]! + drawn[1]! < all);
+});
+
+test("no marking runs across a zebra crossing, and all of them do without one", () => {
+  const crossing = { place: [450, 0, 12], heading: 0, kind: "crosswalk", size: [4, 40, 0] };
+  const within = (objects: Document["objects"]): number => {
+    let found = 0;
+    buildRoad(street("town", objects)).traverse((each) => {
+      if (!(each instanceof Mesh)) return;
+      const points = each.geometry.getAttribute("position");
+      const index = each.geometry.index;
+      // Marks are 35 mm above the road.
+      for (let i = 0; index && i < index.count; i += 3) {
+        const corners = [0, 1, 2].map((k) => index.getX(i + k));
+        const [low, high] = [Math.min, Math.max].map((of) => of(...corners.map((corner) => points.getX(corner))));
+        if (corners.every((corner) => near(points.getZ(corner), 12.035, 1e-4)) && high! > 448.6 && low! < 451.4)
+          found++;
+      }
+    });
+    return found;
+  };
+  equal(within([crossing as Document["objects"][number]]), 0);
+  ok(within([{ ...crossing, place: [300, 0, 12] } as Document["objects"][number]]) > 0);
 });
 
 test("a file with trees of its own gets no others", () => {

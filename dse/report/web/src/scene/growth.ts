@@ -70,7 +70,7 @@ export function treeShapes(fine: boolean): BufferGeometry[] {
 
 /** A piece of hedge or a bush, 1 m high and 2 m long. */
 export function bushShape(fine: boolean): BufferGeometry {
-  return crown(0.75, 0.62, 3, fine ? 2 : 0)
+  return crown(0.75, 0.62, 3, fine ? 1 : 0)
     .scale(1.5, 0.7, 1)
     .translate(0, 0, 0.4);
 }

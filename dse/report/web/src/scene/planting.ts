@@ -26,7 +26,7 @@ const NEEDLES = [0x4f7048, 0x48684a, 0x587a50];
 const WALLS = [0xe8dcc4, 0xd9c2a0, 0xcfd3d2, 0xe6d3b8, 0xb9a58c, 0xdfe3df, 0xc98f73, 0xe9e2d2, 0xa9b4b0];
 const LAMP = 7; // m
 const MOST = 9000;
-const FINE = 150; // m
+const FINE = 100; // m
 
 type Kind = "leafy" | "broad" | "fir" | "bush" | "house" | "block" | "office" | "lamp" | "post" | "box";
 

@@ -12,7 +12,7 @@ import {
 import { ROAD } from "./asphalt";
 import type { Document, Marking, RoadKind, StandingObject, Strip } from "./data";
 import { ALL_LIT, LIT, lit, painted } from "./light";
-import { type Line, Ribbons } from "./ribbons";
+import { type Line, Ribbons, refined } from "./ribbons";
 
 const ASPHALT = 0x66696e;
 const WORN = 0x5e6166; // where wheels roll
@@ -82,7 +82,10 @@ export function buildRoad(document: Document): Object3D {
   const drawn = new Ribbons();
   const crossings = document.objects.filter(({ kind }) => kind === "crosswalk");
   const isFree = (x: number, y: number): boolean => !crossings.some((each) => isOn(each, x, y));
-  for (const mark of marks) draw(mark, DASHES[document.kind], drawn, isFree);
+  for (const mark of marks) {
+    const isNear = crossings.some(({ place: [x, y] }) => passes(mark.line, x, y));
+    draw(isNear ? { ...mark, line: refined(mark.line, 0.5) } : mark, DASHES[document.kind], drawn, isFree);
+  }
   group.add(drawn.group(MARK));
   for (const [outline, friction] of document.areas) group.add(slippery(outline, friction));
   return group;
@@ -96,6 +99,16 @@ export function laid(points: number[], corners: number[], colour: number): Mesh 
   geometry.setAttribute("normal", new Float32BufferAttribute(up, 3));
   geometry.setIndex(corners);
   return new Mesh(painted(geometry, colour), LIT);
+}
+
+/** Whether *line* may come within *reach* m of a place. */
+function passes(line: Line, x: number, y: number, reach = 30): boolean {
+  for (let i = 0; i + 5 < line.length; i += 3) {
+    const [dx, dy] = [line[i + 3]! - line[i]!, line[i + 4]! - line[i + 1]!];
+    const middle = Math.hypot(line[i]! + dx / 2 - x, line[i + 1]! + dy / 2 - y);
+    if (middle < reach + Math.hypot(dx, dy) / 2) return true;
+  }
+  return false;
 }
 
 /** Whether a place is on an object of the road's file. */
