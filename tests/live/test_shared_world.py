@@ -94,6 +94,50 @@ def test_a_brake_is_seen_by_another_car_within_three_steps_and_recordings_give_t
     assert {score.driver for score in board.scores} == {"Ada", "Bea"}
 
 
+@pytest.mark.thorough
+@pytest.mark.usefixtures("kept_cache")
+@pytest.mark.parametrize("name", ["drive_motorway", "drive_town"])
+def test_all_cars_see_one_traffic_and_recordings_give_the_same_bits(name: str, tmp_path: Path) -> None:
+    opened = open_workspace(Path(__file__).parents[2])
+    bench = opened.benches[name].noun
+    world = SharedWorld(bench.simulation.step, most=64, grace=PATIENT)
+    lives = [open_shared_drive(bench, world, driver=driver, script=Script((), ())) for driver in ("Ada", "Bea")]
+    try:
+        assert world.most == 16  # so many cars the traffic reacts to
+        for live in lives:
+            live.start()
+        for live in lives:
+            at(live, 3.0)
+        drives = [over(live) for live in lives]
+    finally:
+        for live in lives:
+            live.close()
+        world.close()
+    assert not world.problem
+    kept = Drives(tmp_path / "drives", opened.files)
+    seen = []
+    for drive in drives:
+        columns = drive.inputs
+        rows: dict[tuple[float, float], float] = {}
+        for slot in range(1, 9):
+            other = {port: columns[f"other{slot}.{port}"] for port in ("id", "station", "speed")}
+            users = other["id"] >= 1_000_000
+            assert np.all(columns[f"other{slot}.path"][users] >= 0)
+            rows |= dict.fromkeys(zip(other["id"][users], other["station"][users], strict=True), 0.0)
+            # No road user jumps while it is in a slot.
+            same = users[1:] & (np.diff(other["id"]) == 0)
+            assert np.all(np.abs(np.diff(other["station"])[same]) < 1.0)
+        seen.append(rows.keys())
+        kept.add(drive)
+    # Both are told the same: stations of one road user in one step are the same bits.
+    assert len(seen[0] & seen[1]) > 100
+    if name == "drive_town":
+        # The lights of both follow the world: whoever began later is that much ahead.
+        assert all(np.ptp(drive.inputs["clock"][1:]) == 0 for drive in drives)
+    checked = list(kept.check())
+    assert [each.is_same and each.was_noted for each in checked] == [True, True], checked
+
+
 def ended_at(live: SharedDrive, row: int) -> float:
     """The station of the middle of its car at this row of its run."""
     run = live.session.ended.run
@@ -105,6 +149,7 @@ def test_one_leaves_and_its_car_with_it_while_the_other_drives_on(seat, world: S
     first, second = seat("Ada"), seat("Bea")
     first.start()
     second.start()
+    at(first, 0.1)
     at(second, 0.2)
     first.close()
     assert [place.number for place in world.places] == [2]

@@ -52,6 +52,9 @@ def test_a_driven_path_has_the_height_of_its_road() -> None:
     line = np.linspace(0.0, 10.0, 3)
     text = scenario_text([DrivenEntity("Ego", 1, (4.6, 1.8, 1.5), line, line, 0 * line, 0.06 * line, 0 * line)], "", "")
     assert 'x="5.000000" y="0.000000" z="0.300000" h="0.000000"' in text
+    # A player moves the box if the rear axle is not at the position.
+    assert '<RearAxle maxSteering="0.5" wheelDiameter="0.65" trackWidth="1.5" positionZ="0.32" positionX="0"/>' in text
+    assert '<Center x="0" y="0" z="0.75"/>' in text
 
 
 @pytest.mark.thorough

@@ -75,7 +75,9 @@ def _object(each: DrivenEntity) -> Iterator[str]:
         axle = 'maxSteering="0.5" wheelDiameter="0.65" trackWidth="1.5" positionZ="0.32"'
         yield f'  <Vehicle name="{_CATEGORIES[each.class_]}" vehicleCategory="{_CATEGORIES[each.class_]}">{box}'
         yield '    <Performance maxSpeed="100" maxAcceleration="20" maxDeceleration="20"/>'
-        yield f'    <Axles><FrontAxle {axle} positionX="1.3"/><RearAxle {axle} positionX="-1.3"/></Axles>'
+        # Players place the rear axle where the position is, and move the box with it: so its middle is there.
+        front = f'{axle} positionX="{0.4 * length:.6g}"'
+        yield f'    <Axles><FrontAxle {front}/><RearAxle {axle} positionX="0"/></Axles>'
         yield "    <Properties/></Vehicle>"
     elif each.class_ == _PEDESTRIAN:
         kind = 'name="pedestrian" mass="75" pedestrianCategory="pedestrian" model="pedestrian"'
