@@ -294,11 +294,11 @@ class SharedWorld:
         self._choose(place)
         values: dict[str, float] = {"clock": round(self.time - (place.time or 0.0), 9)} if place.has_clock else {}
         for slot, number in enumerate(place.shown, 1):
-            told = self._told(place, number)
+            told = self._seen(place, number)
             values |= {f"other{slot}.{name}": told.get(name, 0.0) for name in place.fields}
         return values
 
-    def _told(self, place: Place, number: int) -> dict[str, float]:
+    def _seen(self, place: Place, number: int) -> dict[str, float]:
         """What *place* is told of that *number*, a step ahead of what is known of it."""
         other = self._places.get(number)
         if other and other.state:
