@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Protocol
 
 import numpy as np
@@ -295,7 +296,7 @@ class SharedWorld:
         values: dict[str, float] = {"clock": round(self.time - (place.time or 0.0), 9)} if place.has_clock else {}
         for slot, number in enumerate(place.shown, 1):
             told = self._seen(place, number)
-            values |= {f"other{slot}.{name}": told.get(name, 0.0) for name in place.fields}
+            values |= {label: told.get(name, 0.0) for name, label in _labels(place.fields, slot)}
         return values
 
     def _seen(self, place: Place, number: int) -> dict[str, float]:
@@ -338,6 +339,11 @@ class SharedWorld:
         with suppress(OSError):  # nobody takes it: its process ends
             if place.line:
                 place.line.send(pack(packet))
+
+
+@cache
+def _labels(fields: tuple[str, ...], slot: int) -> tuple[tuple[str, str], ...]:
+    return tuple((name, f"other{slot}.{name}") for name in fields)
 
 
 def _nothing() -> None:
