@@ -127,15 +127,16 @@ class Users:
         return [_FIRST_USER + int(each) for each in self.columns["id"]]
 
     @cached_property
-    def _rows(self) -> dict[int, int]:
-        return {number: row for row, number in enumerate(self.numbers)}
+    def _rows(self) -> dict[int, tuple[float, ...]]:
+        rows = zip(*(values.tolist() for values in self.columns.values()), strict=True)
+        return dict(zip(self.numbers, rows, strict=True))
 
     def mover(self, number: int, ahead: float) -> dict[str, float]:
         """The one with that *number*, *ahead* s later; nothing if it is not there."""
         row = self._rows.get(number)
         if row is None:
             return {}
-        mover = {name: float(values[row]) for name, values in self.columns.items()}
+        mover = dict(zip(self.columns, row, strict=True))
         mover["id"] = float(number)
         mover["station"] += mover["speed"] * math.cos(mover["turn"]) * ahead
         mover["offset"] += mover["speed"] * math.sin(mover["turn"]) * ahead

@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Protocol
 
 import numpy as np
@@ -294,11 +295,11 @@ class SharedWorld:
         self._choose(place)
         values: dict[str, float] = {"clock": round(self.time - (place.time or 0.0), 9)} if place.has_clock else {}
         for slot, number in enumerate(place.shown, 1):
-            told = self._inputs_of(place, number)
-            values |= {f"other{slot}.{name}": told.get(name, 0.0) for name in place.fields}
+            told = self._seen(place, number)
+            values |= {label: told.get(name, 0.0) for name, label in _labels(place.fields, slot)}
         return values
 
-    def _inputs_of(self, place: Place, number: int) -> dict[str, float]:
+    def _seen(self, place: Place, number: int) -> dict[str, float]:
         """What *place* is told of that *number*, a step ahead of what is known of it."""
         other = self._places.get(number)
         if other and other.state:
@@ -338,6 +339,11 @@ class SharedWorld:
         with suppress(OSError):  # nobody takes it: its process ends
             if place.line:
                 place.line.send(pack(packet))
+
+
+@cache
+def _labels(fields: tuple[str, ...], slot: int) -> tuple[tuple[str, str], ...]:
+    return tuple((name, f"other{slot}.{name}") for name in fields)
 
 
 def _nothing() -> None:

@@ -83,7 +83,7 @@ def traffic_of(
     seen |= {f"{name}.{each[0]}": ports[each[0]].type for each in users}
     inputs = [_port(f"sees.n{number}", Causality.INPUT, type_) for number, type_ in enumerate(seen.values(), 1)]
     outputs = [_port(each, Causality.OUTPUT, type_) for each, type_ in {**given, **own_signals()}.items()]
-    # Nobody may drive for any time, and the clock stands still then.
+    # The clock stops while no car is driven, for any time.
     component = link(part, (*inputs, *outputs), LinkMode.LOCKSTEP, _LONGEST)
     ways = {f"{part.name}.{each}": end for each, end in ends.items()}
     ways |= {end: f"{part.name}.{port.name}" for end, port in zip(seen, inputs, strict=True)}
@@ -170,7 +170,7 @@ class TrafficSession(Session):
         return self._sent
 
     def look(self, packet: Packet, lateness: float, overruns: int) -> None:
-        """Nobody looks at it but the cars."""
+        """Only the cars see it."""
 
     def _talk(self) -> None:
         super()._talk()
