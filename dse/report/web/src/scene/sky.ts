@@ -61,7 +61,7 @@ export function buildSky(scene: Scene, source: Source): Sky {
       const at = (name: string): number => source.at(`weather.${name}`, time);
       const [dark, haze, wet, white] = [at("darkness"), at("fog"), Math.max(at("rain"), 0), Math.max(at("snow"), 0)];
       const thick = haze + veil(wet, 0.37e-3) + veil(white, 3e-3);
-      const dull = Math.min(1, thick / 0.0015);
+      const dull = Math.min(1, Math.max(thick / 0.0015, covered(wet + white)));
       placeSun(source, time, dark);
       AIR.sunShare.value = (1 - dull) * (1 - Math.min(1, 2 * dark));
       AIR.wetness.value = source.has("weather.water")
@@ -113,6 +113,11 @@ function placeSun(source: Source, time: number, dark: number): void {
 /** What falls takes from the sight, in 1/m: heavy rain lets one see 1.5 km, snow of as much water a tenth of that. */
 function veil(rate: number, share: number): number {
   return share * (Math.max(rate, 0) * 3.6e6) ** 0.63;
+}
+
+/** Which part of the sky is covered where so much falls, in m/s of water: half for a drizzle of 0.1 mm/h. */
+function covered(rate: number): number {
+  return Math.min(0.94, (rate * 3.6e6) ** 0.3);
 }
 
 /** The dome from the zenith (above) to below the horizon, with fair-weather clouds. */
