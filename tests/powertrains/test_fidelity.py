@@ -24,7 +24,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path
     return built_before(tmp_path_factory.mktemp("fidelity"))
 
 
-@pytest.mark.thorough
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize("share", [0.0, 0.6, 1.0])
 @pytest.mark.parametrize(
     ("torque", "speed", "seen", "torque_first"),
@@ -118,7 +118,7 @@ def test_a_charged_engine_with_manifold_follows_scipy_and_keeps_its_energy(asked
     assert np.abs(found[:, 2] - found[:, 3] - found[:, 4]).max() < 1e-9 * found[-1, 2]
 
 
-@pytest.mark.thorough
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(("rate", "factor"), [(0.5, 31630), (2.0, 21681), (6.0, 12934), (10.0, 15512), (25.0, 15512)])
 def test_capacity_is_lost_as_published(rate: float, factor: float, cache: Path) -> None:
     """Wang 2011 and Naumann 2018 as printed, half an hour each at 25 and 40 degrees, damage added up along each law."""

@@ -6,7 +6,7 @@ block Ageing
    beyond these count as 0.5 and 10). By time: M. Naumann et al.,
    Journal of Energy Storage 17 (2018), 153: loss = 1.2571e-5/s^0.5*exp(-17126/8.314*(1/T - 1/298.15))*(2.8575*(soc - 0.5)^3
    + 0.60225)*t^0.5. Both are summed. Integrated are the powers of the losses that grow linearly, so that rate and
-   temperature may change (damage adds up along each law). The run may stand for many like it"
+   temperature may change (damage adds up along each law). One run can represent many"
   parameter Real capacity(unit="C", min=3600, max=3.6e6) "Of the new battery";
   parameter Real throughput_factor(min=0) = 1 "Charge through the battery counts so many times";
   parameter Real time_factor(min=0) = 1 "Time counts so many times";
