@@ -10,6 +10,7 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import wait
+from pathlib import Path
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from dse.domain.run import Run
 from dse.live.driver_in_the_loop import DriverInTheLoop
 from dse.live.others import State
 from dse.live.packet import Flag, Packet
-from dse.live.session import OWN_VALUES, TURN, Patience, Seen, Session, Why
+from dse.live.session import OWN_VALUES, TURN, Ended, Patience, Seen, Session, Why
 from dse.live.shared_world import Place, SharedWorld
 from dse.testbench import PreparedBench
 
@@ -102,6 +103,10 @@ class SeatSession(Session):
         seen = self._seen
         assert seen is not None  # noqa: S101  # just looked
         self._seen = Seen(seen.time, lateness, overruns, seen.echo, seen.values)
+
+    def _made(self, folder: Path) -> Ended:
+        self.world.await_traffic()
+        return super()._made(folder)
 
     def _attend(self, line: socket.socket, process: multiprocessing.process.BaseProcess) -> tuple[Why, str] | None:
         began = time.monotonic()

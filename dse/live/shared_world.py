@@ -28,7 +28,7 @@ from dse.live.packet import Flag, Packet, PacketError, pack, unpack
 MOST_SEATS = 64
 _GIVEN_UP = 0.1
 """Seconds: a longer delay is not caught up."""
-_SLEPT = 0.001
+_SLEPT, _LOOK = 0.001, 0.02
 _LARGEST = 1 << 17
 _MOST_AT_ONCE = 64
 _SPACING, _CLEAR, _MOST_PLACES = 20.0, 60.0, 100
@@ -161,9 +161,8 @@ class SharedWorld:
         with self._lock:
             place.seat, place.line = seat, line
             self._selector.register(line, selectors.EVENT_READ, place)
-            if place.number and self._open and self._traffic is None:
-                self._traffic = Place(0, Car(), 0.0, (), [])
-                self._end = self._open(self._traffic)
+            if place.number:
+                self._begin_traffic()
             self._wake()
         try:
             yield
@@ -174,6 +173,19 @@ class SharedWorld:
                 is_last = not any(each.line for each in self._places.values())
             if place.number and is_last:
                 self._end_traffic()
+
+    def await_traffic(self) -> None:
+        """Wait until the traffic, if there is any, is ready for the first step, or has ended."""
+        with self._lock:
+            self._begin_traffic()
+            place = self._traffic
+        while place and place is self._traffic and not (place.request or place.was_answered):
+            time.sleep(_LOOK)
+
+    def _begin_traffic(self) -> None:
+        if self._open and self._traffic is None and not self._closed:
+            self._traffic = Place(0, Car(), 0.0, (), [])
+            self._end = self._open(self._traffic)
 
     def _end_traffic(self) -> None:
         with self._lock:

@@ -174,6 +174,7 @@ class TrafficSession(Session):
 
     def _talk(self) -> None:
         super()._talk()
+        self.world.leave(self.place)  # also if it never came to take part
         if self._ended and self._ended.why is Why.CRASHED:
             self.world.problem = f"the traffic has ended: {self._ended.text}"
 
