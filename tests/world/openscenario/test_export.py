@@ -18,7 +18,7 @@ ROAD = opendrive(road("1", geometry(0.0, 0.0, 0.0, 0.0, 500.0), 500.0, section(0
 
 def driven(name: str, class_: int, first: float, last: float) -> DrivenEntity:
     times = np.linspace(first, last, 11)
-    return DrivenEntity(name, class_, (4.0, 1.8, 1.5), times, 20.0 * times, 0 * times - 1.75, 0 * times)
+    return DrivenEntity(name, class_, (4.0, 1.8, 1.5), times, 20.0 * times, 0 * times - 1.75, 0 * times, 0 * times)
 
 
 def written(folder: Path, *entities: DrivenEntity) -> Path:
