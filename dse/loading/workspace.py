@@ -225,7 +225,8 @@ class Workspace:
         found = dict(self.units)
         with suppress(DseError):  # who reads the file tells of it
             named = read_document(path, self.root)[key]
-            for name in named.data if isinstance(named.data, list) else [named.data]:
+            names = named.data if named.is_there else None
+            for name in names if isinstance(names, list) else [names]:
                 if isinstance(name, str):
                     found |= find(name, named.where).units
         return found
