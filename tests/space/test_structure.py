@@ -295,6 +295,12 @@ def test_wires_come_back_from_a_written_design(wired, tmp_path):
     assert "radar.n1.target -> fusion.n2.target_1 if feeds.fusion_2 is radar_1" in text
 
 
+def test_rules_over_instances_of_which_none_is_left_hold(folder):
+    rules = "{same: {same_choice: [p]}, apart: {all_different: [p]}, all: {require: each(p is A)}}"
+    space = space_of(folder, "p: {times: 0..1, alternatives: [A, B]}", rules=rules)
+    assert count(read(folder, write_design(open_space(space).refined(["p.n1=absent"])))) == 1
+
+
 FORMS = """\
 design: tried
 title: All forms

@@ -96,8 +96,8 @@ class _Unfolder:
             case Call("ordered", span=span):
                 return self.every([self.in_order(a, b, span) for a, b in pairwise(self.places(node))], span)
             case Call("same_choice", (Name(path),), span=span) if path in self.known.of:
-                first, *others = self.known.of[path]
-                alike = [_guarded((other,), _same([first, other], span), span) for other in others]
+                of = self.known.of[path]  # none in a design that was refined so
+                alike = [_guarded((other,), _same([of[0], other], span), span) for other in of[1:]]
                 return self.every(alike, span)
             case Call("each", span=span):
                 if len(node.arguments) != 1:
