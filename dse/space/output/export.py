@@ -5,10 +5,11 @@ The same rows give the same bytes. A file appears under its name only once it is
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from itertools import chain
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -31,18 +32,16 @@ RowWriter = Callable[[Sheet, Iterable[Rows], BinaryIO], int]
 
 def write_csv(sheet: Sheet, blocks: Iterable[Rows], stream: BinaryIO) -> int:
     """UTF-8 CSV with the sheet's headings; a place where nothing is chosen is an empty cell, and so is an empty sum."""
-    stream.write((",".join(map(_csv_cell, sheet.headings)) + "\n").encode())
-    cells = Lookup([(number, [*map(_csv_cell, place.names), ""]) for number, place in enumerate(sheet.places)])
+    text = TextIOWrapper(stream, "utf-8", newline="", write_through=True)
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(sheet.headings)
     written = 0
     for rows in blocks:
-        sums = [[_csv_number(value) for value in total.values(rows).tolist()] for total in sheet.totals]
-        chosen = cells.of(sheet.codes(rows))  # type: ignore[arg-type]  # codes index a lookup as values do
-        lines = (
-            ",".join(chain(*cell))
-            for cell in zip(_alone(sheet.ids(rows)), chosen, _across(sums, len(rows)), strict=True)
-        )
-        stream.write(("\n".join(lines) + "\n").encode())
+        sums = [["" if math.isnan(v) else v for v in total.values(rows).tolist()] for total in sheet.totals]
+        chosen = (place.chosen(rows) for place in sheet.places)
+        writer.writerows(zip(sheet.ids(rows), *chosen, *sums, strict=True))
         written += len(rows)
+    text.detach()
     return written
 
 
@@ -165,18 +164,6 @@ def _json_sums(name: str, unit: str, values: Floats) -> list[str]:
 
 def _json(text: str) -> str:
     return json.dumps(text, ensure_ascii=False)
-
-
-def _csv_cell(text: str) -> str:
-    return '"' + text.replace('"', '""') + '"' if any(character in text for character in ',"\r\n') else text
-
-
-def _csv_number(value: float) -> str:
-    return "" if math.isnan(value) else repr(value)
-
-
-def _alone(texts: Iterable[str]) -> Iterator[tuple[str]]:
-    return ((text,) for text in texts)
 
 
 def _across(columns: list[list[str]], length: int) -> Iterable[tuple[str, ...]]:
