@@ -13,10 +13,8 @@ from scipy.stats import chisquare
 
 from dse.space.decisions import alternatives
 from dse.space.methods.completion.completion import Completion, DiagramCompletion, NarrowedCompletion
-from dse.space.methods.completion.graph import GraphCompletion
 from dse.space.methods.completion.layers import LayeredCompletion
 from dse.space.methods.completion.preferences import Preference, PreferenceReader
-from dse.space.methods.dnnf.compile import compile_dnnf
 from dse.space.methods.dnnf.trim import UnsupportedError
 from dse.space.methods.engine import Engine
 
@@ -26,10 +24,6 @@ Way = Callable[[Engine], Completion]
 def layered(engine: Engine) -> Completion:
     assert engine.expanded is not None
     return LayeredCompletion(engine.expanded)
-
-
-def by_graph(engine: Engine) -> Completion:
-    return GraphCompletion.of(compile_dnnf(engine.flat))
 
 
 def beside_sums(engine: Engine) -> Completion:
@@ -42,7 +36,7 @@ def narrowed_without_a_diagram(engine: Engine) -> Completion:
     return NarrowedCompletion(without_diagram(engine))
 
 
-WAYS: tuple[Way, ...] = (layered, by_graph, beside_sums, NarrowedCompletion, narrowed_without_a_diagram)
+WAYS: tuple[Way, ...] = (layered, beside_sums, NarrowedCompletion, narrowed_without_a_diagram)
 
 
 @pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)

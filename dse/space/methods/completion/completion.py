@@ -9,7 +9,6 @@ import numpy as np
 
 from dse.space.flat import Bools, Ints, Rows
 from dse.space.methods.budget import TooMuchError
-from dse.space.methods.completion.graph import GraphCompletion
 from dse.space.methods.completion.layers import LayeredCompletion
 from dse.space.methods.completion.preferences import Preference
 from dse.space.methods.engine import Engine
@@ -40,17 +39,15 @@ class Completion(Protocol):
 
 
 def completion(engine: Engine) -> Completion:
-    """By the diagram of all rules, else the graph of all rules, else by narrowing. Raises DseError if there is no row.
+    """By the diagram of all rules, else by narrowing. Raises DseError if there is no row.
 
-    A pass over a diagram of ten thousand nodes takes half a millisecond, one over a graph of so many some 20 ms; to
-    narrow and search takes from 10 ms up to seconds, where the sums that no diagram holds stand in the way.
+    A pass over a diagram of ten thousand nodes takes half a millisecond; to narrow and search takes from 10 ms up to
+    seconds, where the sums that no diagram holds stand in the way, or there is no diagram.
     """
     if engine.is_empty():
         raise engine.nothing()
     if engine.expanded is not None:
         return LayeredCompletion(engine.expanded)
-    if engine.diagram is None and engine.clausal.graph is not None:
-        return GraphCompletion.of(engine.clausal.graph)
     return NarrowedCompletion(engine) if engine.diagram is None else DiagramCompletion(engine, engine.diagram)
 
 

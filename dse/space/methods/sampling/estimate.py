@@ -1,23 +1,20 @@
 """How many valid rows there are, and how often each value occurs in them, estimated with an honest interval.
 
-Rows drawn from the tilted diagram count 1 / probability if they are valid. Each batch of them is drawn in strata, and
-its first halves are crossed with all second halves that start from the same node, so that a few thousand draws speak
-for millions of rows (a two-sample U-statistic: Hoeffding 1948; Lee 1990). Batches are independent and unbiased; the
-interval is Student's, over the means of the batches, whose number was settled by a pilot that is thrown away.
+Rows drawn from the tilted diagram count 1 / probability if they are valid. Batches of them are independent and
+unbiased; the interval is Student's, over the means of the batches, whose number was settled by a pilot that is thrown
+away.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, exp, floor, log, sqrt
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dse.space.flat import FlatSpace, Floats, Ints, Linear, Rows
+from dse.space.flat import FlatSpace, Floats, Ints, Rows
 from dse.space.methods.mdd.diagram import DecisionDiagram, count, occurrences
 from dse.space.methods.sampling.sample import (
     MOST_DRAWN_CELLS,
@@ -28,8 +25,7 @@ from dse.space.methods.sampling.sample import (
     tilted_walks,
     walk,
 )
-from dse.space.methods.sampling.segments import draw, halves
-from dse.space.methods.sampling.tilt import EmptyError, Tilt, TooRareError, slopes, tilt
+from dse.space.methods.sampling.tilt import EmptyError, TooRareError, tilt
 from dse.space.methods.sampling.uniform import generator
 from dse.space.methods.tally import Tally
 
@@ -44,13 +40,7 @@ _SPARE = 1.2
 """More batches than the pilot asks for, as it may have been lucky."""
 _VAGUE = 0.3
 """A relative half-width above which the mean is not near enough to normal for an interval."""
-_CROSSED = 1024
-_ROWS_AT_A_TIME = 256
-_WIDEST = 600.0
 _NORMAL = 1.959963984540054
-
-EstimateBatch = Callable[[np.random.Generator], float]
-"""A draw of an unbiased estimate, in a unit of its own."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,18 +49,6 @@ class Shares:
 
     shares: tuple[Floats, ...]
     half_widths: tuple[Floats, ...]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Halves:
-    """Halves of rows: the *node* in the middle, *sums* of shape (rules, rows), logarithms of what they count."""
-
-    node: NDArray[np.int32]
-    sums: Ints
-    energy: Floats
-
-    def taken(self, places: NDArray[np.intp]) -> _Halves:
-        return _Halves(self.node[places], self.sums[:, places], self.energy[places])
 
 
 def estimate(
@@ -96,9 +74,14 @@ def estimate(
     if not tilted.linears and not wide:
         return Tally(count(diagram))
     depth = len(diagram.layers) + 1
-    size = min(size, rows_at_once(diagram)) if wide else size
+    size = min(size, rows_at_once(diagram))
     most_draws = min(most_draws, MOST_DRAWN_CELLS // depth)
-    batch, log_unit = _by_rows(diagram, tilted, size) if wide else _by_halves(diagram, tilted, size)
+    walks = tilted_walks(diagram, tilted)
+
+    def batch(random: np.random.Generator) -> float:
+        walked = walk(walks, random, size)
+        return float(floor_share(walks, walked)[meets(walks, walked.rows)].sum()) / size
+
     pilot, main = generator(seed).spawn(2)
     first = np.array([batch(pilot) for _ in range(_PILOT)])
     mean = float(first.mean())
@@ -110,7 +93,7 @@ def estimate(
     half = _student(batches) * float(means.std(ddof=1)) / sqrt(batches)
     if half >= _VAGUE * mean:
         raise TooRareError
-    value, low, high = (_scaled(log_unit, number) for number in (mean, mean - half, mean + half))
+    value, low, high = (_scaled(-walks.log_floor, number) for number in (mean, mean - half, mean + half))
     # At least one is valid, or no interval could be stated, and no more than the diagram holds.
     most = count(diagram)
     inside = [min(max(end, 1), most) for end in (round(value), floor(low), ceil(high))]
@@ -148,76 +131,6 @@ def exact_shares(times: Iterable[Sequence[int]], total: int) -> Shares:
     least = np.nextafter(0.0, 1.0)
     shares = [np.array([max(float(Fraction(n, total)), least) if n else 0.0 for n in found]) for found in times]
     return Shares(tuple(shares), tuple(np.zeros_like(share) for share in shares))
-
-
-def _by_halves(diagram: DecisionDiagram, tilted: Tilt, size: int) -> tuple[EstimateBatch, float]:
-    """A batch of crossed halves, and the logarithm of its unit."""
-    first, second = halves(diagram, tilted)
-    slope = slopes(tilted)
-    rules = len(tilted.linears)
-
-    def batch(random: np.random.Generator) -> float:
-        _, middle, head = draw(first, np.zeros(size, np.int32), rules, random)
-        places, _, tail = draw(second, middle, rules, random)
-        # Drawn in strata, the second halves are in order; crossed must be what is at random.
-        mixed = random.permutation(size)
-        heads = _Halves(middle, head, -(slope @ head) - anchor)
-        after = _Halves(middle[places], tail, -(slope @ tail))
-        return _crossed(tilted.linears, heads, after.taken(mixed)) / size
-
-    anchor = float(tilted.multipliers @ np.array([float(cut.high) for cut in tilted.cuts]))
-    return batch, tilted.log_bound
-
-
-def _by_rows(diagram: DecisionDiagram, tilted: Tilt, size: int) -> tuple[EstimateBatch, float]:
-    """The same for rows drawn decision by decision, as the rules that are no sums need them."""
-    walks = tilted_walks(diagram, tilted)
-
-    def batch(random: np.random.Generator) -> float:
-        walked = walk(walks, random, size)
-        return float(floor_share(walks, walked)[meets(walks, walked.rows)].sum()) / size
-
-    return batch, -walks.log_floor
-
-
-def _crossed(linears: tuple[Linear, ...], heads: _Halves, tails: _Halves) -> float:
-    """The sum over the heads of what each counts, averaged over tails from the same node."""
-    heads, tails = (half.taken(np.argsort(half.node, kind="stable")) for half in (heads, tails))
-    ends = np.flatnonzero(np.append(np.diff(heads.node) != 0, True)) + 1
-    total = 0.0
-    for start, end in zip([0, *ends[:-1].tolist()], ends.tolist(), strict=True):
-        # A group of thousands gains little from pairs that it can do without.
-        for low in range(start, end, _CROSSED):
-            group = np.arange(low, min(low + _CROSSED, end))
-            total += _pairs(linears, heads.taken(group), tails.taken(group)) / len(group)
-    return total
-
-
-def _pairs(linears: tuple[Linear, ...], heads: _Halves, tails: _Halves) -> float:
-    """The sum of what all pairs count that meet the rules."""
-    top = float(tails.energy.max())
-    spread = top - float(tails.energy.min())
-    if spread > _WIDEST or float(heads.energy.max()) + top > _WIDEST + spread:
-        raise TooRareError
-    exact = np.dtype(np.float32 if spread < 60 else np.float64)
-    tail_counts: NDArray[Any] = np.exp(tails.energy - top).astype(exact)
-    head_counts = np.exp(heads.energy + top)
-    total = 0.0
-    for start in range(0, len(head_counts), _ROWS_AT_A_TIME):
-        rows = slice(start, start + _ROWS_AT_A_TIME)
-        valid = np.ones((len(head_counts[rows]), len(tail_counts)), np.bool_)
-        for linear, head, tail in zip(linears, heads.sums[:, rows], tails.sums, strict=True):
-            if linear.high is not None:
-                valid &= _narrow(tail) <= _narrow(linear.high - head)[:, None]
-            if linear.low is not None:
-                valid &= _narrow(tail) >= _narrow(linear.low - head)[:, None]
-        total += float(head_counts[rows] @ (valid.astype(exact) @ tail_counts))
-    return total
-
-
-def _narrow(sums: Ints) -> NDArray[np.int32] | Ints:
-    """In 32 bits if they hold it: compared in half the time."""
-    return sums.astype(np.int32) if len(sums) and int(np.abs(sums).max()) < 1 << 31 else sums
 
 
 def _scaled(log_unit: float, number: float) -> Fraction:

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.space.flat import Floats, Ints, Linear
-from dse.space.methods.listing.bounds import Cut, cuts_of, stacked
+from dse.space.methods.listing.bounds import cuts_of, stacked
 from dse.space.methods.mdd.diagram import DecisionDiagram, extremes
 
 _ITERATIONS = 80
@@ -56,14 +56,13 @@ class Masses:
 class Tilt:
     """The best tilt of a diagram.
 
-    *linears* are the sum rules that some path breaks, without the sides that none breaks; *cuts* their sides,
-    *multipliers* >= 0 one for each. *energies* are logarithms of weights per layer, shape (values + 1,); *masses*
+    *linears* are the sum rules that some path breaks, without the sides that none breaks; *multipliers* >= 0 one for
+    each side. *energies* are logarithms of weights per layer, shape (values + 1,); *masses*
     those of the nodes per layer, the terminal's included. The number of valid rows is at most exp(*log_bound*), and
     *rounding* bounds the relative error of that and of the weight of any row.
     """
 
     linears: tuple[Linear, ...]
-    cuts: tuple[Cut, ...]
     multipliers: Floats
     energies: tuple[Floats, ...]
     masses: tuple[Masses, ...]
@@ -96,21 +95,7 @@ def tilt(diagram: DecisionDiagram) -> Tilt:
     energies = tuple(_energies(problem, multipliers))
     masses = tuple(node_masses(diagram, energies))
     log_bound = log_mass(masses[0]) + float(multipliers @ problem.bounds)
-    return Tilt(linears, cuts, multipliers, energies, masses, log_bound, _rounding(problem, multipliers))
-
-
-def slopes(tilted: Tilt) -> Floats:
-    """By how much the logarithm of a row's weight grows with each sum; shape (sums,)."""
-    found = np.zeros(len(tilted.linears))
-    place = 0
-    for number, linear in enumerate(tilted.linears):
-        if linear.high is not None:
-            found[number] -= tilted.multipliers[place]
-            place += 1
-        if linear.low is not None:
-            found[number] += tilted.multipliers[place]
-            place += 1
-    return found
+    return Tilt(linears, multipliers, energies, masses, log_bound, _rounding(problem, multipliers))
 
 
 def node_masses(diagram: DecisionDiagram, energies: Sequence[Floats]) -> list[Masses]:
