@@ -56,7 +56,7 @@ def test_a_run_on_a_bench_drives_again_as_it_did(tmp_path: Path) -> None:
     for name in ("Ego", "Actor1"):
         poses = text.split(f'<Trajectory name="{name}"')[1].split("</Polyline>")[0]
         rows = [part.split('"')[1::2] for part in poses.split("<Vertex ")[1:]]
-        for time, x, y, _ in (tuple(map(float, row)) for row in rows[1:-1]):
+        for time, x, y, *_ in (tuple(map(float, row)) for row in rows[1:-1]):
             at = round(time / 0.01)
             assert played.poses[f"{name}.x"][at] == pytest.approx(x, abs=0.01)
             assert played.poses[f"{name}.y"][at] == pytest.approx(y, abs=0.01)
