@@ -99,8 +99,8 @@ def test_estimates_are_unbiased(small_batches):
 
 def test_the_same_seed_gives_the_same_estimate(small_batches):
     diagram = compile_diagram(CASES["a band"][0])
-    assert estimate(diagram, 4) == estimate(diagram, 4)
-    assert estimate(diagram, 4) != estimate(diagram, 5)
+    assert estimate(diagram, 4, 0.05) == estimate(diagram, 4, 0.05)
+    assert estimate(diagram, 4, 0.05) != estimate(diagram, 5, 0.05)
 
 
 @pytest.mark.thorough
