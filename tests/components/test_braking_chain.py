@@ -99,6 +99,7 @@ def braking(chain: Chain, bodies: list[Body], seeds: int, contact: float) -> lis
 
 @pytest.mark.parametrize("brake", ["two_stage_aeb", "aeb_early", "aeb_late"])
 @pytest.mark.parametrize("eyes", EYES)
+@pytest.mark.thorough
 def test_no_brake_begins_while_a_new_track_has_no_certain_speed(new_part: NewPart, eyes: str, brake: str) -> None:
     """A stationary car 5.5 s ahead: without errors braking begins when c lost_time + c^2/(2 required) + gap is left."""
     speed, seeds = 60 * KMH, 15

@@ -26,6 +26,7 @@ def workspace() -> Workspace:
     return Workspace(ROOT)
 
 
+@pytest.mark.thorough
 def test_the_rating_of_the_page_is_for_the_cells_it_names(workspace, tmp_path):
     block = re.search(r"```yaml\n(# testbenches/rear.rating.yaml\n.*?)```", text_of("rating"), re.DOTALL)
     assert block

@@ -170,6 +170,7 @@ def tapped(line: socket.socket, onward: tuple[str, int]) -> Iterator[list[Datagr
             ending.sendto(b"enough", line.getsockname())
 
 
+@pytest.mark.thorough
 def test_a_tap_between_both_sides_keeps_every_datagram_and_changes_none(tmp_path, dse):
     world = World()
     with (

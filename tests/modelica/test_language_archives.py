@@ -116,6 +116,7 @@ def test_ticks_are_counted_from_the_start_that_the_importer_gives(version: int, 
 
 @pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", RUN_TWICE)
+@pytest.mark.thorough
 def test_the_optimizer_changes_no_bit(name: str, built: Built, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     quick = built(case(name), 2)
     monkeypatch.setenv(compile_cache.OPTIMIZED, "1")

@@ -48,6 +48,7 @@ def expected(t: float) -> dict[str, float]:
     }
 
 
+@pytest.mark.thorough
 def test_tables_follow_their_points(made: MakeModel) -> None:
     """The area is exact: one period is 0.25 + 0.75 + 0.3, from the trapezoids."""
     model = made(TABLES / "LookUps.mo", (TABLES,))

@@ -124,6 +124,7 @@ def test_the_brake_follows_its_demand_with_a_lag_and_within_its_limit(cache: Pat
 
 
 @pytest.mark.parametrize(("demand", "speed"), [(0.0, 200.0), (80.0, 200.0), (400.0, 400.0), (5.0, 95.0), (50.0, 30.0)])
+@pytest.mark.thorough
 def test_the_engine_part_gives_what_the_map_allows(demand: float, speed: float, cache: Path) -> None:
     bench = Bench(opened("AdasPowertrain.Parts.Engine15", cache), 1e-9, {"torque_demand": demand, "shaft_speed": speed})
     bench.step(0.0, 0.3)

@@ -69,6 +69,7 @@ def test_the_machines_torque_follows_with_its_lag(cache: Path) -> None:
 
 
 @pytest.mark.parametrize("power", [40e3, -30e3])
+@pytest.mark.thorough
 def test_the_battery_is_the_circuit_of_its_cells(cache: Path, power: float) -> None:
     data = Battery(series_cells=96, capacity=338400.0)
     times = np.linspace(0.0, 600.0, 61)
@@ -109,6 +110,7 @@ def test_more_power_than_the_battery_has_is_refused(cache: Path) -> None:
 
 
 @pytest.mark.parametrize("power", [4e3, 12e3, 22e3])
+@pytest.mark.thorough
 def test_the_generator_set_settles_on_its_line(cache: Path, power: float) -> None:
     names = ("speed", "electric_power", "fuel_power", "co2")
     turning, fed, fuel, carbon = settled(cache, "GeneratorSet", {"power_demand": power}, names, 20.0)
@@ -154,6 +156,7 @@ def test_the_generator_runs_and_rests_for_its_least_time(cache: Path) -> None:
     assert min(np.diff(changes)) > 19.8
 
 
+@pytest.mark.thorough
 def test_the_operating_point_follows_the_mean_power_with_hysteresis(cache: Path) -> None:
     bench = Bench(opened(PARTS + "SeriesControl", cache), 1e-6)
     bench.set({"soc": 0.4})
@@ -191,6 +194,7 @@ def test_the_engine_starts_for_power_and_stops_after_its_least_time(cache: Path)
     assert clutch[-1] < 1e-6
 
 
+@pytest.mark.thorough
 def test_the_engine_stays_off_below_its_speed_however_low_the_battery(cache: Path) -> None:
     inputs = {"ratio": 15.0, "machine_speed": 80.0, "soc": 0.3, "torque_demand": 3000.0}
     engine, clutch, machine = settled(

@@ -31,6 +31,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path
     [(100.0, 80.0, 90.0, True), (100.0, 100.0, 60.0, False), (-60.0, 80.0, 90.0, False), (-60.0, 100.0, 60.0, True)],
     ids=["driving up", "driving down", "overrun up", "overrun down"],
 )
+@pytest.mark.thorough
 def test_a_shift_has_the_heat_duration_and_torque_hole_of_the_closed_form(
     torque: float, speed: float, seen: float, torque_first: bool, share: float, cache: Path
 ) -> None:

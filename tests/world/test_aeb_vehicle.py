@@ -314,6 +314,7 @@ def test_in_ordinary_traffic_nothing_is_to_be_braked_for_and_false_brakes_are_co
         assert braked.verdicts["R4"] == "fail"
 
 
+@pytest.mark.thorough
 def test_each_bench_without_a_reason_to_brake_is_judged_by_its_needless_braking() -> None:
     """A bench that R3 does not name would not be judged."""
     benches = dse.open(ROOT).benches

@@ -127,6 +127,7 @@ def with_road(folder: Path, source: str, text: str) -> tuple[str, ...]:
     return tuple(f"{Path(str(p.where).split(':')[0]).name}: {p.what}" for p in kind.check(component, component.source))
 
 
+@pytest.mark.thorough
 def test_what_a_tolerance_smooths_is_told_and_what_is_larger_is_refused(tmp_path: Path) -> None:
     pieces = geometry(0.0, 0.0, 0.0, 0.0, 50.0) + geometry(50.0, 50.0, 0.3, 0.1, 50.0)
     text = opendrive(road("1", pieces, 100.0))

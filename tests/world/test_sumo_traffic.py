@@ -278,6 +278,7 @@ def test_a_sumo_that_dies_is_told_and_the_next_run_is_made(
     assert again == whole
 
 
+@pytest.mark.thorough
 def test_a_sumo_that_hangs_ends_with_the_process_that_started_it(
     component: Component, resources: Path, path: RoadPath, partner: Partner
 ) -> None:

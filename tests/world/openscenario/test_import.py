@@ -72,6 +72,7 @@ def read(tmp_path: Path, name: str) -> Component:
     return component
 
 
+@pytest.mark.thorough
 def test_a_scenario_is_copied_with_what_it_uses_and_checked(tmp_path: Path) -> None:
     made = imported(tmp_path)
     work = tmp_path / "work"
@@ -113,6 +114,7 @@ def test_all_combinations_of_levels_are_recognized(tmp_path: Path) -> None:
     assert one.varied == {"s": (1.0, 2.0), "v": (10.0, 15.0, 20.0)}
 
 
+@pytest.mark.thorough
 def test_values_that_are_decided_when_an_fmu_is_built_give_a_component_each(tmp_path: Path) -> None:
     made = imported(
         tmp_path,
@@ -147,6 +149,7 @@ def test_uncertain_parameters_keep_the_ends_of_their_distribution(tmp_path: Path
     assert (speed.start, speed.minimum, speed.maximum) == (22.0, 22.0, 40.0)
 
 
+@pytest.mark.thorough
 def test_another_entity_can_be_the_host_and_without_one_there_is_no_road(tmp_path: Path) -> None:
     imported(tmp_path, host="Other")
     for name in ("cut", "cut_road"):
