@@ -54,6 +54,7 @@ def fine(workspace: dse.Workspace, tmp_path_factory: pytest.TempPathFactory) -> 
     return workspace.studies["fine"].explore(tmp_path_factory.mktemp("out") / "fine", workers=1)
 
 
+@pytest.mark.thorough
 def test_every_wrong_verdict_is_doubtful_and_far_from_the_boundary_none_is(fine: dse.Results) -> None:
     rows = fine.to_pandas()
     is_met = rows["mass.start"] * math.cos(1.0) <= 1.0

@@ -43,6 +43,7 @@ def varied(folder: Path, tmp_path_factory: pytest.TempPathFactory):
     return study, study.explore(place / "out" / "varied", workers=1)
 
 
+@pytest.mark.thorough
 def test_a_study_varies_what_there_is_in_each_configuration(varied):
     study, results = varied
     frame = results.to_pandas()

@@ -167,6 +167,7 @@ def test_help_depends_on_no_workspace(root, capsysbinary, monkeypatch):
     assert asked(capsysbinary, ["--help"]) == b"Usage\n"
 
 
+@pytest.mark.thorough
 def test_commands_answer_from_what_they_printed(tmp_path):
     written(tmp_path / "w", FILES)
     time.sleep(2.1)

@@ -137,6 +137,7 @@ def test_runs_that_failed_and_are_made_again_leave_no_trace_in_what_is_kept(tmp_
     assert content(tmp_path / "disturbed") == content(tmp_path / "undisturbed")
 
 
+@pytest.mark.thorough
 def test_a_run_that_differs_when_simulated_again_is_reported(tmp_path: Path) -> None:
     study = study_of(levels=8, keep=Keep.NEAR_BOUNDARY)
     summary = run(tmp_path, study, mischief="drifts")

@@ -22,6 +22,7 @@ def run(path: Path, *, workers: int, mischief: str) -> Explored:
 
 
 @pytest.mark.parametrize("cause", DEPENDS_ON)
+@pytest.mark.thorough
 def test_results_that_depend_on_something_else_than_the_inputs_are_told(tmp_path: Path, cause: str) -> None:
     # One worker makes all runs of a batch: where its process matters, only another one shows it.
     summary = run(tmp_path, workers=1 + (cause == "process"), mischief=cause)

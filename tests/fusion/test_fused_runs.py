@@ -256,6 +256,7 @@ def test_models_from_modelica_and_c_work_together(workshop):
 
 
 @pytest.mark.sampled(2)
+@pytest.mark.thorough
 def test_a_model_alone_relaxes_as_its_equation_says(workshop):
     lag = workshop.modelica("Lag", LAG, LAG_PORTS, [Parameter("T", REAL, 0.2)])
     (run,) = both_ways(workshop, system_of({"a": lag}, [], ["a.y"]), ["a.y"], [{"a.u": 1.0, "a.T": 0.5}])

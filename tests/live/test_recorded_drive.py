@@ -137,6 +137,7 @@ def again(drive: Drive, bench: TestBench, folder: Path) -> Run:
     return simulated(prepare_bench(made, [only(bench)])[only(bench).id])
 
 
+@pytest.mark.thorough
 def test_a_drive_made_again_gives_the_same_bits_with_all_that_was_tuned(bench: TestBench, tmp_path: Path) -> None:
     drive, live = driven(tmp_path, bench)
     offline = again(drive, bench, tmp_path / "tables")

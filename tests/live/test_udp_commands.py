@@ -296,6 +296,7 @@ def csharp_world(tmp_path_factory):
 
 
 @pytest.mark.parametrize("language", ["c", pytest.param("csharp", marks=pytest.mark.thorough)])
+@pytest.mark.thorough
 def test_the_example_worlds_pass_the_check(language, request, dse):
     port = free_port()
     with running([*request.getfixturevalue(f"{language}_world"), str(port)]):

@@ -141,6 +141,7 @@ def test_the_engine_part_gives_what_the_map_allows(demand: float, speed: float, 
 @pytest.mark.parametrize(
     ("engine", "speed", "power"), [("Engine15", 523.6, 110e3), ("Engine15", 628.3, 110e3), ("Engine10", 576.0, 85e3)]
 )
+@pytest.mark.thorough
 def test_engines_reach_their_rated_power(engine: str, speed: float, power: float, cache: Path) -> None:
     starts = {"torque_demand": 400.0, "shaft_speed": speed}
     bench = Bench(opened(f"AdasPowertrain.Parts.{engine}", cache), 1e-8, starts)

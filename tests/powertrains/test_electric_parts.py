@@ -45,6 +45,7 @@ def settled(cache: Path, part: str, inputs: Mapping[str, float], names: tuple[st
 @pytest.mark.parametrize(("part", "data"), [("Machine", GOLF), ("Machine60kW", PRIUS)])
 @pytest.mark.parametrize("spin", [0.0, 150.0, 500.0, 1000.0])
 @pytest.mark.parametrize("asked", [-1000.0, 40.0, 1000.0])
+@pytest.mark.thorough
 def test_the_machine_gives_the_torque_of_its_envelope_and_the_losses_of_its_currents(
     cache: Path, part: str, data: SynchronousMachine, spin: float, asked: float
 ) -> None:

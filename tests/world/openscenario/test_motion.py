@@ -154,6 +154,7 @@ def played(play: Callable[..., Played]) -> Played:
         ("Distance", 2 * 60 / (10 + 20), lambda p: p),
     ],
 )
+@pytest.mark.thorough
 def test_speeds_change_in_their_shape(
     played: Played, name: str, duration: float, shape: Callable[[NDArray[np.float64]], NDArray[np.float64]]
 ) -> None:
