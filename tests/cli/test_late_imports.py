@@ -106,6 +106,7 @@ SLOW = (
     "explore",
 )
 
+pytestmark = pytest.mark.thorough
 LOOK = f"""
 import sys
 from dse.cli import main
