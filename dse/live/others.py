@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -46,7 +46,7 @@ class State:
 
     def stopped(self) -> State:
         """The same, at rest."""
-        return State(self.x, self.y, self.heading, 0.0, 0.0, 0.0, self.station, self.offset)
+        return replace(self, speed=0.0, lateral_speed=0.0, acceleration=0.0)
 
 
 def mover_of(number: int, car: Car, state: State, ahead: float) -> dict[str, float]:

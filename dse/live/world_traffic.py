@@ -17,19 +17,18 @@ from socket import socket
 import numpy as np
 
 from dse.domain.bench import TestBench
-from dse.domain.component import Causality, Kind, Port, Type, Value
+from dse.domain.component import Causality, Kind, Port, Value
 from dse.domain.design import Configuration, Connection
 from dse.domain.method import PLAIN
 from dse.domain.udp import LinkMode
 from dse.kinds import RoadSource, tables_along
-from dse.live.driver_in_the_loop import DriverInTheLoop, driver_of, heedless, link, own_signals
+from dse.live.driver_in_the_loop import DriverInTheLoop, driver_of, heedless, in_si, link, own_signals
 from dse.live.others import Users, Ways
 from dse.live.packet import Flag, Packet
 from dse.live.session import OWN_VALUES, TURN, Patience, Session, Why
 from dse.live.shared_bench import CLOCK, Sharing
 from dse.live.shared_world import Place, SharedWorld
 from dse.testbench import PreparedBench, WiredBench, prepare_unmeasured, wire_bench
-from dse.units import coherent
 
 _LONGEST = 86_400.0
 """Seconds that it lasts."""
@@ -79,10 +78,10 @@ def traffic_of(
     given = {each: ports[port].type for each, port in hosts.items()}
     if sharing.has_clock:
         ends[CLOCK], given[CLOCK] = clock, sharing.types[CLOCK]
-    seen = {**{f"{part.name}.{each}": type_ for each, type_ in own_signals().items()}}
+    seen = {f"{part.name}.{each}": type_ for each, type_ in own_signals().items()}
     seen |= {f"{name}.{each[0]}": ports[each[0]].type for each in users}
-    inputs = [_port(f"sees.n{number}", Causality.INPUT, type_) for number, type_ in enumerate(seen.values(), 1)]
-    outputs = [_port(each, Causality.OUTPUT, type_) for each, type_ in {**given, **own_signals()}.items()]
+    inputs = [Port(f"sees.n{number}", Causality.INPUT, in_si(type_)) for number, type_ in enumerate(seen.values(), 1)]
+    outputs = [Port(each, Causality.OUTPUT, in_si(type_)) for each, type_ in {**given, **own_signals()}.items()]
     # The clock stops while no car is driven, for any time.
     component = link(part, (*inputs, *outputs), LinkMode.LOCKSTEP, _LONGEST)
     ways = {f"{part.name}.{each}": end for each, end in ends.items()}
@@ -103,10 +102,6 @@ def traffic_of(
     fields = tuple(dict.fromkeys(each.partition(".")[2] for each in hosts))
     count = max(int(each.partition(".")[0].removeprefix("other")) for each in hosts)
     return WorldTraffic(prepared, end, count, fields, columns, Ways.along(tables_along(source).paths))
-
-
-def _port(name: str, causality: Causality, type_: Type) -> Port:
-    return Port(name, causality, replace(type_, unit=coherent(type_.unit)))
 
 
 def _alone(wired: WiredBench, sharing: Sharing, driver: str) -> WiredBench:
