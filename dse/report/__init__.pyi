@@ -61,6 +61,7 @@ from .scene.html import (
     scene_page as scene_page,
 )
 from .trace.data import Trace as Trace, parts_with as parts_with, rear_axle_of as rear_axle_of
+from .trace.layout import write_layout as write_layout
 from .trace.write import (
     MESSAGES as MESSAGES,
     chosen_part as chosen_part,

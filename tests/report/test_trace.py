@@ -19,7 +19,8 @@ import dse
 from dse.domain.component import Kind, Type
 from dse.domain.study import Selection
 from dse.errors import DseError
-from dse.report import Trace, rear_axle_of, require_packages, write_mcap, write_osi
+from dse.report import Trace, rear_axle_of, require_packages, write_layout, write_mcap, write_osi
+from dse.report.drawing.road_picture import Marking
 from dse.report.scene.data import Sensor
 from dse.testbench import bench_study
 
@@ -56,7 +57,7 @@ def trace(**changed: Any) -> Trace:
     )
     signals = {
         "speed_control.torque": np.where(np.arange(STEPS) == 2, np.inf, 5.0),
-        "speed_control.wheels[1]": ONE,
+        **{f"speed_control.wheels[{number}]": number * ONE for number in (1, 2, 10)},
         **{f"tracker.tracks[1].{name}": values for name, values in TRACK.items()},
     }
     types = dict.fromkeys(signals, Type(Kind.REAL))
@@ -162,12 +163,15 @@ def test_an_mcap_file_has_all_channels_and_the_same_bytes_each_time(tmp_path: Pa
         users = [decoded for _, _, _, decoded in reader.iter_decoded_messages(topics="/scene/road_users")]
         (road,) = (decoded for _, _, _, decoded in reader.iter_decoded_messages(topics="/scene/road"))
         truths = [decoded for _, _, _, decoded in reader.iter_decoded_messages(topics="/osi/ground_truth")]
-    assert signals[2] == {"torque": None, "wheels[1]": 1.0}  # JSON has no infinity
+    assert signals[2] == {"torque": None, "wheels": [1.0, 2.0, 10.0]}  # JSON has no infinity
+    assert signals[3]["torque"] == 5.0
     assert times == [round(t * 1e9) for t in made.scene.time]
     assert [f.transforms[0].translation.x for f in frames] == list(made.scene.host.columns["x"])
     assert [transform.child_frame_id for transform in frames[0].transforms] == ["host", "radar", "camera"]
     assert users[0].entities[1].cubes[0].size.x == 12.0
     assert len(road.entities[0].triangles[0].points) == 6 * 9
+    # Without markings in its file, a road has the borders of its lane: nine pieces each, with both ends of each.
+    assert [len(entity.lines[0].points) for entity in road.entities[1:]] == [2 * 9, 2 * 9]
     assert [t.timestamp.seconds for t in truths[::10]] == list(range(11))
     # ASAM's own reader finds its channels in the same file.
     osi = MultiTraceReader()
@@ -177,6 +181,45 @@ def test_an_mcap_file_has_all_channels_and_the_same_bytes_each_time(tmp_path: Pa
         assert [r.message.SerializeToString(deterministic=True) for r in osi] == [
             truth.SerializeToString(deterministic=True) for truth in truths
         ]
+
+
+def test_broken_markings_are_dashes_and_solid_ones_lines(tmp_path: Path) -> None:
+    line = np.array([[0.0, 0, 0], [50, 0, 1]])
+    marks = (
+        Marking(line, "broken", 0.15, "yellow"),
+        Marking(line, "solid", 0.2, "violet"),
+        Marking(line, "none", 0, ""),
+    )
+    made = trace()
+    ground = replace(made.scene.ground, markings=marks)
+    write_mcap(replace(made, scene=replace(made.scene, ground=ground)), tmp_path / "a.mcap")
+    with (tmp_path / "a.mcap").open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        (road,) = (decoded for *_, decoded in reader.iter_decoded_messages(topics="/scene/road"))
+    broken, solid = (entity.lines[0] for entity in road.entities[1:])
+    assert [point.x for point in broken.points] == [0, 6, 18, 24, 36, 42]
+    assert broken.points[3].z == pytest.approx(24 / 50 + 0.03)
+    assert [point.x for point in solid.points] == [0, 50]
+    assert (solid.thickness, solid.color.r, broken.color.b) == (0.2, pytest.approx(0.95), pytest.approx(0.15))
+
+
+def test_a_layout_shows_what_is_in_the_file(tmp_path: Path) -> None:
+    figures = {"Wheel": ("speed_control.wheels[2]", "speed_control.torque"), "Track": ("tracker.tracks[1].x",)}
+    made = replace(trace(), plots=figures)
+    counts = write_mcap(made, tmp_path / "a.mcap")
+    write_layout(made, counts, tmp_path / "a.json")
+    read = json.loads((tmp_path / "a.json").read_text())
+    panels = read["configById"]
+    assert set(panels["3D!scene"]["topics"]) == {t for t in counts if t.startswith("/scene/")}
+    # Arrays of structures are not among the signals, and there are no pictures.
+    assert list(panels) == ["3D!scene", "Plot!1"]
+    assert [path["value"] for path in panels["Plot!1"]["paths"]] == [
+        "/signals/speed_control.wheels[1]",
+        "/signals/speed_control.torque",
+    ]
+    assert (read["layout"]["first"], read["layout"]["second"]) == ("3D!scene", "Plot!1")
+    write_layout(replace(made, plots={}), {*counts, "/camera"}, tmp_path / "a.json")
+    assert json.loads((tmp_path / "a.json").read_text())["layout"]["second"] == "Image!camera"
 
 
 def test_the_transform_turns_as_the_host_does(tmp_path: Path) -> None:
@@ -219,7 +262,7 @@ def test_a_run_of_a_study_becomes_a_trace_of_all_its_signals(tmp_path: Path, mon
     with (tmp_path / "run.mcap").open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         truths = [decoded for *_, decoded in reader.iter_decoded_messages(topics="/osi/ground_truth")]
-        speeds = [json.loads(m.data)["motion.speed"] for _, _, m in reader.iter_messages(topics="/signals/chassis")]
+        speeds = [json.loads(m.data)["motion"]["speed"] for _, _, m in reader.iter_messages(topics="/signals/chassis")]
     hosts = [next(o for o in t.moving_object if o.id.value == 0) for t in truths]
     assert [np.hypot(h.base.velocity.x, h.base.velocity.y) for h in hosts] == pytest.approx(speeds, abs=1e-6)
     with pytest.raises(DseError, match=r"'run.csv' is not a trace file"):

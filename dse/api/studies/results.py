@@ -289,6 +289,7 @@ class Results:
         part: str = "",
         rate: float = 25.0,
         pictures: float | None = None,
+        layout: str | Path | None = None,
         source: str | Path | None = None,
         tell: Tell | None = None,
     ) -> dict[str, int]:
@@ -297,12 +298,22 @@ class Results:
         An ``.osi`` file contains messages of ASAM OSI of one type: *message* is ground_truth, sensor_view or
         sensor_data, the last two of one *part*. An ``.mcap`` file contains the ground truth, the data of all sensors
         and trackers, the scene in the messages of Foxglove, and all signals. *rate* is in messages per second;
-        *pictures*, in pictures per second, adds a camera to an MCAP file. The run is simulated again.
+        *pictures*, in pictures per second, adds a camera to an MCAP file. *layout* is a file for the arrangement of
+        panels that Foxglove and Lichtblick import. The run is simulated again.
 
         Raises DseError as `write_scene` does, for another ending, and without the extra ``traces``.
         """
         from dse.api.studies.scenes import trace_of
-        from dse.report import SceneSignals, chosen_part, frames_of, parts_with, require_packages, write_mcap, write_osi
+        from dse.report import (
+            SceneSignals,
+            chosen_part,
+            frames_of,
+            parts_with,
+            require_packages,
+            write_layout,
+            write_mcap,
+            write_osi,
+        )
 
         def check(told: SceneSignals) -> None:
             if kind == ".osi" and message != "ground_truth":
@@ -318,7 +329,10 @@ class Results:
             return {message: write_osi(trace, target, message, part)}
         told = tell or (lambda _: None)
         frames = frames_of(trace.scene, pictures, "chase", _PICTURE, told) if pictures else None
-        return write_mcap(trace, target, frames)
+        counts = write_mcap(trace, target, frames)
+        if layout:
+            write_layout(trace, counts, Path(layout))
+        return counts
 
     def scene_page(
         self,

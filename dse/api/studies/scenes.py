@@ -71,7 +71,10 @@ def trace_of(
         values = made.waveforms.values
         signals = {name: values[name] for name in made.wired.signals if name in values}
         rear_axle = rear_axle_of(made.told.settings)
-        return Trace(made.scene(values, made.waveforms.time), signals, made.wired.signals, rear_axle)
+        figures = {figure.title or figure.name: (figure.current, figure.target) for figure in made.told.figures}
+        plots = {title: tuple(end for end in ends if end in signals) for title, ends in figures.items()}
+        shown = {title: ends for title, ends in plots.items() if ends}
+        return Trace(made.scene(values, made.waveforms.time), signals, made.wired.signals, rear_axle, shown)
 
 
 def scene_page_of(

@@ -173,6 +173,10 @@ def export_trace(
         float | None,
         typer.Option("--pictures", metavar="RATE", min=0.1, max=60, help="Camera pictures per second in an MCAP file."),
     ] = None,
+    layout: Annotated[
+        Path | None,
+        typer.Option("--layout", metavar="FILE", help="Also write a layout that Foxglove and Lichtblick import."),
+    ] = None,
     source: Annotated[
         Path | None, typer.Option("--source", help="The study's or bench's YAML file, if it is not in this workspace.")
     ] = None,
@@ -188,6 +192,8 @@ def export_trace(
         raise typer.BadParameter(f"'{target.name}' must end in .osi or .mcap", param_hint="--output")
     if pictures is not None and target.suffix.lower() == ".osi":
         raise typer.BadParameter("only MCAP files contain pictures", param_hint="--pictures")
+    if layout is not None and target.suffix.lower() == ".osi":
+        raise typer.BadParameter("a layout is for an MCAP file", param_hint="--layout")
     with status_line() as tell:
         counts = Results(folder).write_trace(
             number,
@@ -196,6 +202,7 @@ def export_trace(
             part=part,
             rate=rate,
             pictures=pictures,
+            layout=layout,
             source=source,
             tell=tell,
         )

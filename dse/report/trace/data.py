@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from dse.domain.component import Type
 from dse.report.content.data import Floats
@@ -29,12 +29,14 @@ class Trace:
 
     *rear_axle*: distance in m from the centre of gravity back to the rear axle, the origin of OSI's vehicle
     coordinates. It is 0 if the chassis does not state it: coordinates are then relative to the centre of gravity.
+    *plots*: signals that are looked at together, by the title of the bench's figure.
     """
 
     scene: Scene
     signals: Mapping[str, Floats]
     types: Mapping[str, Type]
     rear_axle: float
+    plots: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def trackers(self) -> Iterator[Tracker]:

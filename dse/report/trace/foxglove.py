@@ -14,7 +14,8 @@ from dse.report.scene.data import CLASSES
 from dse.report.trace.ground_truth import put_vector
 
 if TYPE_CHECKING:
-    from dse.report.scene.data import Sensor
+    from dse.report.content.data import Floats
+    from dse.report.scene.data import Ground, Sensor
     from dse.report.trace.data import Trace
 
 WORLD, HOST = "world", "host"
@@ -29,8 +30,11 @@ _COLOURS: dict[str, tuple[float, float, float, float]] = {
     "pedestrian": (0.85, 0.55, 0.15, 1.0),
     "obstacle": (0.75, 0.20, 0.20, 1.0),
     "return": (0.95, 0.80, 0.10, 0.9),
+    "white": (0.95, 0.95, 0.95, 1.0),
+    "yellow": (0.95, 0.75, 0.15, 1.0),
 }
 _RETURN_SIZE, _MOUNTED = 0.6, 0.5  # m; the height of mountings is assumed
+_LINE, _DASH, _GAP, _ABOVE = 0.12, 6.0, 12.0, 0.03  # m: of markings without a width; of broken ones; above the road
 
 
 def transforms(trace: Trace) -> Iterator[Any]:
@@ -52,6 +56,7 @@ def transforms(trace: Trace) -> Iterator[Any]:
 
 def road(trace: Trace) -> Any:
     """A ``foxglove.SceneUpdate`` of what does not move: it stays until the trace ends."""
+    from foxglove_schemas_protobuf.LinePrimitive_pb2 import LinePrimitive
     from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
     message = SceneUpdate()
@@ -67,7 +72,34 @@ def road(trace: Trace) -> Any:
             corners = left[index], right[index], left[index + 1], right[index + 1]
             for corner in (0, 1, 2, 2, 1, 3):
                 put_vector(band.points.add(), *map(float, corners[corner]))
+    for number, (points, kind, width, colour) in enumerate(_markings(trace.scene.ground)):
+        entity = message.entities.add(id=f"marking {number}", frame_id=WORLD)
+        entity.timestamp.FromNanoseconds(0)
+        line = entity.lines.add(type=LinePrimitive.LINE_LIST, thickness=width)
+        _put_colour(line.color, colour if colour in _COLOURS else "white")
+        line.pose.orientation.w = 1.0
+        for point in _dashes(points) if "broken" in kind else np.repeat(points, 2, axis=0)[1:-1]:
+            put_vector(line.points.add(), float(point[0]), float(point[1]), float(point[2]) + _ABOVE)
     return message
+
+
+def _markings(ground: Ground) -> Iterator[tuple[Floats, str, float, str]]:
+    """Line, kind, width in m and colour of each marking: those of the road's file, else the borders of its lanes."""
+    for marking in ground.markings:
+        if marking.kind != "none":
+            yield marking.line, marking.kind, marking.width, marking.colour
+    for strip in () if ground.markings else ground.strips:
+        if strip.is_driven and not strip.is_inside:
+            for border, height in ((strip.left, strip.left_height), (strip.right, strip.right_height)):
+                yield np.column_stack([border, height]), "solid", _LINE, "white"
+
+
+def _dashes(line: Floats) -> Floats:
+    """Both ends of each dash along *line* (n, 3): (m, 3)."""
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line[:, :2], axis=0).T))])
+    starts = np.arange(0.0, along[-1], _DASH + _GAP)
+    ends = np.column_stack([starts, np.minimum(starts + _DASH, along[-1])]).ravel()
+    return np.column_stack([np.interp(ends, along, line[:, axis]) for axis in range(3)])
 
 
 def road_users(trace: Trace) -> Iterator[Any]:

@@ -5,15 +5,16 @@ from __future__ import annotations
 import importlib.util
 import io
 import json
-import re
 import struct
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dse.errors import fail
 from dse.report.trace.foxglove import picture, returns, road, road_users, transforms
 from dse.report.trace.ground_truth import ground_truths
+from dse.report.trace.rows import row_of, schema_of, trees_of
 from dse.report.trace.sensor_data import sensor_data, sensor_views
 from dse.scratch import written_whole
 
@@ -26,7 +27,6 @@ MESSAGES = ("ground_truth", "sensor_view", "sensor_data")
 
 _OSI_VERSION = "3.8.0"
 _PACKAGES = ("osi3", "mcap", "mcap_protobuf", "foxglove_schemas_protobuf")
-_IN_ARRAY = re.compile(r"\]\.")
 _QUALITY = 85  # of JPEG
 Frames = Iterator[tuple[float, bytes]]
 
@@ -89,15 +89,15 @@ def write_mcap(trace: Trace, target: Path, frames: Frames | None = None) -> dict
             "/osi/ground_truth": ground_truths(trace),
             **{f"/osi/sensor_data/{name}": messages for name, messages in sensor_data(trace)},
         }
-        parts = _by_part(trace)
+        trees = trees_of(trace.signals)
+        schemas = {part: {**schema_of(tree, trace.types), "title": part} for part, tree in trees.items()}
         pictures = list(frames or ())
         for at, moment in enumerate(trace.scene.time):
             nanoseconds = round(float(moment) * 1e9)
             for topic, messages in streams.items():
                 channels.put(topic, nanoseconds, next(messages))
-            for part, names in parts.items():
-                row = {name[len(part) + 1 :]: float(trace.signals[name][at]) for name in names}
-                channels.put_row(f"/signals/{part}", nanoseconds, row, _schema(trace, part, names))
+            for part, tree in trees.items():
+                channels.put_row(f"/signals/{part}", nanoseconds, row_of(tree, trace.signals, at), schemas[part])
             while pictures and pictures[0][0] <= float(moment) + 1e-9:
                 taken, data = pictures.pop(0)
                 channels.put("/camera", nanoseconds, picture(data, "jpeg", taken))
@@ -127,31 +127,16 @@ class _Channels:
             self._channels[topic] = self._writer.register_channel(topic, "protobuf", self._schemas[name], about)
         self._add(topic, nanoseconds, message.SerializeToString(deterministic=True))
 
-    def put_row(self, topic: str, nanoseconds: int, row: Mapping[str, float], schema: Mapping[str, object]) -> None:
-        """Add *row* as JSON; a number that JSON does not have is null."""
+    def put_row(self, topic: str, nanoseconds: int, row: object, schema: Mapping[str, object]) -> None:
+        """Add *row* as JSON."""
         if topic not in self._channels:
             found = self._writer.register_schema(topic.strip("/"), "jsonschema", json.dumps(schema).encode())
             self._channels[topic] = self._writer.register_channel(topic, "json", found)
-        finite = {name: value if abs(value) < float("inf") else None for name, value in row.items()}
-        self._add(topic, nanoseconds, json.dumps(finite, separators=(",", ":")).encode())
+        self._add(topic, nanoseconds, json.dumps(row, separators=(",", ":")).encode())
 
     def _add(self, topic: str, nanoseconds: int, data: bytes) -> None:
         self._writer.add_message(self._channels[topic], nanoseconds, data, nanoseconds)
         self.counts[topic] = self.counts.get(topic, 0) + 1
-
-
-def _by_part(trace: Trace) -> dict[str, list[str]]:
-    """The signals by part, without arrays of structures: these are in the scene and in the messages of OSI."""
-    parts: dict[str, list[str]] = {}
-    for name in sorted(trace.signals):
-        if not _IN_ARRAY.search(name):
-            parts.setdefault(name.split(".", 1)[0], []).append(name)
-    return parts
-
-
-def _schema(trace: Trace, part: str, names: Sequence[str]) -> dict[str, object]:
-    described = {name[len(part) + 1 :]: {"type": "number", "description": str(trace.types[name])} for name in names}
-    return {"type": "object", "title": part, "properties": described}
 
 
 def _metadata(scene: Scene) -> dict[str, str]:
@@ -180,13 +165,18 @@ def _osi_channel(name: str) -> dict[str, str]:
 
 
 def frames_of(scene: Scene, rate: float, view: str, size: tuple[int, int], tell: Callable[[str], None]) -> Frames:
-    """Pictures of *scene* as JPEG, *rate* a second, with the time in s of each. Raises DseError without Chromium."""
+    """Pictures of *scene* without its numbers as JPEG, *rate* a second, with the time in s of each.
+
+    Raises DseError without Chromium.
+    """
     from PIL import Image  # matplotlib brings it
 
     from dse.report.scene.camera import camera_on
     from dse.report.scene.html import scene_page
 
-    with camera_on(scene_page(scene), size) as camera:
+    # What a camera sees: the signals are in other channels, and so are the sensors.
+    seen = replace(scene, title="", subtitle="", instruments=(), sensors=())
+    with camera_on(scene_page(seen), size) as camera:
         count = int(camera.seconds * rate + 1e-9) + 1
         for number in range(count):
             tell(f"picture {number + 1} of {count}")
