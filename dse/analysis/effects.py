@@ -6,9 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dse.analysis.bins import binned
 from dse.analysis.data import StudyData
-from dse.analysis.first_order import inseparable
+from dse.analysis.first_order import inseparable, observations
 from dse.analysis.probability import CONFIDENCE, Interval
 
 if TYPE_CHECKING:
@@ -22,7 +24,7 @@ _LEAST, _LEAST_EVEN = 4, 40
 class MainEffect:
     """The mean of a metric (SI) along a *factor*, bin by bin: *at* are the mean places, *runs* how many there are.
 
-    A bin of one run has a mean without an interval: NaN.
+    A bin of one observation (`dse.analysis.first_order`) has a mean without an interval: NaN.
     """
 
     factor: str
@@ -41,11 +43,13 @@ def main_effects(data: StudyData, metric: str) -> tuple[MainEffect, ...]:
     for k, factor in enumerate(there.factors):
         if factor.name in left_out:
             continue
-        rows, bins = binned(there.places[:, k], factor, _MOST_BINS)
+        along = observations(there, k)
+        bins, y = binned(along.places, factor, _MOST_BINS)[1], along.means(values)[0]
         kinds = range(int(bins.max()) + 1) if len(bins) else ()
-        inside = [values[rows][bins == b] for b in kinds]
-        at = tuple(float(there.places[rows, k][bins == b].mean()) for b in kinds)
-        effects.append(MainEffect(factor.name, at, tuple(map(_mean, inside)), tuple(map(len, inside))))
+        at = tuple(float(along.places[bins == b].mean()) for b in kinds)
+        means = tuple(_mean(y[bins == b]) for b in kinds)
+        runs = np.bincount(bins[along.of_row], minlength=len(kinds))
+        effects.append(MainEffect(factor.name, at, means, tuple(runs.tolist())))
     return tuple(effects)
 
 

@@ -2,10 +2,16 @@
 
 First-order Sobol' indices from given data (Plischke, Borgonovo, Smith 2013): the variance of the means of bins, by the
 adjusted coefficient of determination (Ezekiel 1930), so that chance among bins is no share.
+
+A point of the variables that several configurations were run at is one observation, the mean of these runs: it says
+no more of a variable than one run would, but for what configurations do.
+
+    16 points at 5 configurations that make no difference: 16 observations, not 80
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -50,25 +56,78 @@ def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
 
     Shares add up to 1 at most where factors are independent; what they leave is due to several factors together, or to
     bins that are too wide for few runs. Intervals are 1.96 standard deviations to either side, by the jackknife.
-    A factor of which fewer than 40 runs have a value is left out, and so are `inseparable` ones. Raises DseError, as
-    `StudyData.response` does, and `StudyData.evenly`.
+    A factor of which fewer than 40 observations have a value is left out, and so are `inseparable` ones. Raises
+    DseError, as `StudyData.response` does, and `StudyData.evenly`.
     """
     there, values = data.evenly(metric, LEAST).response(metric, LEAST)
     left_out = inseparable(there)
     found = []
     for k, factor in enumerate(there.factors):
-        if factor.name in left_out:
+        along = observations(there, k)
+        y, weights = along.means(values)
+        if factor.name in left_out or len(y) < LEAST or not np.ptp(y):
             continue
-        rows, bins = _best_bins(_binnings(there, k), values, there.weights)
-        y, weights = values[rows], there.weights[rows]
-        if len(y) < LEAST or not bins.any() or not np.ptp(y):
+        bins = _best_bins(_binnings(there, k), y, weights)
+        if not bins.any():
             continue
         freedom = effective(weights)
-        estimate = _explained(bins, y, weights, freedom)
-        spread = _NORMAL * _deviation(bins, y, weights, freedom)
+        between = along.between(values)
+        estimate = between * _explained(bins, y, weights, freedom)
+        spread = between * _NORMAL * _deviation(bins, y, weights, freedom)
         share = Interval(*np.clip([estimate, estimate - spread, estimate + spread], 0.0, 1.0).tolist())
-        found.append(Share(factor.name, share, len(y)))
+        found.append(Share(factor.name, share, int(along.rows.sum())))
     return tuple(found)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observations:
+    """What was observed along a factor: the n *rows* that have a value, the observation of each of them, its *places*
+    (m) and the *weights* of the runs."""
+
+    rows: Rows
+    of_row: NDArray[np.intp]
+    places: Floats
+    weights: Floats
+
+    def means(self, values: Floats) -> tuple[Floats, Floats]:
+        """The mean of *values* in each observation, and its weight."""
+        weights = np.bincount(self.of_row, self.weights)
+        total = np.bincount(self.of_row, self.weights * values[self.rows])
+        alike = np.bincount(self.of_row, values[self.rows]) / np.bincount(self.of_row)
+        means = np.where(weights > 0, total / np.where(weights > 0, weights, 1.0), alike)
+        return np.asarray(means, dtype=np.float64), np.asarray(weights, dtype=np.float64)
+
+    def between(self, values: Floats) -> float:
+        """The share of the variance of *values* that is between observations, and not within them."""
+        if len(self.places) == len(self.of_row):
+            return 1.0
+        whole = _unexplained(np.zeros_like(self.of_row), values[self.rows], self.weights)
+        return 1 - _unexplained(self.of_row, values[self.rows], self.weights) / whole if whole > 0 else 1.0
+
+
+@memoized
+def observations(data: StudyData, k: int) -> Observations:
+    """Along factor *k*: runs, or those together that have the same values of all variables of its role.
+
+    Of a choice each run is one, and where variables are on a grid, or have certain values in all combinations.
+    """
+    rows = ~np.isnan(data.places[:, k])
+    places, weights = data.places[rows], data.weights[rows]
+    one, found = data.factors[k].variable, np.arange(len(places), dtype=np.intp)
+    if one is not None and not data.on_grid:
+        same = [(at, each.variable) for at, each in enumerate(data.factors) if each.variable]
+        alike = [(at, variable) for at, variable in same if variable.role is one.role]
+        points = np.nan_to_num(places[:, [at for at, _ in alike]], nan=-1.0)
+        _, first, of_row = np.unique(points, axis=0, return_index=True, return_inverse=True)
+        if len(first) < math.prod(len(variable.values) or len(places) for _, variable in alike):
+            return Observations(rows, of_row.reshape(-1), places[first, k], weights)
+    return Observations(rows, found, places[:, k], weights)
+
+
+def _few_points(data: StudyData) -> dict[str, int]:
+    """The variables that have too few observations for shares, though enough runs, with their number."""
+    found = {factor.name: observations(data, k) for k, factor in enumerate(data.factors)}
+    return {name: len(each.places) for name, each in found.items() if len(each.places) < LEAST <= each.rows.sum()}
 
 
 @memoized
@@ -78,17 +137,18 @@ def courses(data: StudyData, metric: str) -> dict[str, str]:
 
     Means are those of the fewest bins, six or a variable's few values, that explain no less than chance. From bin to
     bin a turn counts if it is more than a tenth of their range and three standard deviations; where some other way
-    back is more than a quarter of it, nothing is said, nor from fewer than 100 runs. Raises DseError, as
+    back is more than a quarter of it, nothing is said, nor from fewer than 100 observations. Raises DseError, as
     `first_order_shares` does.
     """
     there, values = data.evenly(metric, LEAST).response(metric, LEAST)
     found = {}
     for k, factor in enumerate(there.factors):
-        binnings = _binnings(there, k)
-        rows, bins = _best_bins(binnings, values, there.weights, np.sqrt(2 / len(values)), _LEAST_BINS)
-        y, weights = values[rows], there.weights[rows]
+        y, weights = observations(there, k).means(values)
+        if factor.is_choice or len(y) < _LEAST_FOR_COURSE:
+            continue
+        bins = _best_bins(_binnings(there, k), y, weights, np.sqrt(2 / len(y)), _LEAST_BINS)
         total = np.bincount(bins, weights)
-        if factor.is_choice or len(y) < _LEAST_FOR_COURSE or not total.all():
+        if not total.all():
             continue
         variances = _unexplained(bins, y, weights) * np.bincount(bins, weights**2) / total**2
         legs = _legs(np.bincount(bins, weights * y) / total, variances)
@@ -168,7 +228,7 @@ def inseparable(data: StudyData) -> set[str]:
 
 
 def alias_sentences(data: StudyData, metric: str) -> tuple[str, ...]:
-    """For each group of `inseparable` factors of the runs that define *metric*, why nothing is said of them."""
+    """For each group of factors of the runs that define *metric* of which no share is given, why not."""
     there = data.response(metric, 1)[0]
     together = (
         f"{listed(group)} always change together in these runs, so their effects cannot be separated"
@@ -179,7 +239,13 @@ def alias_sentences(data: StudyData, metric: str) -> tuple[str, ...]:
         "so its effect cannot be separated from their interaction"
         for one, other, factor in interacting(there)
     )
-    return (*together, *interactions)
+    few = _few_points(there)
+    points = (
+        f"there are {count} different values of {listed([name for name in few if few[name] == count])} in these runs, "
+        f"and {LEAST} are needed"
+        for count in sorted({*few.values()})
+    )
+    return (*together, *interactions, *points)
 
 
 def _ranks(data: StudyData) -> list[NDArray[np.intp]]:
@@ -225,31 +291,28 @@ def going_together(data: StudyData) -> tuple[tuple[str, str], ...]:
 
 
 @memoized
-def _binnings(data: StudyData, k: int) -> tuple[tuple[Rows, NDArray[np.intp]], ...]:
-    """The bins of factor *k*, few and then more, as many as its runs bear."""
-    found = [binned(data.places[:, k], data.factors[k], _BINS[0])]
+def _binnings(data: StudyData, k: int) -> tuple[NDArray[np.intp], ...]:
+    """The bins of the `observations` along factor *k*, few and then more, as many as these bear."""
+    places = observations(data, k).places
+    found = [binned(places, data.factors[k], _BINS[0])[1]]
     for most in _BINS[1:]:
-        rows, bins = binned(data.places[:, k], data.factors[k], most)
+        bins = binned(places, data.factors[k], most)[1]
         if len(bins) < max(_LEAST_A_BIN * (int(bins.max(initial=0)) + 1), _LEAST_BINNED):
             break
-        if not np.array_equal(bins, found[-1][1]):
-            found.append((rows, bins))
+        if not np.array_equal(bins, found[-1]):
+            found.append(bins)
     return tuple(found)
 
 
 def _best_bins(
-    binnings: Sequence[tuple[Rows, NDArray[np.intp]]],
-    values: Floats,
-    weights: Floats,
-    tolerance: float = 0.0,
-    least: int = 0,
-) -> tuple[Rows, NDArray[np.intp]]:
+    binnings: Sequence[NDArray[np.intp]], values: Floats, weights: Floats, tolerance: float = 0.0, least: int = 0
+) -> NDArray[np.intp]:
     """As many bins as leave least unexplained, each bin having its price (generalised cross-validation); or the fewest,
     *least* if there are, that leave no more than that and the share *tolerance* of it."""
-    counts = [int(bins.max(initial=0)) + 1 for _, bins in binnings]
+    counts = [int(bins.max(initial=0)) + 1 for bins in binnings]
     left = [
-        _unexplained(bins, values[rows], weights[rows]) / max(1 - count / max(effective(weights[rows]), 1), 1e-9) ** 2
-        for (rows, bins), count in zip(binnings, counts, strict=True)
+        _unexplained(bins, values, weights) / max(1 - count / max(effective(weights), 1), 1e-9) ** 2
+        for bins, count in zip(binnings, counts, strict=True)
     ]
     enough = min(left) * (1 + tolerance + 1e-9)
     first = next(place for place, one in enumerate(left) if one <= enough)

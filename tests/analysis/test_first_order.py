@@ -202,3 +202,57 @@ def test_what_follows_from_one_factor_or_is_crossed_with_all_is_in_no_interactio
 def test_random_samples_at_several_conditions_are_not_aliased():
     points = np.concatenate([even(30, 2).repeat(2, axis=0), np.tile([[0.0], [1.0]], (30, 1))], axis=1)
     assert aliased(study_data(study(points, {"y": points[:, 0]}))) == ()
+
+
+def at_configurations(points, y, count=5):
+    """Each of *points* at each of so many configurations, which add what *y* gives for them."""
+    places = np.repeat(points, count, axis=0)
+    sensors = np.tile(np.arange(count), len(points))
+    return study(places, {"y": y(places, sensors)}, choices=[{"sensor": f"s{each}"} for each in sensors])
+
+
+def test_a_point_at_several_configurations_is_one_observation():
+    points = even(80, 2)
+    alone = _shares(study(points, {"y": points[:, 0]}))
+    together = _shares(at_configurations(points, lambda x, _: x[:, 0]))
+    assert together["x1"].value == pytest.approx(alone["x1"].value)
+    assert together["x1"].low == pytest.approx(alone["x1"].low)
+    assert together["sensor"].value == 0.0
+    # Configurations that explain half of the variance leave half of it to the points.
+    scale = np.std(points[:, 0]) / np.std([0, 1, 2, 3, 4])
+    half = _shares(at_configurations(points, lambda x, sensor: x[:, 0] + scale * sensor))
+    assert half["x1"].value == pytest.approx(alone["x1"].value / 2, abs=0.01)  # at most its total by a model
+    assert half["sensor"].value == pytest.approx(0.5, abs=0.01)
+
+
+def test_few_points_at_many_configurations_have_no_shares():
+    """Of 16 points at 5 configurations, both variables seemed to explain 82 % of a metric (43 to 100 %)."""
+    data = study_data(at_configurations(even(16, 2), lambda x, sensor: x[:, 0] + 0.2 * sensor))
+    assert [each.factor for each in model_first_order_shares(data, "y")] == ["sensor"]
+    (finding,) = shares(data, "y")
+    assert finding.text.endswith("; there are 16 different values of x1 and x2 in these runs, and 40 are needed")
+    effect = next(each for each in main_effects(data, "y") if each.factor == "x1")
+    assert sum(effect.runs) == 80
+    # Two points a bin: Student's t with one degree of freedom.
+    first = effect.means[0]
+    inside = sorted(even(16, 2)[:, 0])[:2]
+    assert first.value == pytest.approx(np.mean(inside) + 0.4)
+    assert first.high - first.value == pytest.approx(12.706 * np.ptp(inside) / 2, rel=1e-4)
+
+
+def test_levels_in_all_combinations_are_no_sample():
+    load = [variable("gain"), variable("load", values=(0.0, 1.0), role="condition")]
+    gains = np.linspace(0, 1, 80)
+    points = np.array([(gain, each) for gain in gains for each in (0.0, 1.0)])
+    found = _shares(study(points, {"y": points[:, 1]}, variables=load))
+    assert found["load"].value == pytest.approx(1.0)
+
+
+@pytest.mark.thorough
+def test_intervals_hold_the_indices_where_points_are_at_several_configurations():
+    held = []
+    for seed in range(100):
+        found = _shares(at_configurations(even(200, 3, seed), lambda x, _: ishigami(x)))
+        held.append([found[name].low <= first <= found[name].high for name, (first, _) in ISHIGAMI.items()])
+    # The second index loses to wide bins (see above); as runs they were held in fewer than half of the studies.
+    assert (np.mean(held, axis=0) >= [0.87, 0.8, 0.87]).all()
