@@ -34,7 +34,8 @@ _LONGEST = 86_400.0
 """Seconds that it lasts."""
 _HOST, _OWN_HOST = re.compile(r"hosts\[([0-9]+)\]\.([a-z_]+)"), ("lane.", "motion.")
 _USER = re.compile(r"(everyone|movers)\[([0-9]+)\]\.([a-z_]+)")
-_NEEDED = frozenset({"id", "class", "path", "station", "offset", "turn", "speed"})
+_PLACE = ("path", "lane", "station", "offset")
+_NEEDED = frozenset({"id", "class", "turn", "speed", *_PLACE})
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,7 +157,7 @@ class TrafficSession(Session):
         table = np.array(packet.values[OWN_VALUES:]).reshape(-1, len(columns))
         table = table[table[:, columns.index("class")] > 0]
         named = {name: table[:, number] for number, name in enumerate(columns)}
-        return Users(named, *self._traffic.ways.plane(named["path"], named["station"], named["offset"]))
+        return Users(named, *self._traffic.ways.plane(*(named[name] for name in _PLACE)))
 
     def answer(self, packet: Packet, others: Mapping[str, float]) -> Packet:
         """What it is told of the cars."""

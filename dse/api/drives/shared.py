@@ -97,9 +97,9 @@ def open_shared_drive(
     car = next((n.removesuffix(".motion.heading") for n in wired.signals if n.endswith(".motion.heading")), "")
     if not car:
         raise fail(f"bench '{bench.name}' cannot be shared: no part gives 'motion', which others see", bench.where)
-    told = [f"{car}.motion.{axis}" for axis in MOTION]
-    told += [f"{sharing.road}.lane.{name}" for name in ("station", "offset")]
-    also = [name for name in told if name in wired.signals and name not in view.wanted]
+    seen = [f"{car}.motion.{axis}" for axis in MOTION]
+    seen += [f"{sharing.road}.lane.{name}" for name in ("station", "offset")]
+    also = [name for name in seen if name in wired.signals and name not in view.wanted]
     host, start = view.host, wired.settings[_start(sharing)].value
     others = Car(host.length, host.width, place=host.front - host.length / 2)
     place = world.admit(others, float(start), sharing.fields, sharing.places)

@@ -78,13 +78,14 @@ class SceneSignals:
             further["spin"] = columns[f"{part}.wheel_speed.front"]
         ground = [columns[f"{place}.height"] for place in self._places(f"{self._road}.ground", "height")]
         length = self._setting("host_length", _LENGTH)
+        sizes = {"width": _WIDTH, "front": min(_FRONT, length), "height": _HEIGHT}
+        stated = {name.rpartition(".")[2] for name in self.settings}
         return Host(
             {**motion, "z": np.mean(ground, axis=0) if ground else zero, **further, "steering": steering},
             length,
-            self._setting("host_width", _WIDTH),
-            self._setting("host_front", min(_FRONT, length)),
-            self._setting("wheel_radius", _RADIUS),
-            self._setting("host_height", _HEIGHT),
+            **{name: self._setting(f"host_{name}", otherwise) for name, otherwise in sizes.items()},
+            wheel=self._setting("wheel_radius", _RADIUS),
+            assumed=tuple(name for name in ("length", *sizes) if f"host_{name}" not in stated),
         )
 
     def driver(self, columns: Mapping[str, Floats]) -> dict[str, Floats]:
