@@ -198,6 +198,7 @@ def export_scenario(
     Every road user follows its driven path. Returns the id of the configuration, and how many entities there are;
     *warn* is told what is assumed of the host. Raises DseError: the bench has no road or no chassis, or the run fails.
     """
+    from dse.api.studies.scenes import recording
     from dse.interchange import scenario_text
     from dse.report import SceneSignals
     from dse.scratch import write_whole
@@ -211,7 +212,8 @@ def export_scenario(
     if missing := [name for name in ("road", "chassis") if name not in interfaces]:
         raise fail(f"the bench has no part with the interface '{missing[0]}'", bench.where)
     road_text = _opendrive(wired.parts[scene.road])
-    run = prepare_once(_recording(bench, scene.wanted), chosen.id, settings, tell=tell).simulate()
+    kept = replace(bench, simulation=recording(bench, scene.wanted, _RATE))
+    run = prepare_once(kept, chosen.id, settings, tell=tell).simulate()
     if run.problem or run.waveforms is None:
         raise fail(f"the run failed: {run.problem}", bench.where)
     host = scene.host(run.waveforms)
@@ -224,15 +226,7 @@ def export_scenario(
     return chosen.id, len(entities)
 
 
-_SPACING = 0.1  # s
-
-
-def _recording(bench: TestBench, wanted: Sequence[str]) -> TestBench:
-    """*bench* that records *wanted* as well, at most 0.1 s apart."""
-    simulation = bench.simulation
-    stride = max(k for k in range(1, max(2, round(_SPACING / simulation.step) + 1)) if simulation.steps % k == 0)
-    kept = tuple(dict.fromkeys((*simulation.record, *wanted)))
-    return replace(bench, simulation=replace(simulation, record=kept, record_every=stride * simulation.step))
+_RATE = 10.0  # poses per second
 
 
 def _entities(

@@ -94,7 +94,7 @@ def open_shared_drive(
     if not world.has_traffic and (traffic := traffic_of(bench, chosen, sharing, version=fmi)):
         traffic.take_part(world)
     left_out = traffic_left_out(bench, chosen, sharing)
-    view.document["subtitle"] = f"shared, {left_out}" if left_out else "shared"
+    view.document["subtitle"] = "shared, without the bench's traffic" if left_out else "shared"
     car = next((n.removesuffix(".motion.heading") for n in wired.signals if n.endswith(".motion.heading")), "")
     if not car:
         raise fail(f"bench '{bench.name}' cannot be shared: no part gives 'motion', which others see", bench.where)
