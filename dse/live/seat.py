@@ -6,6 +6,7 @@ import math
 import multiprocessing.process
 import socket
 import time
+from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ import numpy as np
 from dse.domain.drive import Pace
 from dse.domain.run import Run
 from dse.live.driver_in_the_loop import DriverInTheLoop
-from dse.live.others import State
+from dse.live.others import State, Users
 from dse.live.packet import Flag, Packet
 from dse.live.session import OWN_VALUES, TURN, Ended, Patience, Seen, Session, Why
 from dse.live.shared_world import Place, SharedWorld
@@ -58,7 +59,7 @@ class Sights:
         return cls(motion, station, offset)
 
 
-class PlacedSession(Session):
+class PlacedSession(Session, ABC):
     """A `Session` at *place* of *world*, which keeps its time."""
 
     def __init__(
@@ -75,6 +76,13 @@ class PlacedSession(Session):
         self.values = OWN_VALUES + len(driver_in_loop.seen)
         self._sent = Packet(0, 0, Flag(0), 0.0, ())
         super().__init__(prepared, driver_in_loop, first, patience)
+
+    @abstractmethod
+    def state_of(self, packet: Packet) -> State | Users:
+        """What others see of it, as its run tells."""
+
+    def look(self, packet: Packet, lateness: float, overruns: int) -> None:
+        """See what the run shows."""
 
     def answer(self, packet: Packet, others: Mapping[str, float]) -> Packet:
         """What it puts out next, among *others* by its outputs."""

@@ -181,9 +181,6 @@ class TrafficSession(PlacedSession):
         """What it is told of the cars."""
         return super().answer(packet, {name: value for name, value in others.items() if name in self._values})
 
-    def look(self, packet: Packet, lateness: float, overruns: int) -> None:
-        """Only the cars see it."""
-
     def _talk(self) -> None:
         super()._talk()
         self.world.leave(self.place)  # also if it never came to take part
