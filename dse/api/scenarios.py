@@ -196,7 +196,8 @@ def export_scenario(
     """Write a run of a bench as an OpenSCENARIO file, with its road beside it as OpenDRIVE.
 
     Every road user follows its driven path. Returns the id of the configuration, and how many entities there are;
-    *warn* is told what is assumed of the host. Raises DseError: the bench has no road or no chassis, or the run fails.
+    *warn* is told what is doubtful about the size of the host. Raises DseError: the bench has no road or no chassis, or
+    the run fails.
     """
     from dse.api.studies.scenes import recording
     from dse.interchange import scenario_text
@@ -217,8 +218,9 @@ def export_scenario(
     if run.problem or run.waveforms is None:
         raise fail(f"the run failed: {run.problem}", bench.where)
     host = scene.host(run.waveforms)
-    if warn and host.assumption:
-        warn(host.assumption)
+    if warn:
+        for doubt in host.doubts:
+            warn(doubt)
     entities = _entities(host, scene.others(run.waveforms), run.waveforms.time)
     roads = target.with_suffix(".xodr")
     write_whole(roads, road_text)

@@ -299,7 +299,7 @@ class Results:
         sensor_data, the last two of one *part*. An ``.mcap`` file contains the ground truth, the data of all sensors
         and trackers, the scene in the messages of Foxglove, and all signals. *rate* is in messages per second;
         *pictures*, in pictures per second, adds a camera to an MCAP file. The run is simulated again. *warn* is told
-        what is assumed of the host.
+        what is doubtful about the size of the host.
 
         Raises DseError as `write_scene` does, for another ending, and without the extra ``traces``.
         """
@@ -316,8 +316,9 @@ class Results:
             raise fail(f"'{target.name}' is not a trace file", hint="the ending is .osi or .mcap")
         source = source or self.source
         trace = trace_of(self.run(run), source=source, near=self.folder, rate=rate, tell=tell, check=check)
-        if warn and trace.scene.host.assumption:
-            warn(trace.scene.host.assumption)
+        if warn:
+            for doubt in trace.scene.host.doubts:
+                warn(doubt)
         if kind == ".osi":
             return {message: write_osi(trace, target, message, part)}
         progress = tell or (lambda _: None)

@@ -50,8 +50,9 @@ def test_who_comes_later_or_leaves_early_has_events(tmp_path: Path) -> None:
 def test_a_run_on_a_bench_drives_again_as_it_did(tmp_path: Path) -> None:
     """Between the written poses, 0.1 s apart, the motion is straight: below 1 cm at the accelerations of the run."""
     bench = open_workspace(ROOT).files.bench("highway_cut_in")
-    sizes = {"scene.host_length": "5 m", "scene.host_front": "2.8 m"}
-    _, count = export_scenario(bench, None, sizes, tmp_path / "run.xosc", warn=pytest.fail)
+    sizes, warnings = {"scene.host_length": "5 m", "scene.host_front": "2.8 m"}, list[str]()
+    _, count = export_scenario(bench, None, sizes, tmp_path / "run.xosc", warn=warnings.append)
+    assert warnings == ["parts of the bench differ in host_front: 2.3 m, 2.8 m; used: 2.8 m"]
     assert count == 2
     played = play_scenario(tmp_path / "run.xosc", ROOT, {}, stop=31.0)
     assert played.ended == pytest.approx(30.0)
@@ -66,11 +67,14 @@ def test_a_run_on_a_bench_drives_again_as_it_did(tmp_path: Path) -> None:
             assert played.poses[f"{name}.y"][at] == pytest.approx(y, abs=0.01)
 
 
-def test_the_size_of_the_host_is_that_of_its_bench_else_said_to_be_assumed() -> None:
+def test_the_size_of_the_host_is_that_of_its_bench_else_there_is_a_warning() -> None:
     columns = {f"chassis.motion.{name}": np.zeros(2) for name in ("x", "y", "heading", "speed")}
     signals = dict.fromkeys(columns, Type(Kind.REAL))
     sizes = {"scene.host_length": 5.0, "scene.host_width": 2.0, "scene.host_front": 2.8}
     host = SceneSignals(signals, sizes, ()).host(columns)
-    assert (host.length, host.width, host.front, host.assumed) == (5.0, 2.0, 2.8, ("height",))
-    assert host.assumption.endswith("assumed: host_height 1.5 m")
-    assert SceneSignals(signals, {**sizes, "scene.host_height": 1.7}, ()).host(columns).assumption == ""
+    assert (host.length, host.width, host.front) == (5.0, 2.0, 2.8)
+    assert host.doubts == ("no part of the bench states host_height; assumed: 1.5 m",)
+    sizes |= {"scene.host_height": 1.7}
+    assert SceneSignals(signals, {"other.host_width": 1.9, **sizes}, ()).host(columns).doubts == (
+        "parts of the bench differ in host_width: 1.9 m, 2 m; used: 2 m",
+    )
