@@ -71,17 +71,17 @@ def _other(number: int, of: int, time: np.ndarray) -> dict[str, np.ndarray]:
 
 
 COUNT = """() => {
-  const told = { calls: 0, triangles: 0 };
+  const drawn = { calls: 0, triangles: 0 };
   for (const name of ["drawElements", "drawArrays", "drawElementsInstanced", "drawArraysInstanced"]) {
     const was = WebGL2RenderingContext.prototype[name];
-    WebGL2RenderingContext.prototype[name] = function (...told_) {
-      told.calls++;
-      const count = name.startsWith("drawElements") ? told_[1] : told_[2];
-      told.triangles += (count / 3) * (name.endsWith("Instanced") ? told_.at(-1) : 1);
-      return was.apply(this, told_);
+    WebGL2RenderingContext.prototype[name] = function (...given) {
+      drawn.calls++;
+      const count = name.startsWith("drawElements") ? given[1] : given[2];
+      drawn.triangles += (count / 3) * (name.endsWith("Instanced") ? given.at(-1) : 1);
+      return was.apply(this, given);
     };
   }
-  window.drawn = told;
+  window.drawn = drawn;
 }"""
 
 STEPS = """async ([count, asked]) => {

@@ -160,10 +160,10 @@ def free_port() -> int:
 
 @contextmanager
 def running(command: list[str]) -> Iterator[None]:
-    """A program that prints its address first and runs until the end of the block."""
+    """A program that prints its address and runs until the end of the block."""
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as world:
         assert world.stdout
-        assert "a world at" in world.stdout.readline()
+        assert any("a world at" in line for line in world.stdout)
         try:
             yield
         finally:

@@ -9,7 +9,11 @@ from .contents import (
 from .drives.folder import CheckedDrive as CheckedDrive, Drives as Drives, study_name as study_name
 from .drives.live import MOST_DRIVER as MOST_DRIVER, LiveDrive as LiveDrive, open_drive as open_drive
 from .drives.score_board import SCORING as SCORING, Board as Board, Score as Score, board_of as board_of
-from .drives.shared import SharedDrive as SharedDrive, open_shared_drive as open_shared_drive
+from .drives.shared import (
+    SharedDrive as SharedDrive,
+    open_shared_drive as open_shared_drive,
+    shared_without as shared_without,
+)
 from .lookup import (
     aims_of as aims_of,
     condition_of as condition_of,

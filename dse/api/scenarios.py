@@ -21,14 +21,14 @@ from dse.loading import Workspace
 from dse.world import OWN_PARAMETERS, read_scenario
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from dse.api.studies.single_run import Tell
     from dse.interchange import DrivenEntity
     from dse.loading import Raw
-    from dse.report import RoadPicture
+    from dse.report import Host, RoadPicture
     from dse.world import Scenario
 
 _PART = "scenario"
@@ -185,65 +185,61 @@ def element_times(
 
 
 def export_scenario(
-    bench: TestBench, configuration: str | None, settings: Mapping[str, Raw], target: Path, *, tell: Tell | None = None
+    bench: TestBench,
+    configuration: str | None,
+    settings: Mapping[str, Raw],
+    target: Path,
+    *,
+    tell: Tell | None = None,
+    warn: Tell | None = None,
 ) -> tuple[str, int]:
     """Write a run of a bench as an OpenSCENARIO file, with its road beside it as OpenDRIVE.
 
-    Every road user follows its driven path. Returns the id of the configuration, and how many entities there are.
-    Raises DseError: the bench has no road or no chassis, or the run fails.
+    Every road user follows its driven path. Returns the id of the configuration, and how many entities there are;
+    *warn* is told what is doubtful about the size of the host. Raises DseError: the bench has no road or no chassis, or
+    the run fails.
     """
+    from dse.api.studies.scenes import recording
     from dse.interchange import scenario_text
+    from dse.report import SceneSignals
     from dse.scratch import write_whole
-    from dse.testbench import one_configuration
+    from dse.testbench import one_configuration, wire_bench, with_settings
 
     chosen = one_configuration(bench.design, configuration)
-    parts = {**chosen.parts, **{part.name: part.component for part in bench.test_components}}
-    places = {}
-    for wanted in ("road", "chassis"):
-        found = [path for path, component in parts.items() if component.interface.name == wanted]
-        if not found:
-            raise fail(f"the bench has no part with the interface '{wanted}'", bench.where)
-        places[wanted] = found[0]
-    road_text = _opendrive(parts[places["road"]])
-    run = prepare_once(_recording(bench, places), chosen.id, settings, tell=tell).simulate()
+    wired = wire_bench(with_settings(bench, settings, chosen), chosen)
+    values = {name: setting.value for name, setting in wired.settings.items()}
+    scene = SceneSignals(wired.signals, values, ())
+    interfaces = {component.interface.name for component in wired.parts.values()}
+    if missing := [name for name in ("road", "chassis") if name not in interfaces]:
+        raise fail(f"the bench has no part with the interface '{missing[0]}'", bench.where)
+    road_text = _opendrive(wired.parts[scene.road])
+    kept = replace(bench, simulation=recording(bench, scene.wanted, _RATE))
+    run = prepare_once(kept, chosen.id, settings, tell=tell).simulate()
     if run.problem or run.waveforms is None:
         raise fail(f"the run failed: {run.problem}", bench.where)
-    entities = _entities(run.waveforms, run.waveforms.time, places)
+    host = scene.host(run.waveforms)
+    if warn:
+        for doubt in host.doubts:
+            warn(doubt)
+    entities = _entities(host, scene.others(run.waveforms), run.waveforms.time)
     roads = target.with_suffix(".xodr")
     write_whole(roads, road_text)
     write_whole(target, scenario_text(entities, roads.name, f"{bench.name}, configuration {chosen.id}"))
     return chosen.id, len(entities)
 
 
-_ACTORS = 8
-_SPACING = 0.1  # s
-_HOST_SIZE = (4.6, 1.8, 1.5)  # m; assumed, a chassis does not state it
-_KEPT = ("id", "class", "length", "width", "height", "x", "y", "z", "heading")
-_WHEELS = 4
-
-
-def _recording(bench: TestBench, places: Mapping[str, str]) -> TestBench:
-    """*bench* that records all poses, at most 0.1 s apart."""
-    simulation, road, chassis = bench.simulation, places["road"], places["chassis"]
-    stride = max(k for k in range(1, max(2, round(_SPACING / simulation.step) + 1)) if simulation.steps % k == 0)
-    record = [f"{road}.actors[{number}].{port}" for number in range(1, _ACTORS + 1) for port in _KEPT]
-    record += [f"{chassis}.motion.{port}" for port in ("x", "y", "heading")]
-    record += [f"{road}.ground[{number}].height" for number in range(1, _WHEELS + 1)]
-    kept = tuple(dict.fromkeys((*simulation.record, *record)))
-    return replace(bench, simulation=replace(simulation, record=kept, record_every=stride * simulation.step))
+_RATE = 10.0  # poses per second
 
 
 def _entities(
-    columns: Mapping[str, NDArray[np.float64]], time: NDArray[np.float64], places: Mapping[str, str]
+    host: Host, others: Iterable[Mapping[str, NDArray[np.float64]]], time: NDArray[np.float64]
 ) -> list[DrivenEntity]:
     from dse.interchange import DrivenEntity
 
-    motion = f"{places['chassis']}.motion"
-    ground = [columns[f"{places['road']}.ground[{number}].height"] for number in range(1, _WHEELS + 1)]
-    pose = (columns[f"{motion}.x"], columns[f"{motion}.y"], np.mean(ground, axis=0), columns[f"{motion}.heading"])
-    found = [DrivenEntity("Ego", 1, _HOST_SIZE, time, *pose)]
-    for number in range(1, _ACTORS + 1):
-        actor = {port: columns[f"{places['road']}.actors[{number}].{port}"] for port in _KEPT}
+    own, ahead = host.columns, host.front - host.length / 2
+    x, y = own["x"] + ahead * np.cos(own["heading"]), own["y"] + ahead * np.sin(own["heading"])
+    found = [DrivenEntity("Ego", 1, (host.length, host.width, host.height), time, x, y, own["z"], own["heading"])]
+    for actor in others:
         changes = np.flatnonzero(np.diff(actor["id"]) != 0) + 1
         for rows in np.split(np.arange(len(time)), changes):
             first = int(rows[0])

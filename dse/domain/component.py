@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
 
 from dse.domain.labels import is_part, wholes
 from dse.errors import Location
-from dse.units import DIMENSIONLESS, Quantity, Unit, counts_otherwise
+from dse.units import DIMENSIONLESS, Quantity, Unit, coherent, counts_otherwise
 
 Value = float | int | bool | str
 """A value of a port or parameter: SI number, truth value, an enumeration item's name, a text, or hexadecimal digits."""
@@ -55,6 +55,11 @@ class Type:
         if self.kind is Kind.REAL:
             return str(self.unit) or "1"
         return f"{self.kind}[{self.media}]" if self.media else str(self.kind)
+
+    @property
+    def in_si(self) -> Type:
+        """The same in the coherent unit of its dimension."""
+        return replace(self, unit=coherent(self.unit))
 
 
 def same_signal(source: Type, target: Type) -> str:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 
 from dse.domain.component import Causality, Component, Source, Type
 from dse.errors import Location
-from dse.units import coherent
 
 INHERITED = ""
 """The host of a component whose socket this process was started with: its number stands in ``DSE_LIVE_SOCKET``."""
@@ -56,14 +55,10 @@ def sent(component: Component) -> tuple[tuple[str, Type], ...]:
     ports = component.interface.ports
     inputs = [(port.name, port.type) for port in ports if port.causality is Causality.INPUT]
     parameters = [(parameter.name, parameter.type) for parameter in component.parameters]
-    return tuple((name, _si(type_)) for name, type_ in (*inputs, *parameters))
+    return tuple((name, type_.in_si) for name, type_ in (*inputs, *parameters))
 
 
 def heard(component: Component) -> tuple[tuple[str, Type], ...]:
     """The values of the packets it takes, in their order: outputs."""
     ports = component.interface.ports
-    return tuple((p.name, _si(p.type)) for p in ports if p.causality is Causality.OUTPUT and p.name not in LINK)
-
-
-def _si(type_: Type) -> Type:
-    return replace(type_, unit=coherent(type_.unit))
+    return tuple((p.name, p.type.in_si) for p in ports if p.causality is Causality.OUTPUT and p.name not in LINK)

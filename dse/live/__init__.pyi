@@ -18,17 +18,6 @@ from .driver_in_the_loop import (
     put_driver_in_the_loop as put_driver_in_the_loop,
     with_driver as with_driver,
 )
-from .esmini import (
-    DriverInput as DriverInput,
-    DriverMessage as DriverMessage,
-    InputMode as InputMode,
-    OsiParts as OsiParts,
-    StateH as StateH,
-    StateXyh as StateXyh,
-    StateXyzhpr as StateXyzhpr,
-    pack_message as pack_message,
-    unpack_message as unpack_message,
-)
 from .layout import (
     Layout as Layout,
     Signal as Signal,
@@ -62,4 +51,4 @@ from .shared_bench import (
 from .shared_world import Place as Place, SharedWorld as SharedWorld
 from .world import News as News, What as What, require_free as require_free, serve_world as serve_world
 from .world_check import WorldTrial as WorldTrial, check_world as check_world
-from .world_traffic import traffic_of as traffic_of
+from .world_traffic import traffic_left_out as traffic_left_out, traffic_of as traffic_of

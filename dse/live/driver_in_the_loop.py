@@ -17,7 +17,7 @@ from dse.fmu import build_all, open_component
 from dse.live.shared_bench import Sharing, without_traffic
 from dse.system import along_the_flow
 from dse.testbench import PreparedBench, prepare_bench, wire_bench
-from dse.units import coherent, parse_unit
+from dse.units import parse_unit
 
 DRIVER = "driver"
 """The interface of what can be replaced by somebody at the wheel."""
@@ -134,14 +134,14 @@ def put_driver_in_the_loop(
             bench.where,
         )
     ports = (port for port in part.component.interface.ports if port.causality is Causality.OUTPUT)
-    controls = tuple(replace(port, type=in_si(port.type)) for port in ports)
+    controls = tuple(replace(port, type=port.type.in_si) for port in ports)
     tunables = tunables_of(bench, configuration, version=version)
     others = sharing.types if sharing else {}
     given = {**{f"{TUNE}.{name}": each.type for name, each in tunables.items()}, **others, **own_signals()}
-    outputs = [*controls, *(Port(name, Causality.OUTPUT, in_si(type_)) for name, type_ in given.items())]
+    outputs = [*controls, *(Port(name, Causality.OUTPUT, type_.in_si) for name, type_ in given.items())]
     signals = wired.signals
     types = {**own_signals(), **{name: signals[name] for name in wanted}}
-    inputs = [Port(f"sees.n{number}", Causality.INPUT, in_si(type_)) for number, type_ in enumerate(types.values(), 1)]
+    inputs = [Port(f"sees.n{number}", Causality.INPUT, type_.in_si) for number, type_ in enumerate(types.values(), 1)]
     component = link(part, (*inputs, *outputs), LinkMode.LOCKSTEP if sharing else LinkMode.FREE)
     driven = with_driver(bench, component, tuple(tunables), sharing.ends if sharing else None)
     sources = [f"{part.name}.{name}" for name in own_signals()] + [wired.faces.get(name, name) for name in wanted]
@@ -186,11 +186,6 @@ def heedless(element: Element) -> Element:
 def own_signals() -> dict[str, Type]:
     """What a driver in the loop shows to itself again, ahead of all that it sees."""
     return dict(zip(_OWN, (Type(Kind.REAL), Type(Kind.REAL), Type(Kind.REAL, parse_unit("s"))), strict=True))
-
-
-def in_si(type_: Type) -> Type:
-    """*type_* with its unit's coherent one."""
-    return replace(type_, unit=coherent(type_.unit))
 
 
 def _refusals(bench: TestBench) -> Iterator[Problem]:

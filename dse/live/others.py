@@ -79,10 +79,10 @@ def host_of(car: Car, state: State, ahead: float) -> dict[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class Ways:
-    """Where road users are in the plane that are placed along paths: *lines* are points of the middle of each path's
-    own lane, as arrays of stations, x and y (m)."""
+    """Where road users are in the plane that are placed along paths: *lines* are points of the middles of each path's
+    lanes, as stations (n), the number of the first lane, x and y (lanes, n), all in m."""
 
-    lines: tuple[tuple[Floats, Floats, Floats], ...]
+    lines: tuple[tuple[Floats, int, Floats, Floats], ...]
 
     @classmethod
     def along(cls, paths: Sequence[Any]) -> Ways:
@@ -92,24 +92,32 @@ class Ways:
         lines = []
         for path in paths:
             s = np.linspace(0.0, path.length, int(path.length / _SPACING) + 2)
-            points = place(path, s, lane_middle(path, s))
-            steps = np.hypot(np.diff(points.x), np.diff(points.y))
-            lines.append((np.concatenate([[0.0], np.cumsum(steps)]), points.x, points.y))
+            numbers = sorted(lane.number for lane in path.lanes)
+            points = [place(path, s, lane_middle(path, s, number)) for number in numbers]
+            x, y = np.array([each.x for each in points]), np.array([each.y for each in points])
+            own = numbers.index(0)
+            steps = np.hypot(np.diff(x[own]), np.diff(y[own]))
+            lines.append((np.concatenate([[0.0], np.cumsum(steps)]), numbers[0], x, y))
         return cls(tuple(lines))
 
-    def plane(self, path: Floats, station: Floats, offset: Floats) -> tuple[Floats, Floats]:
+    def plane(self, path: Floats, lane: Floats, station: Floats, offset: Floats) -> tuple[Floats, Floats]:
         """x and y; those that are on no path stay as they are."""
         x, y = station.copy(), offset.copy()
-        for number, (along, xs, ys) in enumerate(self.lines):
+        for number, (along, first, xs, ys) in enumerate(self.lines):
             on = path == number
             if np.any(on):
-                s, lateral = station[on] % along[-1], offset[on]
+                s, lateral, row = station[on] % along[-1], offset[on], np.clip(lane[on] - first, 0, len(xs) - 1)
                 at = np.clip(np.searchsorted(along, s) - 1, 0, len(along) - 2)
-                dx, dy = xs[at + 1] - xs[at], ys[at + 1] - ys[at]
-                length = np.maximum(along[at + 1] - along[at], 1e-9)
-                part = (s - along[at]) / length
-                x[on] = xs[at] + part * dx - lateral * dy / length
-                y[on] = ys[at] + part * dy + lateral * dx / length
+                right = row.astype(int)
+                left, share = np.minimum(right + 1, len(xs) - 1), row - right
+                (x0, x1), (y0, y1) = (
+                    [each[right, n] + share * (each[left, n] - each[right, n]) for n in (at, at + 1)]
+                    for each in (xs, ys)
+                )
+                part = (s - along[at]) / np.maximum(along[at + 1] - along[at], 1e-9)
+                length = np.maximum(np.hypot(x1 - x0, y1 - y0), 1e-9)
+                x[on] = x0 + part * (x1 - x0) - lateral * (y1 - y0) / length
+                y[on] = y0 + part * (y1 - y0) + lateral * (x1 - x0) / length
         return x, y
 
 

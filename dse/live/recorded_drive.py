@@ -20,7 +20,6 @@ from dse.domain.time_series import Interpolation, Missing, Outside, Series, Tabl
 from dse.errors import Location, Problem, fail, raise_if_any
 from dse.live.driver_in_the_loop import driver_of, tunables_of, with_driver
 from dse.live.shared_bench import Sharing, sharing_of, without_traffic
-from dse.units import coherent
 
 _NAME = "drive"
 
@@ -66,7 +65,7 @@ def _types(
     for names, what in ((missing, "does not give"), (strange, "gives, without a receiver,")):
         if names:
             raise fail(f"the drive on '{bench.name}' {what} {', '.join(sorted(names))}", where, _ANOTHER)
-    return {name: replace(known[name], unit=coherent(known[name].unit)) for name in drive.inputs}
+    return {name: known[name].in_si for name in drive.inputs}
 
 
 _ANOTHER = "the bench or the design has changed since the drive"

@@ -6,6 +6,7 @@ import math
 import multiprocessing.process
 import socket
 import time
+from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ import numpy as np
 from dse.domain.drive import Pace
 from dse.domain.run import Run
 from dse.live.driver_in_the_loop import DriverInTheLoop
-from dse.live.others import State
+from dse.live.others import State, Users
 from dse.live.packet import Flag, Packet
 from dse.live.session import OWN_VALUES, TURN, Ended, Patience, Seen, Session, Why
 from dse.live.shared_world import Place, SharedWorld
@@ -58,8 +59,47 @@ class Sights:
         return cls(motion, station, offset)
 
 
-class SeatSession(Session):
-    """A `Session` at *place* of *world*; a *script* drives in place of a person."""
+class PlacedSession(Session, ABC):
+    """A `Session` at *place* of *world*, which keeps its time."""
+
+    def __init__(
+        self,
+        prepared: PreparedBench,
+        driver_in_loop: DriverInTheLoop,
+        first: Mapping[str, float],
+        patience: Patience | None = None,
+        *,
+        world: SharedWorld,
+        place: Place,
+    ) -> None:
+        self.world, self.place = world, place
+        self.values = OWN_VALUES + len(driver_in_loop.seen)
+        self._sent = Packet(0, 0, Flag(0), 0.0, ())
+        super().__init__(prepared, driver_in_loop, first, patience)
+
+    @abstractmethod
+    def state_of(self, packet: Packet) -> State | Users:
+        """What others see of it, as its run tells."""
+
+    def look(self, packet: Packet, lateness: float, overruns: int) -> None:
+        """See what the run shows."""
+
+    def answer(self, packet: Packet, others: Mapping[str, float]) -> Packet:
+        """What it puts out next, among *others* by its outputs."""
+        self._sent = self._reply(packet, self._sent, others)
+        return self._sent
+
+    def _attend(self, line: socket.socket, process: multiprocessing.process.BaseProcess) -> tuple[Why, str] | None:
+        began = time.monotonic()
+        with self.world.seated(self.place, self, line):
+            while process.sentinel not in wait([process.sentinel], TURN):
+                if cut := self._overdue(began, self.place.heard):
+                    return cut
+        return None
+
+
+class SeatSession(PlacedSession):
+    """A `PlacedSession` of a car; a *script* drives in place of a person."""
 
     def __init__(
         self,
@@ -73,11 +113,9 @@ class SeatSession(Session):
         sights: Sights,
         script: Script | None = None,
     ) -> None:
-        self.world, self.place, self._sights, self._script = world, place, sights, script
-        self.values = OWN_VALUES + len(driver_in_loop.seen)
-        self._sent = Packet(0, 0, Flag(0), 0.0, ())
+        self._sights, self._script = sights, script
         self._done: Mapping[str, float] = {}
-        super().__init__(prepared, driver_in_loop, first, patience)
+        super().__init__(prepared, driver_in_loop, first, patience, world=world, place=place)
 
     def state_of(self, packet: Packet) -> State:
         """How the car moves, as its run tells."""
@@ -91,11 +129,9 @@ class SeatSession(Session):
 
     def answer(self, packet: Packet, others: Mapping[str, float]) -> Packet:
         """What it puts out next, among *others* by its outputs."""
-        values = dict(others)
         if self._script is not None and (due := self._script.at(packet.time)) is not self._done:
-            self._done, values = due, {**values, **due}
-        self._sent = self._reply(packet, self._sent, values)
-        return self._sent
+            self._done, others = due, {**others, **due}
+        return super().answer(packet, others)
 
     def look(self, packet: Packet, lateness: float, overruns: int) -> None:
         """See what the run shows."""
@@ -107,15 +143,6 @@ class SeatSession(Session):
     def _made(self, folder: Path) -> Ended:
         self.world.await_traffic()
         return super()._made(folder)
-
-    def _attend(self, line: socket.socket, process: multiprocessing.process.BaseProcess) -> tuple[Why, str] | None:
-        began = time.monotonic()
-        with self.world.seated(self.place, self, line):
-            while True:
-                if process.sentinel in wait([process.sentinel], TURN):
-                    return None
-                if cut := self._overdue(began, self.place.heard):
-                    return cut
 
     def _pace(self, run: Run) -> Pace:  # noqa: ARG002  # the world has kept time, not the run
         late = np.array(self.place.late or [0.0])

@@ -12,7 +12,6 @@ from dse.domain.design import Configuration
 from dse.errors import fail
 from dse.kinds import RoadSource, tables_along
 from dse.testbench import WiredBench, wire_bench
-from dse.units import coherent
 
 START = "start_station"
 """The parameter of the road that places a car at its start."""
@@ -74,7 +73,7 @@ def sharing_of(bench: TestBench, configuration: Configuration) -> Sharing:
             raise fail(f"{what}the traffic lights of {road} cannot follow the time of the world", bench.where, hint)
         found[CLOCK] = end
     types = {name: ports[end][1].type for name, end in found.items()}
-    types = {name: replace(each, unit=coherent(each.unit)) for name, each in types.items()}
+    types = {name: each.in_si for name, each in types.items()}
     movers = {end for name, end in found.items() if name != CLOCK}
     return Sharing(road, _traffic(wired, ports, movers, what), found, types)
 

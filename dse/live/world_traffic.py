@@ -6,13 +6,9 @@ puts out all of its road users, as ``everyone[n]`` or, if there are no more, ``m
 
 from __future__ import annotations
 
-import multiprocessing.process
 import re
-import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from multiprocessing.connection import wait
-from socket import socket
 
 import numpy as np
 
@@ -22,10 +18,11 @@ from dse.domain.design import Configuration, Connection
 from dse.domain.method import PLAIN
 from dse.domain.udp import LinkMode
 from dse.kinds import RoadSource, tables_along
-from dse.live.driver_in_the_loop import DriverInTheLoop, driver_of, heedless, in_si, link, own_signals
+from dse.live.driver_in_the_loop import DriverInTheLoop, driver_of, heedless, link, own_signals
 from dse.live.others import Users, Ways
-from dse.live.packet import Flag, Packet
-from dse.live.session import OWN_VALUES, TURN, Patience, Session, Why
+from dse.live.packet import Packet
+from dse.live.seat import PlacedSession
+from dse.live.session import OWN_VALUES, Patience, Why
 from dse.live.shared_bench import CLOCK, Sharing
 from dse.live.shared_world import Place, SharedWorld
 from dse.testbench import PreparedBench, WiredBench, prepare_unmeasured, wire_bench
@@ -34,7 +31,8 @@ _LONGEST = 86_400.0
 """Seconds that it lasts."""
 _HOST, _OWN_HOST = re.compile(r"hosts\[([0-9]+)\]\.([a-z_]+)"), ("lane.", "motion.")
 _USER = re.compile(r"(everyone|movers)\[([0-9]+)\]\.([a-z_]+)")
-_NEEDED = frozenset({"id", "class", "path", "station", "offset", "turn", "speed"})
+_PLACE = ("path", "lane", "station", "offset")
+_NEEDED = frozenset({"id", "class", "turn", "speed", *_PLACE})
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,15 +61,11 @@ def traffic_of(
     """The traffic of *bench* for a world that is shared so; None if it has none that can react to several cars."""
     wired = wire_bench(bench, configuration)
     name, source = sharing.traffic, wired.parts[sharing.road].source
-    if not name or not isinstance(source, RoadSource):
+    if not name or not isinstance(source, RoadSource) or traffic_left_out(bench, configuration, sharing):
         return None
     ports = {port.name: port for port in wired.parts[name].interface.ports}
-    hosts = {f"other{found[1]}.{found[2]}": port for port in ports if (found := _HOST.fullmatch(port))}
-    users = [found for port in ports if (found := _USER.fullmatch(port)) and found[3] in sharing.fields]
-    users = [each for each in users if each[1] == "everyone"] or users
+    hosts, users = _hosts_of(ports), _users_of(ports, sharing)
     columns = tuple(dict.fromkeys(each[3] for each in users))
-    if not hosts or not set(columns) >= _NEEDED:
-        return None
     part = driver_of(bench)
     ends = {each: f"{name}.{port}" for each, port in hosts.items()}
     clock = f"{sharing.road}.clock_offset"
@@ -80,8 +74,8 @@ def traffic_of(
         ends[CLOCK], given[CLOCK] = clock, sharing.types[CLOCK]
     seen = {f"{part.name}.{each}": type_ for each, type_ in own_signals().items()}
     seen |= {f"{name}.{each[0]}": ports[each[0]].type for each in users}
-    inputs = [Port(f"sees.n{number}", Causality.INPUT, in_si(type_)) for number, type_ in enumerate(seen.values(), 1)]
-    outputs = [Port(each, Causality.OUTPUT, in_si(type_)) for each, type_ in {**given, **own_signals()}.items()]
+    inputs = [Port(f"sees.n{number}", Causality.INPUT, type_.in_si) for number, type_ in enumerate(seen.values(), 1)]
+    outputs = [Port(each, Causality.OUTPUT, type_.in_si) for each, type_ in {**given, **own_signals()}.items()]
     # The clock stops while no car is driven, for any time.
     component = link(part, (*inputs, *outputs), LinkMode.LOCKSTEP, _LONGEST)
     ways = {f"{part.name}.{each}": end for each, end in ends.items()}
@@ -102,6 +96,33 @@ def traffic_of(
     fields = tuple(dict.fromkeys(each.partition(".")[2] for each in hosts))
     count = max(int(each.partition(".")[0].removeprefix("other")) for each in hosts)
     return WorldTraffic(prepared, end, count, fields, columns, Ways.along(tables_along(source).paths))
+
+
+def traffic_left_out(bench: TestBench, configuration: Configuration, sharing: Sharing) -> str:
+    """Why a world that is shared so is without the traffic of *bench*; "" if it has it, or the bench has none."""
+    if not sharing.traffic:
+        return ""
+    wired = wire_bench(bench, configuration)
+    component = wired.parts[sharing.traffic]
+    ports = [port.name for port in component.interface.ports]
+    why = ""
+    if not _hosts_of(ports):
+        why = "it reacts to one host only, as it has no inputs 'hosts'"
+    elif missing := sorted(_NEEDED - {each[3] for each in _users_of(ports, sharing)}):
+        why = f"its road users have no {', '.join(missing)}"
+    elif not isinstance(wired.parts[sharing.road].source, RoadSource):
+        why = f"{sharing.road} is not of the kind 'road'"
+    return f"without the traffic of the bench ({component.name}): {why}" if why else ""
+
+
+def _hosts_of(ports: Iterable[str]) -> dict[str, str]:
+    return {f"other{found[1]}.{found[2]}": port for port in ports if (found := _HOST.fullmatch(port))}
+
+
+def _users_of(ports: Iterable[str], sharing: Sharing) -> list[re.Match[str]]:
+    """The ports of its road users, as matches of `_USER`: all of them, if it tells all."""
+    users = [found for port in ports if (found := _USER.fullmatch(port)) and found[3] in sharing.fields]
+    return [each for each in users if each[1] == "everyone"] or users
 
 
 def _alone(wired: WiredBench, sharing: Sharing, driver: str) -> WiredBench:
@@ -141,14 +162,12 @@ def _nothing(port: Port) -> Value:
     return 0
 
 
-class TrafficSession(Session):
-    """A `Session` of *traffic*, which takes part in *world* at *place*."""
+class TrafficSession(PlacedSession):
+    """A `PlacedSession` of *traffic*."""
 
     def __init__(self, traffic: WorldTraffic, world: SharedWorld, place: Place) -> None:
-        self.world, self.place, self._traffic = world, place, traffic
-        self.values = OWN_VALUES + len(traffic.end.seen)
-        self._sent = Packet(0, 0, Flag(0), 0.0, ())
-        super().__init__(traffic.prepared, traffic.end, {}, Patience(step=_LONGEST))
+        self._traffic = traffic
+        super().__init__(traffic.prepared, traffic.end, {}, Patience(step=_LONGEST), world=world, place=place)
 
     def state_of(self, packet: Packet) -> Users:
         """Its road users, as its run tells."""
@@ -156,16 +175,11 @@ class TrafficSession(Session):
         table = np.array(packet.values[OWN_VALUES:]).reshape(-1, len(columns))
         table = table[table[:, columns.index("class")] > 0]
         named = {name: table[:, number] for number, name in enumerate(columns)}
-        return Users(named, *self._traffic.ways.plane(named["path"], named["station"], named["offset"]))
+        return Users(named, *self._traffic.ways.plane(*(named[name] for name in _PLACE)))
 
     def answer(self, packet: Packet, others: Mapping[str, float]) -> Packet:
         """What it is told of the cars."""
-        known = {name: value for name, value in others.items() if name in self._values}
-        self._sent = self._reply(packet, self._sent, known)
-        return self._sent
-
-    def look(self, packet: Packet, lateness: float, overruns: int) -> None:
-        """Only the cars see it."""
+        return super().answer(packet, {name: value for name, value in others.items() if name in self._values})
 
     def _talk(self) -> None:
         super()._talk()
@@ -173,12 +187,5 @@ class TrafficSession(Session):
         if self._ended and self._ended.why is Why.CRASHED:
             self.world.problem = f"the traffic has ended: {self._ended.text}"
 
-    def _attend(self, line: socket, process: multiprocessing.process.BaseProcess) -> tuple[Why, str] | None:
-        began = time.monotonic()
-        with self.world.seated(self.place, self, line):
-            while process.sentinel not in wait([process.sentinel], TURN):
-                if self._wants_end.is_set():
-                    return Why.FINISHED, "no car is left"
-                if cut := self._overdue(began, self.place.heard):
-                    return cut
-        return None
+    def _overdue(self, began: float, heard: float) -> tuple[Why, str] | None:
+        return (Why.FINISHED, "no car is left") if self._wants_end.is_set() else super()._overdue(began, heard)

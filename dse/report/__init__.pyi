@@ -50,7 +50,7 @@ from .page.payload import script_json as script_json
 from .page.pdf import print_report as print_report
 from .page.simulation import PageSimulation as PageSimulation
 from .roads import road_picture as road_picture, with_driven as with_driven
-from .scene.data import Ground as Ground, Scene as Scene
+from .scene.data import Ground as Ground, Host as Host, Scene as Scene
 from .scene.film import VIEWS as VIEWS, Shot as Shot, film as film, require_target as require_target
 from .scene.from_signals import SceneSignals as SceneSignals
 from .scene.ground import ground_of as ground_of, straight_ground as straight_ground

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api import SharedDrive, open_shared_drive
+from dse.api import SharedDrive, open_shared_drive, shared_without
 from dse.domain.bench import TestBench
 from dse.errors import DseError
 
@@ -37,6 +37,8 @@ class SharedDrives:
         from dse.live import Script, SharedWorld
 
         self.bench = bench
+        self.left_out = shared_without(bench, configuration or None)
+        """What of the bench the world lacks, as a sentence."""
         self._configuration = configuration
         self._people: list[SharedDrive] = []
         self._simulated: dict[str, SharedDrive] = {}
@@ -89,9 +91,9 @@ class SharedDrives:
 
     def data(self) -> Mapping[str, object]:
         """What a page is told of the world."""
-        told = {"type": "world", "bench": self.bench.name, "most": self.world.most, "seats": self.seats()}
-        problem = self.problem or self.world.problem
-        return told | ({"problem": problem} if problem else {})
+        world = {"type": "world", "bench": self.bench.name, "most": self.world.most, "seats": self.seats()}
+        more = {"problem": self.problem or self.world.problem, "note": self.left_out}
+        return world | {name: text for name, text in more.items() if text}
 
     def close(self) -> None:
         """End the simulated drives, and the world."""

@@ -21,7 +21,6 @@ from dse.domain.udp import UdpSource
 from dse.errors import Problem, closest, fail, raise_if_any, some_of
 from dse.system import along_the_flow
 from dse.testbench.wired_bench import WiredBench
-from dse.units import coherent
 
 NEAR, FAR = "car", "world"
 """What the halves are called, and in each half the component that stands for the other one."""
@@ -200,7 +199,7 @@ def _border(wired: WiredBench, far: frozenset[str], columns: Iterable[str], prob
         if not type_.kind.is_number:
             what = f"{name} is {type_.kind}: it cannot cross the border between the car and the world"
             problems.append(Problem(what, where or wired.where, "have both of its ends in one half: --parts"))
-        (back if _part_of(wired, name) in far else out)[name] = replace(type_, unit=coherent(type_.unit))
+        (back if _part_of(wired, name) in far else out)[name] = type_.in_si
     sides = (Causality.INPUT, out), (Causality.OUTPUT, back)
     found = (Port(name, side, types[name]) for side, types in sides for name in sorted(types, key=_natural))
     return Interface(FAR, tuple(found))

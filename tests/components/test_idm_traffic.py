@@ -227,3 +227,13 @@ def test_on_a_ring_the_platoon_goes_round_and_never_touches(new_part: NewPart) -
     ahead[:, -1] += 200
     assert (ahead - states[:, :, 0] - 4.5).min() > 1
     assert states[-1, :, 0].min() > 10 * 200
+
+
+@pytest.mark.parametrize(("width", "follows"), [(3.0, False), (4.0, True)])
+def test_the_host_is_in_another_lane_where_lanes_have_become_wider(
+    new_part: NewPart, width: float, follows: bool
+) -> None:
+    """8 m to the left is the middle of the third lane if lanes are 4 m wide, and beside it if they are 3 m wide."""
+    part = traffic(new_part, [{"station": 0.0, "speed": 20.0, "desired_speed": 20.0, "lane_number": 2}], lane_width=3.0)
+    part["lane.station"], part["lane.offset"], part["lane.width"] = 60.0, 8.0, width
+    assert (run(part, 20)[-1, 0, 3] < 19.0) == follows

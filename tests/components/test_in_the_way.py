@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from components.test_stream_traffic import MOVER
 
 NewPart = Callable[..., Any]
 ALONE = {"minds_host": False}
@@ -55,14 +56,8 @@ def place_behind(part: Any) -> None:
 
 
 def crowd(part: Any, count: int) -> Any:
-    mover = np.dtype(
-        [("id", "i4"), ("class", "i4"), *((n, "f8") for n in ("length", "width", "height", "clearance")),
-         ("path", "i4"), ("lane", "i4"),
-         *((n, "f8") for n in ("station", "offset", "turn", "speed", "lateral_speed", "acceleration"))],
-        align=True,
-    )  # fmt: skip
     at = ctypes.addressof(part.slots["everyone[1].id"][1]) - ctypes.addressof(part.memory)
-    return np.frombuffer(bytes(part.memory), mover, count, at)
+    return np.frombuffer(bytes(part.memory), MOVER, count, at)
 
 
 def road(part: Any, *lanes: tuple[float, float, int], leftmost: int = 0) -> None:
@@ -74,15 +69,16 @@ def road(part: Any, *lanes: tuple[float, float, int], leftmost: int = 0) -> None
         part[f"paths[1].lanes[{k}].users"] = users
 
 
-def offsets(part: Any, count: int, steps: int = 400) -> dict[int, set[float]]:
-    """Where the users of each class are, while none changes lanes."""
+def lanes(part: Any, count: int, steps: int = 400) -> dict[int, set[float]]:
+    """In which lanes the users of each class are, while none changes lanes."""
     part.init()
     found: dict[int, set[float]] = {}
     for _ in range(steps):
         part.step(0.1)
         for user in crowd(part, count):
             if user["class"] and user["turn"] == 0:
-                found.setdefault(int(user["class"]), set()).add(round(float(user["offset"]), 9))
+                found.setdefault(int(user["class"]), set()).add(float(user["lane"]))
+                assert user["offset"] == 0
     return found
 
 
@@ -91,18 +87,18 @@ def test_vehicles_keep_to_the_middles_of_the_lanes_of_their_class(new_part: NewP
         "stream_traffic", **ALONE, count=60, truck_share=0.3, motorcycle_share=0.1, cyclists=3, politeness=0.0
     )
     road(part, (-5.5, 1.5, BICYCLES), (-3.25, 3.0, 0), (0.0, 3.5, CARS), (3.375, 3.25, CARS), leftmost=1)
-    found = offsets(part, 63)
-    assert found[1] == found[2] == {0.0, 3.375}
-    assert found[3] <= {0.0, 3.375}
-    assert found[4] == {-5.5}
+    found = lanes(part, 63)
+    assert found[1] == found[2] == {0, 1}
+    assert found[3] <= {0, 1}
+    assert found[4] == {-2}
 
 
 def test_no_truck_changes_to_a_lane_that_is_not_for_trucks(new_part: NewPart) -> None:
     part = new_part("stream_traffic", **ALONE, count=80, truck_share=0.5, politeness=0.0, truck_speed=28.0)
     road(part, (0.0, 3.5, CARS), (3.5, 3.5, CARS & ~0b100), leftmost=1)
-    found = offsets(part, 80)
-    assert found[2] == {0.0}
-    assert found[1] == {0.0, 3.5}
+    found = lanes(part, 80)
+    assert found[2] == {0}
+    assert found[1] == {0, 1}
 
 
 def test_a_path_without_a_lane_for_vehicles_has_no_room_for_them(new_part: NewPart) -> None:
@@ -124,6 +120,6 @@ def test_a_driver_overtakes_on_a_lane_but_not_on_a_hard_shoulder(new_part: NewPa
         told = []
         for _ in range(300):
             part.step(0.1)
-            told.append(part["movers[2].offset"])
+            told.append(part["movers[2].lane"])
         farthest.append(min(told))
-    assert farthest == [pytest.approx(-3.5), 0.0]
+    assert farthest == [-1, 0]

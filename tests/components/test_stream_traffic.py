@@ -16,8 +16,8 @@ NewPart = Callable[..., Any]
 H = 0.1
 MOVER = np.dtype(
     [("id", "i4"), ("class", "i4"), *((name, "f8") for name in ("length", "width", "height", "clearance")),
-     ("path", "i4"), ("lane", "i4"),
-     *((name, "f8") for name in ("station", "offset", "turn", "speed", "lateral_speed", "acceleration"))],
+     ("path", "i4"),
+     *((name, "f8") for name in ("lane", "station", "offset", "turn", "speed", "lateral_speed", "acceleration"))],
     align=True,
 )  # fmt: skip
 ALONE = {"minds_host": False}

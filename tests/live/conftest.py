@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import gc
+import re
+import shutil
 import socket
+import subprocess
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -19,6 +22,7 @@ from dse.domain.udp import LINK, UdpSource
 from dse.fmu import build, open_fmu
 from dse.units import parse_unit
 
+CLIENTS = Path(__file__).parents[2] / "clients"
 REAL = Type(Kind.REAL)
 _OPENED = Path("/proc/self/fd")
 COUNTED = tuple(
@@ -85,3 +89,31 @@ def port() -> int:
 @pytest.fixture(scope="session")
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("live")
+
+
+@pytest.fixture(scope="session")
+def unity_world(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """The scene of the README of clients/unity, against the signatures of Unity."""
+    compiler, runtime = shutil.which("mcs"), shutil.which("mono")
+    if not (compiler and runtime):
+        pytest.skip("no C# compiler: mcs and mono of the packages mono-mcs and mono-runtime")
+    folder, package = tmp_path_factory.mktemp("unity"), CLIENTS / "unity"
+    (code,) = re.findall(r"```csharp\n(.*?)```", (package / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    (folder / "Outside.cs").write_text(re.sub("(?m)^   ", "", code), encoding="utf-8")
+    stubs = Path(__file__).parent / "unity"
+    sources = [*sorted((package / "Runtime").glob("*.cs")), *sorted(stubs.glob("*.cs")), folder / "Outside.cs"]
+    options = ["-langversion:7", "-warnaserror", "-nowarn:0649", f"-out:{folder / 'Scene.exe'}"]
+    subprocess.run([compiler, *options, *map(str, sources)], check=True)
+    return [runtime, str(folder / "Scene.exe")]
+
+
+@pytest.fixture(scope="session")
+def godot_world(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """The example of clients/godot in Godot 3; another script can take the place of the last word."""
+    godot = shutil.which("godot3-server")
+    if not godot:
+        pytest.skip("no Godot 3: godot3-server")
+    project = tmp_path_factory.mktemp("godot") / "project"
+    shutil.copytree(CLIENTS / "godot", project)
+    shutil.copytree(Path(__file__).parent / "godot", project, dirs_exist_ok=True)
+    return [godot, "--path", str(project), "-s", "run.gd"]

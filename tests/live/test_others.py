@@ -10,16 +10,15 @@ import pytest
 from dse.live.others import Car, State, Users, Ways, host_of, nearest
 
 ARC = np.linspace(0.0, math.pi, 400)
-HALF_CIRCLE = Ways(((100 * ARC, 100 * np.sin(ARC), 100 * (1 - np.cos(ARC))),))
+RADII = np.array([[100.0], [96.0]])  # of the own lane and of the one to its left
+HALF_CIRCLE = Ways(((100 * ARC, 0, RADII * np.sin(ARC), 100 - RADII * np.cos(ARC)),))
 
 
 def test_users_on_a_bend_are_where_the_circle_is_and_those_on_no_path_stay() -> None:
-    path, station, offset = (
-        np.array([0.0, 0.0, -1.0]),
-        np.array([50.0 * math.pi, 20.0, 7.0]),
-        np.array([3.0, -3.5, 8.0]),
-    )
-    x, y = HALF_CIRCLE.plane(path, station, offset)
+    path, lane, station, offset = np.array(
+        [(0, 0.0, 50.0 * math.pi, 3.0), (0, 0.0, 20.0, -3.5), (-1, 0.0, 7.0, 8.0), (0, 0.75, 50.0 * math.pi, 0.0)]
+    ).T
+    x, y = HALF_CIRCLE.plane(path, lane, station, offset)
     # A circle of 100 m to the left: an offset of 3 m is on a circle of 97 m.
     assert (x[0], y[0]) == (pytest.approx(97.0, abs=0.02), pytest.approx(100.0, abs=0.02))
     assert (x[1], y[1]) == (
@@ -27,6 +26,7 @@ def test_users_on_a_bend_are_where_the_circle_is_and_those_on_no_path_stay() -> 
         pytest.approx(100 - 103.5 * math.cos(0.2), abs=0.02),
     )
     assert (x[2], y[2]) == (7.0, 8.0)
+    assert (x[3], y[3]) == (pytest.approx(97.0, abs=0.02), pytest.approx(100.0, abs=0.02))  # three quarters to the left
 
 
 def test_a_user_is_told_a_step_ahead_along_its_way() -> None:

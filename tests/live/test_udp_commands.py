@@ -295,7 +295,7 @@ def csharp_world(tmp_path_factory):
     return [runtime, str(made)]
 
 
-@pytest.mark.parametrize("language", ["c", pytest.param("csharp", marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("language", ["c", "csharp", "unity", "godot"])
 @pytest.mark.thorough
 def test_the_example_worlds_pass_the_check(language, request, dse):
     port = free_port()
@@ -356,7 +356,7 @@ def test_in_free_mode_the_example_worlds_go_on_by_their_own_clock(language, requ
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("language", ["c", "csharp"])
+@pytest.mark.parametrize("language", ["c", "csharp", "godot"])
 def test_a_model_in_modelica_drives_up_to_the_wall_of_the_example_worlds(language, request, tmp_path):
     """Translated by our compiler; against the same motion in Python, the drive's lag solved exactly in each step."""
     shutil.copytree(CLIENTS / "modelica", tmp_path / "wall")

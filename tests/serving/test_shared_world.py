@@ -87,7 +87,8 @@ def goes_on(socket: ClientConnection) -> bool:
 
 @pytest.mark.thorough
 def test_seats_are_listed_and_watched_and_a_watcher_changes_nothing(client) -> None:
-    assert json.loads(client.get("/drive/world").text)["seats"] == []
+    world = json.loads(client.get("/drive/world").text)
+    assert (world["seats"], world["note"].partition(":")[0]) == ([], "without the traffic of the bench (flow)")
     with sits(client, f"drive={taken(client, 'Ada')}") as ada, sits(client, f"drive={taken(client, MARKUP)}") as bea:
         assert [until(each, "scene")["seat"] for each in (ada, bea)] == [1, 2]
         assert goes_on(ada)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from opendrive_texts import opendrive
+from opendrive_texts import factors, geometry, lane, opendrive, road, section
 from world.small_roads import CROSSINGS, LANES
 
 import dse
@@ -97,6 +97,21 @@ connections:
   - traffic.movers -> road.movers
   - road.lane -> traffic.lane
   - car.motion -> traffic.motion"""
+WIDENING = """test_components:
+  traffic:
+    component: idm_traffic
+    parameters:
+      class: [1, 1, 2, 0, 0, 0, 0, 0]
+      lane_number: [1, 0, 0, 0, 0, 0, 0, 0]
+      station: [100 m, 50 m, 85 m, 0 m, 0 m, 0 m, 0 m, 0 m]
+      speed: [26 m/s, 25 m/s, 15 m/s, 0 m/s, 0 m/s, 0 m/s, 0 m/s, 0 m/s]
+      "desired_speed[1]": 26 m/s
+      "desired_speed[3]": 15 m/s
+      "length[3]": 12 m
+      politeness: 0
+connections:
+  - road.paths -> traffic.paths
+  - traffic.movers -> road.movers"""
 EYE = """    - car.motion -> eye.motion
     - road.actors -> eye.actors
     - eye.scan -> tracker.first
@@ -147,9 +162,44 @@ def test_a_crowd_keeps_to_the_lanes_of_its_classes(tmp_path: Path) -> None:
     )
     rows = simulated(tmp_path, "shared", opendrive(*lanes.parts), bench)
     columns = {name: rows[[c for c in rows if c.startswith("traffic.everyone") and c.endswith(f".{name}")]] for name in
-               ("class", "offset", "turn")}  # fmt: skip
-    class_, offset, turn = (columns[name].to_numpy() for name in ("class", "offset", "turn"))
-    found = {k: set(np.round(offset[(class_ == k) & (turn == 0)], 9).tolist()) for k in (1, 2, 4)}
-    assert found[1] == {0.0, 3.375}
-    assert found[2] <= {0.0, 3.375}
-    assert found[4] == {-5.5}
+               ("class", "lane", "turn")}  # fmt: skip
+    class_, lane_, turn = (columns[name].to_numpy() for name in ("class", "lane", "turn"))
+    found = {k: set(lane_[(class_ == k) & (turn == 0)].tolist()) for k in (1, 2, 4)}
+    assert found[1] == {0, 1}
+    assert found[2] <= {0, 1}
+    assert found[4] == {-2}
+
+
+def ramp(x: Any, start: float, rise: float) -> Any:
+    """From 0 to *rise* within 100 m, by a cubic."""
+    u = np.clip((x - start) / 100, 0, 1)
+    return rise * u * u * (3 - 2 * u)
+
+
+@pytest.mark.thorough
+@pytest.mark.usefixtures("kept_cache")
+def test_who_keeps_a_lane_follows_its_middle_and_who_changes_is_between_both(tmp_path: Path) -> None:
+    rise = (0.0, 0.0, 3e-4, -2e-6)
+    left = "".join(
+        f'<width sOffset="{s}"{factors(a, *rise[1:] if s == 50 else ())}/>' for s, a in ((0, 3), (50, 3), (150, 4))
+    )
+    right = f'<width sOffset="0"{factors(3.5, 0.0, 6e-4, -4e-6)}/>'
+    first = "".join(lane(n, width, after=n) for n, width in ((-1, left), (-2, 3.5)))
+    second = "".join(lane(n, width, before=n) for n, width in ((-1, 4.0), (-2, right)))
+    shifts = "".join(f'<laneOffset s="{s}"{factors(*a)}/>' for s, a in ((0, (0.0,)), (100, rise), (200, (1.0,))))
+    sections = section(0.0, "", first) + section(200.0, "", second)
+    xodr = opendrive(road("1", geometry(0.0, 0.0, 0.0, 0.0, 300.0), 300.0, sections, offset=shifts))
+    record = ", ".join(f'"road.actors[{n}].{name}"' for n in (1, 2, 3) for name in ("x", "y", "lane", "speed"))
+    bench = BENCH.replace("PARTS", WIDENING).replace("RECORD", record).replace("RATE", "")
+    rows = simulated(tmp_path, "widening", xodr, bench)
+    rows = rows[rows["road.actors[1].x"] < 300]
+    for n, kept in ((1, {1}), (2, {0, 1}), (3, {0})):
+        x, y, number, speed = (rows[f"road.actors[{n}].{name}"].to_numpy() for name in ("x", "y", "lane", "speed"))
+        inner, outer = 3 + ramp(x, 50, 1), 3.5 + ramp(x, 200, 2)
+        share = (y - ramp(x, 100, 1) + inner + outer / 2) / ((inner + outer) / 2)  # 0 and 1: in the middle of a lane
+        in_the_middle = abs(share - np.rint(share)) < 1e-9
+        assert set(np.rint(share[in_the_middle])) == kept
+        assert in_the_middle.all() or n == 2
+        assert np.array_equal(number, np.rint(share))
+        way = np.hypot(np.diff(x), np.diff(y))
+        assert (way <= 0.01 * np.maximum(speed[1:], speed[:-1]) * 1.001 + 1e-6).all()

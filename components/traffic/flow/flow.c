@@ -211,6 +211,8 @@ void flow_step(flow *self, double h) {
 
 traffic_mover flow_mover(const flow *self, int32_t i) {
     const flow_user *user = &self->users[i];
+    const flow_path *path = &self->paths[user->path];
+    bool is_on_road = flow_lane(path, user->lane) && flow_lane(path, user->old_lane);
     lane_shift_pose pose = lane_shift_at(&user->shift, user->speed);
     traffic_mover mover = {
         .id = user->id,
@@ -220,7 +222,8 @@ traffic_mover flow_mover(const flow *self, int32_t i) {
         .height = user->height,
         .path = user->path,
         .station = user->station,
-        .offset = pose.offset,
+        .lane = is_on_road ? user->old_lane + (user->lane - user->old_lane) * pose.share : 0,
+        .offset = is_on_road ? 0 : pose.offset,
         .turn = pose.turn,
         .speed = pose.speed,
         .acceleration = user->acceleration,

@@ -3,10 +3,11 @@
    where they have to (right_of_way.h) and change lanes by MOBIL: A. Kesting, M. Treiber, D. Helbing: Transportation
    Research Record 1999, 86 (2007), the symmetric rule, with a bias to the right if one is set. All use the state at the
    beginning of a step, then move by the ballistic update: M. Treiber, A. Kesting: Traffic Flow Dynamics, 2013, 10.2; a
-   speed below zero becomes zero. A user that changes lanes is in both until 0.6 of the change's time. Its place is
-   relative to the middle of the path's own lane, as far from it as its lane is where the path begins: no user jumps,
-   whatever the road's lanes do. A user changes to no lane that its class may not use (in_the_way.h).
-   The host is in every lane that its body, or that of a vehicle of that lane, would share. A vehicle assumes that the
+   speed below zero becomes zero. A user that changes lanes is in both until 0.6 of the change's time. Its place is a
+   number of lanes, with a fraction during a change: the road, which has the geometry, puts it in the middle of its lane
+   or between both, wherever they are. Its turn during a change is that of the lanes where the path begins. A user changes to no lane that its class may not use (in_the_way.h).
+   The host is in every lane that its body, or that of a vehicle of that lane, would share, if all lanes are wider than at
+   the start of the path by as much as its own. A vehicle assumes that the
    host behind it drives like itself. */
 #ifndef FLOW_H
 #define FLOW_H

@@ -4,14 +4,20 @@
 
 #define BESIDE 1e-9       /* m: tolerance between the order and distances, for rounding */
 
+/* Width of the host's lane where the host is, per width where its path begins: as far as known, all lanes widen alike. */
+static double widened(const flow *self) {
+    double start = flow_width(&self->paths[0], self->rules.host_lane), now = self->in->lane.width;
+    return start > 0 && now > 0 ? now / start : 1;
+}
+
 /* Whether user *i* would share that lane with the host. */
 static bool shares_with_host(const flow *self, int32_t i, int32_t lane) {
     const flow_rules *rules = &self->rules;
     const flow_user *user = &self->users[i];
     if (!rules->minds_host || user->path != 0) return false;
     const flow_path *path = &self->paths[0];
-    double apart = flow_middle(path, rules->host_lane) - flow_middle(path, lane);
-    double width = flow_width(path, lane), aside = self->in->lane.offset + apart;
+    double wide = widened(self), apart = wide * (flow_middle(path, rules->host_lane) - flow_middle(path, lane));
+    double width = wide * flow_width(path, lane), aside = self->in->lane.offset + apart;
     return fabs(aside) < 0.5 * fmax(width, rules->host_width + user->width);
 }
 

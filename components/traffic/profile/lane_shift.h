@@ -11,6 +11,7 @@ typedef struct {
 } lane_shift;
 
 typedef struct {
+    double share;        /* of the shift that is done */
     double offset, turn; /* m, rad to the left */
     double speed;        /* along its heading */
 } lane_shift_pose;

@@ -27,8 +27,8 @@
 typedef struct {
     int32_t id, class;
     double length, width, height, clearance;
-    int32_t path, lane;
-    double station, offset, turn;
+    int32_t path;
+    double lane, station, offset, turn;
     double speed, lateral_speed, acceleration;
 } traffic_mover;
 

@@ -28,7 +28,7 @@ static void output(stream_traffic *self, const flow *all) {
         if (self->users[i].class == 0) {
             self->out.everyone[i] = (traffic_mover){0};
         } else {
-            self->out.everyone[i] = self->users[i].walks ? walkers_mover(self, i) : flow_mover(all, i);
+            self->out.everyone[i] = self->users[i].walks ? walkers_mover(self, all, i) : flow_mover(all, i);
         }
     }
 }

@@ -133,9 +133,12 @@ void walkers_step(stream_traffic *self, const flow *all, double h) {
     }
 }
 
-traffic_mover walkers_mover(const stream_traffic *self, int32_t i) {
+/* Along the road its place is relative to the rightmost lane, wherever that is. */
+traffic_mover walkers_mover(const stream_traffic *self, const flow *all, int32_t i) {
     const flow_user *user = &self->users[i];
     const stream_walker *walker = &self->walkers[i];
+    const flow_path *path = &all->paths[0];
+    bool is_beside = !walker->crosses && flow_lane(path, path->right);
     double along = walker->sense > 0 ? 0 : 2 * TRAFFIC_QUARTER_TURN;
     traffic_mover mover = {
         .id = user->id,
@@ -144,7 +147,8 @@ traffic_mover walkers_mover(const stream_traffic *self, int32_t i) {
         .width = user->width,
         .height = user->height,
         .station = user->station,
-        .offset = walker->offset,
+        .lane = is_beside ? path->right : 0,
+        .offset = walker->offset - (is_beside ? flow_middle(path, path->right) : 0),
         .turn = walker->crosses ? walker->sense * TRAFFIC_QUARTER_TURN : along,
         .speed = walker->crosses && !walker->is_crossing ? 0 : walker->pace,
     };

@@ -7,6 +7,6 @@
 
 void walkers_add(stream_traffic *self, const flow *all, int32_t class, bool crosses);
 void walkers_step(stream_traffic *self, const flow *all, double h);
-traffic_mover walkers_mover(const stream_traffic *self, int32_t i);
+traffic_mover walkers_mover(const stream_traffic *self, const flow *all, int32_t i);
 
 #endif

@@ -85,7 +85,7 @@ def open_shared_drive(
     With a *script*, a file as `read_script` takes it, no person drives. Raises DseError if the bench cannot be driven
     or shared, or if the world has no place.
     """
-    from dse.live import MOTION, Car, Sights, sharing_of, traffic_of, without_traffic
+    from dse.live import MOTION, Car, Sights, sharing_of, traffic_left_out, traffic_of, without_traffic
 
     chosen = drivable(bench, configuration)
     sharing = sharing_of(bench, chosen)
@@ -93,13 +93,14 @@ def open_shared_drive(
     view = View(wired, bench.simulation.stop)
     if not world.has_traffic and (traffic := traffic_of(bench, chosen, sharing, version=fmi)):
         traffic.take_part(world)
-    view.document["subtitle"] = "shared" if world.has_traffic else "shared: the other drivers are the traffic"
+    left_out = traffic_left_out(bench, chosen, sharing)
+    view.document["subtitle"] = "shared, without the bench's traffic" if left_out else "shared"
     car = next((n.removesuffix(".motion.heading") for n in wired.signals if n.endswith(".motion.heading")), "")
     if not car:
         raise fail(f"bench '{bench.name}' cannot be shared: no part gives 'motion', which others see", bench.where)
-    told = [f"{car}.motion.{axis}" for axis in MOTION]
-    told += [f"{sharing.road}.lane.{name}" for name in ("station", "offset")]
-    also = [name for name in told if name in wired.signals and name not in view.wanted]
+    seen = [f"{car}.motion.{axis}" for axis in MOTION]
+    seen += [f"{sharing.road}.lane.{name}" for name in ("station", "offset")]
+    also = [name for name in seen if name in wired.signals and name not in view.wanted]
     host, start = view.host, wired.settings[_start(sharing)].value
     others = Car(host.length, host.width, place=host.front - host.length / 2)
     place = world.admit(others, float(start), sharing.fields, sharing.places)
@@ -116,6 +117,14 @@ def open_shared_drive(
         world.leave(place)
         raise
     return live
+
+
+def shared_without(bench: TestBench, configuration: str | None = None) -> str:
+    """What a world shared on *bench* lacks, as a sentence; "" for nothing. Raises DseError if it cannot be shared."""
+    from dse.live import sharing_of, traffic_left_out
+
+    chosen = drivable(bench, configuration)
+    return traffic_left_out(bench, chosen, sharing_of(bench, chosen))
 
 
 def read_script(file: Path, live: LiveDrive) -> Script:

@@ -292,6 +292,7 @@ class Results:
         layout: str | Path | None = None,
         source: str | Path | None = None,
         tell: Tell | None = None,
+        warn: Tell | None = None,
     ) -> dict[str, int]:
         """Write a *run* as a trace file; returns the number of messages by topic.
 
@@ -299,7 +300,8 @@ class Results:
         sensor_data, the last two of one *part*. An ``.mcap`` file contains the ground truth, the data of all sensors
         and trackers, the scene in the messages of Foxglove, and all signals. *rate* is in messages per second;
         *pictures*, in pictures per second, adds a camera to an MCAP file. *layout* is a file for the arrangement of
-        panels that Foxglove and Lichtblick import. The run is simulated again.
+        panels that Foxglove and Lichtblick import. The run is simulated again. *warn* is told what is doubtful about
+        the size of the host.
 
         Raises DseError as `write_scene` does, for another ending, and without the extra ``traces``.
         """
@@ -315,9 +317,9 @@ class Results:
             write_osi,
         )
 
-        def check(told: SceneSignals) -> None:
+        def check(scene: SceneSignals) -> None:
             if kind == ".osi" and message != "ground_truth":
-                chosen_part(parts_with(message, told), message, part)
+                chosen_part(parts_with(message, scene), message, part)
 
         require_packages()
         target = Path(target)
@@ -325,10 +327,13 @@ class Results:
             raise fail(f"'{target.name}' is not a trace file", hint="the ending is .osi or .mcap")
         source = source or self.source
         trace = trace_of(self.run(run), source=source, near=self.folder, rate=rate, tell=tell, check=check)
+        if warn:
+            for doubt in trace.scene.host.doubts:
+                warn(doubt)
         if kind == ".osi":
             return {message: write_osi(trace, target, message, part)}
-        told = tell or (lambda _: None)
-        frames = frames_of(trace.scene, pictures, "chase", _PICTURE, told) if pictures else None
+        progress = tell or (lambda _: None)
+        frames = frames_of(trace.scene, pictures, "chase", _PICTURE, progress) if pictures else None
         counts = write_mcap(trace, target, frames)
         if layout:
             write_layout(trace, counts, Path(layout))
@@ -494,17 +499,19 @@ class Results:
         space = open_space(study.bench.design, where=study.selection.where) if study else None
         bounds = [static_bound(space, each) if space else None for each in ranking.objectives]
         table = self._read(judged)
-        said = [strength(ranking, len(table), bounds, self.definition)]
+        sentences = [strength(ranking, len(table), bounds, self.definition)]
         if len(ranking.objectives) < 2:
-            return tuple(said)
+            return tuple(sentences)
         ends = [round(len(table) * share) for share in (0.25, 0.5, 0.75)]
         shares = [
             stage.volume for stage in stages(table, ranking.objectives, [int(table.numbers[end]) for end in ends])
         ]
         if not any(share != share for share in shares):  # noqa: PLR0124  # NaN
-            told = ", ".join(f"{100 * share:.0f} %" for share in shares)
-            said.append(f"of the volume the front dominates, a quarter, half and three quarters of the runs had {told}")
-        return tuple(said)
+            percentages = ", ".join(f"{100 * share:.0f} %" for share in shares)
+            sentences.append(
+                f"of the volume the front dominates, a quarter, half and three quarters of the runs had {percentages}"
+            )
+        return tuple(sentences)
 
     def study(self) -> nouns.Study | None:
         """The study, read from the workspace around the current folder; None if it is not there."""

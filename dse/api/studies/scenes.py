@@ -160,7 +160,7 @@ def _made_again(
         what = "no part gives the position of a car: neither 'motion.x' nor 'position', 'gap' and 'lead.speed'"
         raise fail(f"run {stored.number} of bench '{bench.name}' is not a scene: {what}", Location(bench.name))
     check(told)
-    again = replace(bench, simulation=_recording(bench, told.wanted, rate))
+    again = replace(bench, simulation=recording(bench, told.wanted, rate))
     made, planned = alone(bench_study(again, Selection.of((chosen,))), fmi, tell=tell)
     if made.problem and stored.is_done:
         what = f"run {stored.number} failed this time: {made.problem}"
@@ -248,7 +248,7 @@ def replays_in(folder: Path) -> Iterator[int]:
     yield from sorted(int(name[1]) for name in names if name)
 
 
-def _recording(bench: TestBench, wanted: tuple[str, ...], rate: float) -> Simulation:
+def recording(bench: TestBench, wanted: tuple[str, ...], rate: float) -> Simulation:
     """The bench's simulation with the *wanted* signals kept *rate* times a second, or a little more often."""
     simulation = bench.simulation
     stride = max(round(1 / rate / simulation.step), 1)

@@ -76,6 +76,8 @@ def drive(
         if noun is None:
             raise typer.BadParameter("a shared world needs the name of a bench", param_hint="BENCH")
         world = SharedDrives(noun, most, configuration=configuration, simulated=simulated, scripts=scripts)
+        if world.left_out:
+            print_line(f"shared {world.left_out}", stderr=True)
     elif simulated or scripts:
         raise typer.BadParameter("needs --shared", param_hint="--simulated" if simulated else "--script")
     on = LiveDrives(workspace, Drives(drives, workspace.files), most, world)

@@ -146,7 +146,7 @@ def export_openscenario(
         raise typer.BadParameter(f"'{target.name}' must end in .xosc", param_hint="--output")
     tested = workspace_of(bench).bench(bench)
     with status_line() as tell:
-        chosen, count = export_scenario(tested, configuration, read_settings(settings), target, tell=tell)
+        chosen, count = export_scenario(tested, configuration, read_settings(settings), target, tell=tell, warn=_warn)
     entities = "entity" if count == 1 else "entities"
     print_line(f"{target}: configuration {chosen} of {tested.name}, {count} {entities}")
 
@@ -205,11 +205,16 @@ def export_trace(
             layout=layout,
             source=source,
             tell=tell,
+            warn=_warn,
         )
     print_line(f"{target}: run {number}, {sum(counts.values()):,} messages")
     if len(counts) > 1:
         for topic, count in counts.items():
             print_line(f"  {topic}  {count:,}")
+
+
+def _warn(doubt: str) -> None:
+    print_line(f"warning: {doubt}", stderr=True)
 
 
 def _left_behind(bench: TestBench) -> Iterator[str]:

@@ -35,7 +35,8 @@ class Ground:
 class Host:
     """The car itself: *columns* over time by their names (x, y, z in m of its centre of gravity on the road; heading,
     roll, pitch, steering in rad; speed in m/s; brake, drive in N m at the wheels; spin of the wheels in rad/s), and its
-    size in m; *front* is from its centre of gravity to its bumper, *wheel* the radius of its wheels."""
+    size in m; *front* is from its centre of gravity to its bumper, *wheel* the radius of its wheels. *doubts*
+    are sentences on sizes that no part of the bench states, or several parts differently."""
 
     columns: Mapping[str, Floats]
     length: float
@@ -43,6 +44,7 @@ class Host:
     front: float
     wheel: float = 0.31
     height: float = 1.5
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

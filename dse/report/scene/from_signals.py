@@ -77,14 +77,14 @@ class SceneSignals:
         if f"{part}.wheel_speed.front" in columns:
             further["spin"] = columns[f"{part}.wheel_speed.front"]
         ground = [columns[f"{place}.height"] for place in self._places(f"{self._road}.ground", "height")]
-        length = self._setting("host_length", _LENGTH)
+        length = self._size("length", _LENGTH)
+        assumed = {"width": _WIDTH, "front": min(_FRONT, length), "height": _HEIGHT}
+        sizes = {"length": length, **{name: self._size(name, otherwise) for name, otherwise in assumed.items()}}
         return Host(
             {**motion, "z": np.mean(ground, axis=0) if ground else zero, **further, "steering": steering},
-            length,
-            self._setting("host_width", _WIDTH),
-            self._setting("host_front", min(_FRONT, length)),
-            self._setting("wheel_radius", _RADIUS),
-            self._setting("host_height", _HEIGHT),
+            **sizes,
+            wheel=self._setting("wheel_radius", _RADIUS),
+            doubts=tuple(self._doubts(sizes)),
         )
 
     def driver(self, columns: Mapping[str, Floats]) -> dict[str, Floats]:
@@ -224,6 +224,21 @@ class SceneSignals:
         found = (value for full, value in self.settings.items() if full.rsplit(".", 1)[-1] == name)
         return next(found, otherwise)
 
+    def _size(self, name: str, otherwise: float) -> float:
+        """As the part states it that has the whole box of the host, else any part."""
+        boxes = (full.removesuffix(".host_length") for full in self.settings if full.endswith(".host_length"))
+        own = f"{next(boxes, '')}.host_{name}"
+        return self.settings[own] if own in self.settings else self._setting(f"host_{name}", otherwise)
+
+    def _doubts(self, used: Mapping[str, float]) -> Iterator[str]:
+        for name, size in used.items():
+            values = {value for full, value in self.settings.items() if full.endswith(f".host_{name}")}
+            if not values:
+                yield f"no part of the bench states host_{name}; assumed: {size:g} m"
+            elif len(values) > 1:
+                differ = ", ".join(f"{value:g} m" for value in sorted(values))
+                yield f"parts of the bench differ in host_{name}: {differ}; used: {size:g} m"
+
     def _sensor(
         self,
         part: str,
@@ -233,7 +248,7 @@ class SceneSignals:
     ) -> Sensor:
         names = ("mount", "max_range", "field_of_view", "mount_left", "mount_turn")
         mount, reach, angle, left, turn = (self.settings.get(f"{part}.{name}", 0.0) for name in names)
-        mount = mount or self._setting("host_front", _FRONT)
+        mount = mount or self._size("front", _FRONT)
         title = titles.get(part, part)
         label = f"{title} ({part})" if [*titles.values()].count(title) > 1 else title
         return Sensor(part, label, mount, reach, angle, tuple(returns), left, turn, scan or {})
@@ -243,7 +258,7 @@ class SceneSignals:
         part = self._lane
         some = columns[f"{part}.gap"]
         length = self._setting("lead_length", _LENGTH)
-        place = columns[f"{part}.position"] + self._setting("host_front", _FRONT) + some + length / 2
+        place = columns[f"{part}.position"] + self._size("front", _FRONT) + some + length / 2
         numbers = {
             "id": 1.0,
             "class": 1.0,

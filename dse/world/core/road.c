@@ -11,6 +11,7 @@
 #define IN_PLANE -1
 #define WINDING 2.0 /* by road over in the plane, from which on a path may pass over itself */
 #define SAME_WIDTH 1e-9 /* m */
+#define FARTHEST_LANE 1000
 #define NO_LIGHT 0
 #define UNLIT 1
 #define SLACK 1e-9 /* s: a change of phase that is due now is not a step late */
@@ -261,6 +262,19 @@ static void place_in_plane(road *self, const host_place *host, int32_t i) {
     }
 }
 
+/* Of a lane, or between two lanes. Not a number if the path does not have them: that ends the run by name. */
+static path_jet middle_of(const path_table *path, path_place place, double number) {
+    double right = floor(number), share = number - right;
+    const path_lane *lane = fabs(right) <= FARTHEST_LANE ? path_find_lane(path, (int32_t)right) : NULL;
+    const path_lane *next = lane && share > 0 ? path_find_lane(path, (int32_t)right + 1) : lane;
+    if (!next) return (path_jet){NAN, NAN, NAN};
+    path_jet one = path_value(place, lane->middle), other = path_value(place, next->middle);
+    one.value += share * (other.value - one.value);
+    one.first += share * (other.first - one.first);
+    one.second += share * (other.second - one.second);
+    return one;
+}
+
 static double height_of(const road_mover *mover) {
     bool is_known = mover->class > 0 && mover->class < road_tables.rule.height_count;
     return mover->height != 0 || !is_known ? mover->height : road_tables.rule.heights[mover->class];
@@ -289,10 +303,9 @@ static void place_actor(road *self, const host_place *host, int32_t i) {
     }
     bool is_known = mover->path >= 0 && mover->path < road_tables.count;
     const path_table *path = &road_tables.paths[is_known ? mover->path : 0];
-    const path_lane *lane = is_known ? path_find_lane(path, mover->lane) : NULL;
     path_place place = path_find_along(path, &path->lanes[0], mover->station, self->mover_pieces[i]);
     path_line line = path_line_at(place);
-    path_jet t = lane ? path_value(place, lane->middle) : (path_jet){NAN, NAN, NAN}; /* ends the run by name */
+    path_jet t = middle_of(path, place, is_known ? mover->lane : NAN);
     t.value += mover->offset;
     path_beside beside = path_beside_at(&line, t);
     path_foot foot = {line, t.value};
@@ -309,9 +322,13 @@ static void place_actor(road *self, const host_place *host, int32_t i) {
     actor->heading = wrapped(atan2(ly, lx) + mover->turn);
     actor->speed = along * c + across * s;
     actor->lateral_speed = across * c - along * s;
-    actor->lane = mover->lane;
     actor->station = mover->station;
     actor->offset = mover->offset;
+    if (!isnan(t.value)) {
+        double nearest = rint(mover->lane);
+        actor->lane = (int32_t)nearest;
+        if (nearest != mover->lane) actor->offset = t.value - middle_of(path, place, nearest).value;
+    }
     self->mover_pieces[i] = place.piece;
     if (mover->path == 0) {
         self->crosses[i] = false;

@@ -16,6 +16,8 @@ export interface World {
   most: number;
   seats: Seat[];
   problem?: string;
+  /** What of the bench the world lacks. */
+  note?: string;
 }
 
 const AGAIN = 1000; // ms between two looks for who is there
@@ -65,9 +67,10 @@ export function buildSeats(watch: (seat: number) => Promise<void>): HTMLElement 
   };
   const show = async (): Promise<void> => {
     try {
-      const { seats, most, problem } = await ask<World>("/drive/world");
+      const { seats, most, problem, note } = await ask<World>("/drive/world");
       const driven = seats.length ? `${seats.length} of ${most} seats are taken` : "Nobody drives yet";
-      count.textContent = problem ? `${driven}. ${problem}.` : `${driven}.`;
+      const remark = note && `Shared ${note}`;
+      count.textContent = `${[driven, problem, remark].filter(Boolean).join(". ")}.`;
       const focused = (document.activeElement as HTMLElement | null)?.dataset.seat;
       list.replaceChildren(...seats.map(row));
       if (focused) list.querySelector<HTMLElement>(`[data-seat="${CSS.escape(focused)}"]`)?.focus();
