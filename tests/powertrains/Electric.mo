@@ -136,6 +136,9 @@ package Electric "Electric drives of the library in a small car: test models, co
     control.engine_speed = gearbox.engine_speed;
     control.machine_speed = gearbox.machine_speed;
     control.soc = battery.soc;
+    control.discharge_power = battery.discharge_power;
+    control.charge_power = battery.charge_power;
+    control.machine_torque_limit = machine.torque_limit;
     engine.torque_demand = control.engine_torque_demand;
     engine.shaft_speed = gearbox.engine_speed;
     engine.on = true;
@@ -219,6 +222,6 @@ package Electric "Electric drives of the library in a small car: test models, co
     input Real shaft_torque(start=0);
     input Real speed(start=150);
     input Real equivalence(start=2.8);
-    output Real torque = AdasPowertrain.Parts.equivalentSplit(shaft_torque, speed, 0.4, equivalence, 5.4, 0.047, 2.5e-6, 10, 200);
+    output Real torque = AdasPowertrain.Parts.equivalentSplit(shaft_torque, speed, 0.4, 25, 12, 150, 0.3, equivalence, 5.4, 0.047, 2.5e-6, 10, 200);
   end SplitBench;
 end Electric;

@@ -40,12 +40,13 @@ package Fidelity "Benches of shifts with two phases, charger, temperatures and a
 
   model TurboBench "An engine at constant speed, from little load to full load after 1 s; its intervention is constant"
     parameter Real air_lag = 0.06;
+    parameter Real late_ignition = 0.3;
     parameter Real turning = 157;
     parameter Real asked = 0 "Of the ignition";
     AdasPowertrain.Parts.Engine15 engine(
       has_charger = true,
       on = true,
-      petrol(air_lag = air_lag),
+      petrol(air_lag = air_lag, late_ignition = late_ignition),
       intervention = asked,
       shaft_speed = turning,
       torque_demand = if time < 1 then 20 else 400);
@@ -60,8 +61,8 @@ package Fidelity "Benches of shifts with two phases, charger, temperatures and a
     der(work) = engine.torque*engine.speed;
   end TurboBench;
 
-  model QuickTurboBench "Nearly without a manifold"
-    extends TurboBench(air_lag = 1e-3);
+  model QuickTurboBench "Nearly without a manifold; fuel in proportion to the charge"
+    extends TurboBench(air_lag = 1e-3, late_ignition = 0);
   end QuickTurboBench;
 
   model AgeingBench "Constant current, temperature and state of charge"

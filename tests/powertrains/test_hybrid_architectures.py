@@ -102,7 +102,10 @@ def test_the_engine_gets_the_torque_of_least_equivalent_consumption(cache: Path)
     def total(engine: np.ndarray | float) -> np.ndarray | float:
         machine = wanted - engine
         electric = machine * speed + 5.4 * np.abs(machine) + 0.047 * machine**2
-        return engine * speed / 0.4 + price * (electric + 2.5e-6 * electric**2)
+        combustion = engine + 25
+        charge = np.where(combustion < 162, combustion * 150 / 162, combustion - 12)
+        fuel = charge + 0.3 * 150 * np.maximum(0, charge / 150 - 1) ** 2
+        return fuel * speed / 0.4 + price * (electric + 2.5e-6 * electric**2)
 
     grid = np.linspace(10.0, 200.0, 1901)
     bench, found = Bench(opened("Electric.SplitBench", cache), 1e-6), []
