@@ -110,6 +110,7 @@ package Electric "Electric drives of the library in a small car: test models, co
   end RangeExtenderParts;
 
   partial model HybridParts "The parts of the P2 hybrid, coupled without delay"
+    parameter Boolean knows_limits = true "The control knows what the battery can give and take";
     Real torque_demand;
     Car car(mass=1550, wheel_radius=0.32, drag_area=0.66);
     AdasPowertrain.Parts.Engine15 engine;
@@ -136,8 +137,8 @@ package Electric "Electric drives of the library in a small car: test models, co
     control.engine_speed = gearbox.engine_speed;
     control.machine_speed = gearbox.machine_speed;
     control.soc = battery.soc;
-    control.discharge_power = battery.discharge_power;
-    control.charge_power = battery.charge_power;
+    control.discharge_power = if knows_limits then battery.discharge_power else 1e6;
+    control.charge_power = if knows_limits then battery.charge_power else 1e6;
     control.machine_torque_limit = machine.torque_limit;
     engine.torque_demand = control.engine_torque_demand;
     engine.shaft_speed = gearbox.engine_speed;
@@ -217,6 +218,16 @@ package Electric "Electric drives of the library in a small car: test models, co
     actual = car.speed;
     delivered = car.drive_torque;
   end EquivalentOnCycle;
+
+  model SmallBatteryOnCycle "96 cells of 1.5 A.h"
+    extends EquivalentOnCycle(battery(capacity=5400));
+    output Real cell_voltage = battery.voltage/96;
+    output Real electric = machine.electric_power;
+  end SmallBatteryOnCycle;
+
+  model UnknownSmallBatteryOnCycle
+    extends SmallBatteryOnCycle(knows_limits=false);
+  end UnknownSmallBatteryOnCycle;
 
   model SplitBench "The engine's torque of least equivalent consumption"
     input Real shaft_torque(start=0);

@@ -132,6 +132,25 @@ def test_least_equivalent_consumption_burns_less_than_rules(cache: Path) -> None
     assert burned[1] < 0.92 * burned[0]  # 0.90 here; 0.86 on the WLTC, whose accelerations change every second
 
 
+@pytest.mark.thorough
+def test_a_small_battery_is_asked_for_what_it_can_give_and_the_engine_gives_the_rest(cache: Path) -> None:
+    """96 cells of 1.5 A.h with 0.12 of the resistance of energy cells, near half charge: Ohm's law for 2.8 and 4.2 V."""
+    names = ("speed", "cell_voltage", "electric", "soc")
+    speed, volts, power, soc = on_cycle(opened("Electric.SmallBatteryOnCycle", cache), names, 1.0).T
+    resistance = 0.12 * (227.8 + 142.9 + 152.5) * 96 / 5400
+    least, most, rest = 96 * 2.8, 96 * 4.2, 96 * 3.85  # at most 3.85 V at 65 % of the charge
+    assert soc.max() < 0.65
+    assert power.max() < least * (rest - least) / resistance - 350
+    assert power.min() > -most * (most - 96 * 3.77) / resistance - 350  # at least 3.77 V at 40 %
+    assert soc.min() > 0.39
+    assert volts.min() > 2.8
+    assert volts.max() < 4.2
+    unknown = on_cycle(opened("Electric.UnknownSmallBatteryOnCycle", cache), names, 1.0).T
+    assert np.abs(speed - unknown[0]).max() < 1.0  # the car drives as if it had more
+    assert unknown[2].max() > 1.5 * power.max()
+    assert unknown[2].min() < 1.5 * power.min()
+
+
 def coupled(cache: Path, step: float, stop: float) -> np.ndarray:
     """Rows of the range extender's parts, each *step* seconds until *stop*."""
     watched = [
