@@ -222,7 +222,7 @@ def test_an_engine_stops_by_its_friction_and_is_turned_by_its_starter_as_scipy_s
 
     def derivative(t: float, y: np.ndarray) -> list[float]:
         speed, air = y
-        burning = 0.0 if is_stopped else min(1.0, max(0.0, (speed - 40) / 20))
+        burning = 0.0 if is_stopped else min(1.0, max(0.0, (speed - 20) / 40))
         turning = 80 * max(0.0, 1 - speed / 90) if is_starting else 0.0
         torque = burning * max(0.0, air) - petrol.drag(speed) + turning
         return [torque / 0.15, (petrol.target(speed, 0.0) - air) / 0.12]
