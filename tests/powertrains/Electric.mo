@@ -219,6 +219,78 @@ package Electric "Electric drives of the library in a small car: test models, co
     delivered = car.drive_torque;
   end EquivalentOnCycle;
 
+  model ThermalHybridOnCycle "From -7 degrees Celsius, with one coolant circuit; where the energy goes, part by part"
+    extends Chase(mass=1550, wheel_radius=0.32, drag_area=0.66);
+    constant Real cold = 266.15;
+    Car car(mass=1550, wheel_radius=0.32, drag_area=0.66);
+    AdasPowertrain.Parts.ThermalEngine15 engine(initial_temperature=cold, ambient=cold);
+    AdasPowertrain.Parts.ThermalMachine machine(initial_temperature=cold, ambient=cold);
+    AdasPowertrain.Parts.ThermalBattery battery(series_cells=108, capacity=28800, resistance_share=0.12,
+      initial_temperature=cold, ambient=cold);
+    AdasPowertrain.Parts.HybridGearbox gearbox;
+    AdasPowertrain.Parts.HybridEquivalentControl control;
+    AdasPowertrain.Parts.CoolantCircuit coolant(circuit(engine_conductance=40, initial_temperature=cold, ambient=cold));
+    output Real speed = car.speed;
+    output Real given = fuel_energy + battery.energy_in "By fuel and cells";
+    output Real wheel_work = gearbox.energy_out;
+    output Real exhaust(start=0, fixed=true);
+    output Real gears = gearbox.energy_loss "Heat of gears, clutches and shafts, to the air";
+    output Real used(start=0, fixed=true) "By light and control units";
+    output Real air(start=0, fixed=true) "From engine, machine and battery";
+    output Real radiators(start=0, fixed=true) "Of the engine and of the coolant circuit";
+    output Real engine_kelvin = engine.temperature;
+    output Real machine_kelvin = machine.temperature;
+    output Real battery_kelvin = battery.temperature;
+    output Real coolant_kelvin = coolant.temperature;
+    output Real motion = battery.energy_stored + gearbox.energy_stored "Rotating parts, twisted shafts and the battery's capacitors";
+    output Real to_engine(start=0, fixed=true) "By coolant";
+    output Real to_machine(start=0, fixed=true);
+    output Real to_battery(start=0, fixed=true);
+  protected
+    Real fuel_energy(start=0, fixed=true);
+  equation
+    der(fuel_energy) = engine.fuel_power;
+    actual = car.speed;
+    delivered = car.drive_torque;
+    car.drive_torque = gearbox.torque_front + gearbox.torque_rear;
+    car.brake_torque = brake;
+    control.torque_demand = wanted;
+    control.ratio = gearbox.ratio;
+    control.engine_speed = gearbox.engine_speed;
+    control.machine_speed = gearbox.machine_speed;
+    control.soc = battery.soc;
+    control.discharge_power = battery.discharge_power;
+    control.charge_power = battery.charge_power;
+    control.machine_torque_limit = machine.torque_limit;
+    engine.torque_demand = control.engine_torque_demand;
+    engine.shaft_speed = gearbox.engine_speed;
+    engine.on = true;
+    machine.torque_demand = control.machine_torque_demand;
+    machine.shaft_speed = gearbox.machine_speed;
+    machine.voltage = battery.voltage;
+    battery.electric_power = machine.electric_power;
+    battery.charging_power = 0;
+    gearbox.engine_torque = engine.torque;
+    gearbox.machine_torque = machine.torque;
+    gearbox.clutch = control.clutch;
+    gearbox.wheel_speed_front = car.wheel_speed;
+    gearbox.wheel_speed_rear = car.wheel_speed;
+    coolant.engine_temperature = engine.temperature;
+    coolant.machine_temperature = machine.temperature;
+    coolant.battery_temperature = battery.temperature;
+    engine.heat_flow = coolant.engine_heat;
+    machine.heat_flow = coolant.machine_heat;
+    battery.heat_flow = coolant.battery_heat;
+    der(exhaust) = 0.6*engine.loss_power;
+    der(used) = 350;
+    der(air) = 15*(engine.temperature - cold) + 5*(machine.temperature - cold) + 4*(battery.temperature - cold);
+    der(radiators) = 1500*noEvent(max(0, min(1, (engine.temperature - 363.15)/5)))*(engine.temperature - cold)
+      + 250*noEvent(max(0, min(1, (coolant.temperature - 298.15)/5)))*(coolant.temperature - cold);
+    der(to_engine) = coolant.engine_heat;
+    der(to_machine) = coolant.machine_heat;
+    der(to_battery) = coolant.battery_heat;
+  end ThermalHybridOnCycle;
+
   model SmallBatteryOnCycle "96 cells of 1.5 A.h"
     extends EquivalentOnCycle(battery(capacity=5400));
     output Real cell_voltage = battery.voltage/96;

