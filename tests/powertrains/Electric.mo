@@ -48,6 +48,34 @@ package Electric "Electric drives of the library in a small car: test models, co
     car.brake_torque = 0;
   end BatteryElectricInCar;
 
+  model ThermalElectricInCar "On a coolant circuit with a radiator; where the heat of machine and battery goes"
+    parameter Real cold = 293.15;
+    AdasPowertrain.Powertrains.BatteryElectricThermal powertrain(initial_temperature=cold, ambient=cold);
+    AdasPowertrain.Parts.CoolantCircuit coolant(circuit(initial_temperature=cold, ambient=cold));
+    Car car;
+    Driver driver;
+    output Real speed = car.speed;
+    output Real soc = powertrain.soc;
+    output Real heat(start=0, fixed=true) "Of machine and battery";
+    output Real air(start=0, fixed=true);
+    output Real machine_kelvin = powertrain.machine_temperature;
+    output Real battery_kelvin = powertrain.battery_temperature;
+    output Real coolant_kelvin = coolant.temperature;
+  equation
+    powertrain.torque_demand = driver.torque_demand;
+    powertrain.wheel_speed_front = car.wheel_speed;
+    powertrain.wheel_speed_rear = car.wheel_speed;
+    car.drive_torque = powertrain.torque_front + powertrain.torque_rear;
+    car.brake_torque = 0;
+    coolant.engine_temperature = cold;
+    coolant.machine_temperature = powertrain.machine_temperature;
+    coolant.battery_temperature = powertrain.battery_temperature;
+    powertrain.machine_heat = coolant.machine_heat;
+    powertrain.battery_heat = coolant.battery_heat;
+    der(heat) = powertrain.machine.loss + powertrain.battery.circuit.loss;
+    der(air) = 5*(machine_kelvin - cold) + 8*(battery_kelvin - cold) + 250*noEvent(max(0, min(1, (coolant_kelvin - 298.15)/5)))*(coolant_kelvin - cold);
+  end ThermalElectricInCar;
+
   model QuasiStaticInCar
     extends InCar(redeclare AdasPowertrain.Powertrains.BatteryElectricQuasiStatic powertrain);
     Driver driver;

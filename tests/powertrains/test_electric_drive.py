@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from bench import Bench, on_cycle, opened, run
-from electric import SynchronousMachine
+from electric import Battery, SynchronousMachine
 from electric_drive import DynamicDrive, QuasiStaticDrive
 from hybrid_system import integrate
 from scipy.interpolate import CubicHermiteSpline
@@ -79,6 +80,29 @@ def test_a_battery_electric_car_moves_as_the_physics_says(
     assert np.abs(rows[:, 5] - states[:, 10]).max() < 1e-8 * states[:, 10].max()
     assert states[:, 0].max() > 35  # the field is weakened, the battery limits, the recuperation is limited by power
     assert lacking(rows[:, 3:]) < 1e-9
+
+
+@pytest.mark.thorough
+def test_a_car_with_temperatures_moves_with_their_resistances_and_warms_as_the_losses_say(cache: Path) -> None:
+    """At 20 degrees, kept by great heat capacities: the car with the copper and the cells of that temperature."""
+    copper, cells = 1 / (1 + 0.00393 * 80), math.exp(20e3 / 8.314 * (1 / 293.15 - 1 / 298.15))
+    drive = DynamicDrive(
+        machine=SynchronousMachine(stator_resistance=0.007 * copper),
+        battery=Battery(series=227.8 * cells, pairs=((142.9 * cells, 32.85 * cells), (152.5 * cells, 223.0 * cells))),
+    )
+    states = integrate(drive, drive.start(), TIMES, 1e-11, 0.1).states
+    names = ("speed", "soc", "heat", "air", "machine_kelvin", "battery_kelvin", "coolant_kelvin", *ENERGIES)
+    model = opened("Electric.ThermalElectricInCar", cache)
+    kept = run(model, names, TIMES, 1e-8, {"powertrain.machine_capacity": 1e12, "powertrain.specific_heat": 1e6})
+    assert np.abs(kept[:, 0] - states[:, 0]).max() < 1e-6
+    assert np.abs(kept[:, 1] - states[:, 5] / drive.battery.capacity).max() < 1e-8
+    assert kept[-1, 9] == pytest.approx(states[-1, 10], rel=1e-7)
+    rows = run(model, names, TIMES, 1e-8)
+    warmed = (rows[:, 4:7] - 293.15) @ [20e3, 3.81e-3 * 108 * 561600, 15e3]
+    assert np.abs(rows[:, 2] - rows[:, 3] - warmed).max() < 1e-8 * rows[-1, 2]
+    assert rows[-1, 4] > 297
+    assert rows[-1, 2] < 0.9995 * kept[-1, 2]  # warmer cells lose less, by more than warmer copper loses more
+    assert lacking(rows[:, 7:]) < 1e-9
 
 
 @pytest.mark.thorough
