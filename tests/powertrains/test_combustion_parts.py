@@ -298,7 +298,9 @@ def test_the_engine_burns_what_published_maps_of_its_class_say(cache: Path) -> N
     # 0.16 US gallons for 2 l without load: Argonne National Laboratory, in the US DOE's fact 861 of 2015.
     assert per_hour[0] == pytest.approx(0.16 * 3.785 * 1.498 / 2.0, rel=0.1)
     auxiliary = 500 * 4 * math.pi / volume / 90 / 1e5
-    assert per_hour[1] == pytest.approx(published(859.4, auxiliary) * 1e5 * volume * 859.4 / 120 * 3600 / 32.18e6, rel=0.1)
+    assert per_hour[1] == pytest.approx(
+        published(859.4, auxiliary) * 1e5 * volume * 859.4 / 120 * 3600 / 32.18e6, rel=0.1
+    )
 
 
 @pytest.mark.thorough
@@ -307,7 +309,9 @@ def test_a_cold_engine_loses_as_much_more_as_published(cache: Path) -> None:
     petrol, speed, kelvin = Petrol(), 200.0, 296.15
     torque, fuel = burned(cache, 60.0, speed * 30 / math.pi, {"initial_temperature": kelvin}, "ThermalEngine15")
     warm_drag = petrol.drag(speed) - 500 * speed / (speed**2 + 400)
-    stiff = 0.75 * (warm_drag - petrol.throttling(speed))  # the oil's viscosity: see the exponential of the warming engine
+    stiff = 0.75 * (
+        warm_drag - petrol.throttling(speed)
+    )  # the oil's viscosity: see the exponential of the warming engine
     losses = ((363.15 / kelvin) ** 4 - 1) * warm_drag - stiff
     drag = petrol.drag(speed) + stiff
     mechanical = 60.0 + drag * direction(60.0, 10.0)
