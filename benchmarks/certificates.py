@@ -45,7 +45,8 @@ def main() -> None:
     given = parser.parse_args()
     udds, hwfet = (_cycle(next(given.cycles.glob(f"{name}*"))) for name in ("udds", "hwfet"))
     print(
-        "| car | kg | highway, g/km | certificate | | city, g/km | certificate | | cold transient | stabilized | hot transient |\n"
+        "| car | kg | highway, g/km | certificate | | city, g/km | certificate | "
+        "| cold transient | stabilized | hot transient |\n"
         "|---|---|---|---|---|---|---|---|---|---|---|"
     )
     with tempfile.TemporaryDirectory() as cache:

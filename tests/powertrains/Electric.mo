@@ -263,7 +263,7 @@ package Electric "Electric drives of the library in a small car: test models, co
     output Real wheel_work = gearbox.energy_out;
     output Real exhaust(start=0, fixed=true);
     output Real gears = gearbox.energy_loss "Heat of gears, clutches and shafts, to the air";
-    output Real used(start=0, fixed=true) "By light and control units";
+    output Real used = 350*time "By light and control units";
     output Real air(start=0, fixed=true) "From engine, machine and battery";
     output Real radiators(start=0, fixed=true) "Of the engine and of the coolant circuit";
     output Real engine_kelvin = engine.temperature;
@@ -271,9 +271,6 @@ package Electric "Electric drives of the library in a small car: test models, co
     output Real battery_kelvin = battery.temperature;
     output Real coolant_kelvin = coolant.temperature;
     output Real motion = battery.energy_stored + gearbox.energy_stored "Rotating parts, twisted shafts and the battery's capacitors";
-    output Real to_engine(start=0, fixed=true) "By coolant";
-    output Real to_machine(start=0, fixed=true);
-    output Real to_battery(start=0, fixed=true);
   protected
     Real fuel_energy(start=0, fixed=true);
   equation
@@ -310,13 +307,9 @@ package Electric "Electric drives of the library in a small car: test models, co
     machine.heat_flow = coolant.machine_heat;
     battery.heat_flow = coolant.battery_heat;
     der(exhaust) = 0.6*engine.loss_power;
-    der(used) = 350;
     der(air) = 15*(engine.temperature - cold) + 5*(machine.temperature - cold) + 4*(battery.temperature - cold);
     der(radiators) = 1500*noEvent(max(0, min(1, (engine.temperature - 363.15)/5)))*(engine.temperature - cold)
       + 250*noEvent(max(0, min(1, (coolant.temperature - 298.15)/5)))*(coolant.temperature - cold);
-    der(to_engine) = coolant.engine_heat;
-    der(to_machine) = coolant.machine_heat;
-    der(to_battery) = coolant.battery_heat;
   end ThermalHybridOnCycle;
 
   model SmallBatteryOnCycle "96 cells of 1.5 A.h"

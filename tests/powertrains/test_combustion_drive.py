@@ -51,20 +51,6 @@ def test_a_car_with_a_combustion_powertrain_moves_as_the_physics_says(
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("model", ["Automatic", "DualClutch"])
-def test_the_error_falls_with_the_tolerance(model: str, cache: Path) -> None:
-    car = reference(model)
-    expected = integrate(car, car.start(), TIMES, 1e-11, 0.05).states[:, CAR]
-    errors = [
-        np.abs(run(opened(f"Combustion.{model}", cache), NAMES[:1], TIMES, tolerance)[:, 0] - expected).max()
-        for tolerance in (1e-5, 1e-7, 1e-9)
-    ]
-    assert errors[0] > errors[1] > errors[2]
-    order = np.log10(errors[0] / errors[2]) / 4
-    assert order > 0.75, errors  # proportional to the tolerance would be 1
-
-
-@pytest.mark.thorough
 def test_parameters_reach_every_part(cache: Path) -> None:
     starts = {
         "powertrain.final_ratio": 3.9,

@@ -249,7 +249,7 @@ def test_an_engine_stops_by_its_friction_and_is_turned_by_its_starter_as_scipy_s
 
 
 def rubbing(speed: float) -> float:
-    """Mean friction pressure (Pa) of Sandoval and Heywood (SAE 2003-01-0725) without gas load. Lengths in mm, speed in 1/min.
+    """Mean friction pressure (Pa) of Sandoval and Heywood (SAE 2003-01-0725) without gas load; mm, 1/min.
 
     Bore 74.5, stroke 85.9, four cylinders, five bearings of 48 by 18, rods of 47.8 by 18, 16 roller finger followers.
     """
@@ -305,7 +305,7 @@ def test_the_engine_burns_what_published_maps_of_its_class_say(cache: Path) -> N
 
 @pytest.mark.thorough
 def test_a_cold_engine_loses_as_much_more_as_published(cache: Path) -> None:
-    """Losses without load grow with the temperature's power of -4, of which friction has what the oil's viscosity says."""
+    """Losses without load grow with the temperature's power of -4; a part of them is friction, by viscosity."""
     petrol, speed, kelvin = Petrol(), 200.0, 296.15
     torque, fuel = burned(cache, 60.0, speed * 30 / math.pi, {"initial_temperature": kelvin}, "ThermalEngine15")
     warm_drag = petrol.drag(speed) - 500 * speed / (speed**2 + 400)

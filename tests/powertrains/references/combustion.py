@@ -34,7 +34,7 @@ def smaller(a: float, b: float, width: float = 2.0) -> float:
 
 @dataclass(frozen=True)
 class Petrol:
-    """Volkswagen 1.5 TSI: slope * fuel power / speed is the charge's torque, friction and throttling take their part."""
+    """Volkswagen 1.5 TSI: slope * fuel power / speed is the charge's torque; friction and throttling reduce it."""
 
     idle: float = 90.0
     power: float = 110e3
@@ -50,7 +50,7 @@ class Petrol:
         return _VOLUME * 0.965e5 * direction(speed, 5.0)
 
     def fuel(self, speed: float, combustion: float) -> float:
-        """Fuel power for what the fuel adds to the torque, W. The intake's pressure rises with the charge up to the air's."""
+        """Fuel power for what the fuel adds to the torque, W. Throttling falls in proportion to the charge."""
         natural, closed = _VOLUME * 13e5, self.throttling(speed)
         throttled = combustion / (1 + closed / natural)
         charge = throttled if throttled < natural else combustion - closed
