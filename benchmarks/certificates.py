@@ -45,7 +45,9 @@ def main() -> None:
     given = parser.parse_args()
     udds, hwfet = (_cycle(next(given.cycles.glob(f"{name}*"))) for name in ("udds", "hwfet"))
     print(
-        "| car | kg | highway, g/km | certificate | | city, g/km | certificate | |\n|---|---|---|---|---|---|---|---|"
+        "| car | kg | highway, g/km | certificate | | city, g/km | certificate | "
+        "| cold transient | stabilized | hot transient |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|"
     )
     with tempfile.TemporaryDirectory() as cache:
         for name, vehicle, year, coefficient, gearbox in CARS:
@@ -64,7 +66,17 @@ def main() -> None:
             for found, kinds in ((_rate(highway), HIGHWAY), (city, CITY)):
                 stated = np.mean([_number(test, "CO2 (g/mi)") for test in tests if _kind(test) in kinds]) / 1.609344
                 cells += [f"{found:.0f}", f"{stated:.0f}", f"{found / stated - 1:+.1%}"]
-            print("|", " | ".join(cells), "|", flush=True)
+            bags = (_rate(cold[505]), _rate(cold[-1] - cold[505]), _rate(warm))
+            print("|", " | ".join([*cells, *_by_bag(bags, tests)]), "|", flush=True)
+
+
+def _by_bag(found: tuple[float, ...], tests: list[dict[str, str]]) -> list[str]:
+    """How the three parts of the city test deviate, by their fuel economy: 8887 g of CO2 per gallon (EPA)."""
+    stated = [[float(test[f"FE Bag {k}"]) for test in tests if test[f"FE Bag {k}"]] for k in (1, 2, 3)]
+    return [
+        f"{rate * np.mean(economies) * MILE / 1000 / 8887 - 1:+.1%}" if economies else "–"
+        for rate, economies in zip(found, stated, strict=True)
+    ]
 
 
 def _cycle(file: Path) -> NDArray[np.float64]:

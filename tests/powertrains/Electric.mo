@@ -48,6 +48,34 @@ package Electric "Electric drives of the library in a small car: test models, co
     car.brake_torque = 0;
   end BatteryElectricInCar;
 
+  model ThermalElectricInCar "On a coolant circuit with a radiator; where the heat of machine and battery goes"
+    parameter Real cold = 293.15;
+    AdasPowertrain.Powertrains.BatteryElectricThermal powertrain(initial_temperature=cold, ambient=cold);
+    AdasPowertrain.Parts.CoolantCircuit coolant(circuit(initial_temperature=cold, ambient=cold));
+    Car car;
+    Driver driver;
+    output Real speed = car.speed;
+    output Real soc = powertrain.soc;
+    output Real heat(start=0, fixed=true) "Of machine and battery";
+    output Real air(start=0, fixed=true);
+    output Real machine_kelvin = powertrain.machine_temperature;
+    output Real battery_kelvin = powertrain.battery_temperature;
+    output Real coolant_kelvin = coolant.temperature;
+  equation
+    powertrain.torque_demand = driver.torque_demand;
+    powertrain.wheel_speed_front = car.wheel_speed;
+    powertrain.wheel_speed_rear = car.wheel_speed;
+    car.drive_torque = powertrain.torque_front + powertrain.torque_rear;
+    car.brake_torque = 0;
+    coolant.engine_temperature = cold;
+    coolant.machine_temperature = powertrain.machine_temperature;
+    coolant.battery_temperature = powertrain.battery_temperature;
+    powertrain.machine_heat = coolant.machine_heat;
+    powertrain.battery_heat = coolant.battery_heat;
+    der(heat) = powertrain.machine.loss + powertrain.battery.circuit.loss;
+    der(air) = 5*(machine_kelvin - cold) + 8*(battery_kelvin - cold) + 250*noEvent(max(0, min(1, (coolant_kelvin - 298.15)/5)))*(coolant_kelvin - cold);
+  end ThermalElectricInCar;
+
   model QuasiStaticInCar
     extends InCar(redeclare AdasPowertrain.Powertrains.BatteryElectricQuasiStatic powertrain);
     Driver driver;
@@ -110,6 +138,7 @@ package Electric "Electric drives of the library in a small car: test models, co
   end RangeExtenderParts;
 
   partial model HybridParts "The parts of the P2 hybrid, coupled without delay"
+    parameter Boolean knows_limits = true "The control knows what the battery can give and take";
     Real torque_demand;
     Car car(mass=1550, wheel_radius=0.32, drag_area=0.66);
     AdasPowertrain.Parts.Engine15 engine;
@@ -136,6 +165,9 @@ package Electric "Electric drives of the library in a small car: test models, co
     control.engine_speed = gearbox.engine_speed;
     control.machine_speed = gearbox.machine_speed;
     control.soc = battery.soc;
+    control.discharge_power = if knows_limits then battery.discharge_power else 1e6;
+    control.charge_power = if knows_limits then battery.charge_power else 1e6;
+    control.machine_torque_limit = machine.torque_limit;
     engine.torque_demand = control.engine_torque_demand;
     engine.shaft_speed = gearbox.engine_speed;
     engine.on = true;
@@ -215,10 +247,85 @@ package Electric "Electric drives of the library in a small car: test models, co
     delivered = car.drive_torque;
   end EquivalentOnCycle;
 
+  model ThermalHybridOnCycle "From -7 degrees Celsius, with one coolant circuit; where the energy goes, part by part"
+    extends Chase(mass=1550, wheel_radius=0.32, drag_area=0.66);
+    constant Real cold = 266.15;
+    Car car(mass=1550, wheel_radius=0.32, drag_area=0.66);
+    AdasPowertrain.Parts.ThermalEngine15 engine(initial_temperature=cold, ambient=cold);
+    AdasPowertrain.Parts.ThermalMachine machine(initial_temperature=cold, ambient=cold);
+    AdasPowertrain.Parts.ThermalBattery battery(series_cells=108, capacity=28800, resistance_share=0.12,
+      initial_temperature=cold, ambient=cold);
+    AdasPowertrain.Parts.HybridGearbox gearbox;
+    AdasPowertrain.Parts.HybridEquivalentControl control;
+    AdasPowertrain.Parts.CoolantCircuit coolant(circuit(engine_conductance=40, initial_temperature=cold, ambient=cold));
+    output Real speed = car.speed;
+    output Real given = fuel_energy + battery.energy_in "By fuel and cells";
+    output Real wheel_work = gearbox.energy_out;
+    output Real exhaust(start=0, fixed=true);
+    output Real gears = gearbox.energy_loss "Heat of gears, clutches and shafts, to the air";
+    output Real used = 350*time "By light and control units";
+    output Real air(start=0, fixed=true) "From engine, machine and battery";
+    output Real radiators(start=0, fixed=true) "Of the engine and of the coolant circuit";
+    output Real engine_kelvin = engine.temperature;
+    output Real machine_kelvin = machine.temperature;
+    output Real battery_kelvin = battery.temperature;
+    output Real coolant_kelvin = coolant.temperature;
+    output Real motion = battery.energy_stored + gearbox.energy_stored "Rotating parts, twisted shafts and the battery's capacitors";
+  protected
+    Real fuel_energy(start=0, fixed=true);
+  equation
+    der(fuel_energy) = engine.fuel_power;
+    actual = car.speed;
+    delivered = car.drive_torque;
+    car.drive_torque = gearbox.torque_front + gearbox.torque_rear;
+    car.brake_torque = brake;
+    control.torque_demand = wanted;
+    control.ratio = gearbox.ratio;
+    control.engine_speed = gearbox.engine_speed;
+    control.machine_speed = gearbox.machine_speed;
+    control.soc = battery.soc;
+    control.discharge_power = battery.discharge_power;
+    control.charge_power = battery.charge_power;
+    control.machine_torque_limit = machine.torque_limit;
+    engine.torque_demand = control.engine_torque_demand;
+    engine.shaft_speed = gearbox.engine_speed;
+    engine.on = true;
+    machine.torque_demand = control.machine_torque_demand;
+    machine.shaft_speed = gearbox.machine_speed;
+    machine.voltage = battery.voltage;
+    battery.electric_power = machine.electric_power;
+    battery.charging_power = 0;
+    gearbox.engine_torque = engine.torque;
+    gearbox.machine_torque = machine.torque;
+    gearbox.clutch = control.clutch;
+    gearbox.wheel_speed_front = car.wheel_speed;
+    gearbox.wheel_speed_rear = car.wheel_speed;
+    coolant.engine_temperature = engine.temperature;
+    coolant.machine_temperature = machine.temperature;
+    coolant.battery_temperature = battery.temperature;
+    engine.heat_flow = coolant.engine_heat;
+    machine.heat_flow = coolant.machine_heat;
+    battery.heat_flow = coolant.battery_heat;
+    der(exhaust) = 0.6*engine.loss_power;
+    der(air) = 15*(engine.temperature - cold) + 5*(machine.temperature - cold) + 4*(battery.temperature - cold);
+    der(radiators) = 1500*noEvent(max(0, min(1, (engine.temperature - 363.15)/5)))*(engine.temperature - cold)
+      + 250*noEvent(max(0, min(1, (coolant.temperature - 298.15)/5)))*(coolant.temperature - cold);
+  end ThermalHybridOnCycle;
+
+  model SmallBatteryOnCycle "96 cells of 1.5 A.h"
+    extends EquivalentOnCycle(battery(capacity=5400));
+    output Real cell_voltage = battery.voltage/96;
+    output Real electric = machine.electric_power;
+  end SmallBatteryOnCycle;
+
+  model UnknownSmallBatteryOnCycle
+    extends SmallBatteryOnCycle(knows_limits=false);
+  end UnknownSmallBatteryOnCycle;
+
   model SplitBench "The engine's torque of least equivalent consumption"
     input Real shaft_torque(start=0);
     input Real speed(start=150);
     input Real equivalence(start=2.8);
-    output Real torque = AdasPowertrain.Parts.equivalentSplit(shaft_torque, speed, 0.4, equivalence, 5.4, 0.047, 2.5e-6, 10, 200);
+    output Real torque = AdasPowertrain.Parts.equivalentSplit(shaft_torque, speed, 0.4, 25, 12, 150, 0.3, equivalence, 5.4, 0.047, 2.5e-6, 10, 200);
   end SplitBench;
 end Electric;

@@ -39,13 +39,12 @@ package Fidelity "Benches of shifts with two phases, charger, temperatures and a
   end ShiftBench;
 
   model TurboBench "An engine at constant speed, from little load to full load after 1 s; its intervention is constant"
-    parameter Real air_lag = 0.06;
     parameter Real turning = 157;
     parameter Real asked = 0 "Of the ignition";
     AdasPowertrain.Parts.Engine15 engine(
       has_charger = true,
       on = true,
-      petrol(air_lag = air_lag),
+      petrol(air_lag = 0.06),
       intervention = asked,
       shaft_speed = turning,
       torque_demand = if time < 1 then 20 else 400);
@@ -59,10 +58,6 @@ package Fidelity "Benches of shifts with two phases, charger, temperatures and a
     der(lost) = engine.loss_power;
     der(work) = engine.torque*engine.speed;
   end TurboBench;
-
-  model QuickTurboBench "Nearly without a manifold"
-    extends TurboBench(air_lag = 1e-3);
-  end QuickTurboBench;
 
   model AgeingBench "Constant current, temperature and state of charge"
     parameter Real c_rate = 2;

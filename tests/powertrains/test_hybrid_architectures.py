@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import Bench, on_cycle, opened, run
+from bench import Bench, lacking, on_cycle, opened, run
 from combustion_hybrid import CAR
 from coupled import HYBRID, RANGE_EXTENDER, drive
 from electric import Car
@@ -42,12 +42,6 @@ STARTS: Mapping[str, Mapping[str, float]] = {
 @pytest.fixture(scope="session")
 def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Path:
     return built_before(tmp_path_factory.mktemp("hybrid"))
-
-
-def lacking(rows: np.ndarray) -> float:
-    """Largest part of the energy moved that columns in, out, loss and stored do not account for."""
-    entered, left, lost, stored = rows.T
-    return float(np.abs(entered - left - lost - (stored - stored[0])).max() / max(np.abs(entered).max(), left.max()))
 
 
 @pytest.mark.thorough
@@ -102,7 +96,10 @@ def test_the_engine_gets_the_torque_of_least_equivalent_consumption(cache: Path)
     def total(engine: np.ndarray | float) -> np.ndarray | float:
         machine = wanted - engine
         electric = machine * speed + 5.4 * np.abs(machine) + 0.047 * machine**2
-        return engine * speed / 0.4 + price * (electric + 2.5e-6 * electric**2)
+        combustion = engine + 25
+        charge = np.where(combustion < 162, combustion * 150 / 162, combustion - 12)
+        fuel = charge + 0.3 * 150 * np.maximum(0, charge / 150 - 1) ** 2
+        return fuel * speed / 0.4 + price * (electric + 2.5e-6 * electric**2)
 
     grid = np.linspace(10.0, 200.0, 1901)
     bench, found = Bench(opened("Electric.SplitBench", cache), 1e-6), []
@@ -127,6 +124,43 @@ def test_least_equivalent_consumption_burns_less_than_rules(cache: Path) -> None
         assert abs(soc - 0.5) < 0.06
         burned.append(drawn - discharged + discharged / 0.33)
     assert burned[1] < 0.92 * burned[0]  # 0.90 here; 0.86 on the WLTC, whose accelerations change every second
+
+
+@pytest.mark.thorough
+def test_a_small_battery_is_asked_for_what_it_can_give_and_the_engine_gives_the_rest(cache: Path) -> None:
+    """96 cells of 1.5 A.h with 0.12 of the resistance of energy cells: Ohm's law for 2.8 and 4.2 V."""
+    names = ("speed", "cell_voltage", "electric", "soc")
+    speed, volts, power, soc = on_cycle(opened("Electric.SmallBatteryOnCycle", cache), names, 1.0).T
+    resistance = 0.12 * (227.8 + 142.9 + 152.5) * 96 / 5400
+    least, most, rest = 96 * 2.8, 96 * 4.2, 96 * 3.85  # at most 3.85 V at 65 % of the charge
+    assert soc.max() < 0.65
+    assert power.max() < least * (rest - least) / resistance - 350
+    assert power.min() > -most * (most - 96 * 3.77) / resistance - 350  # at least 3.77 V at 40 %
+    assert soc.min() > 0.39
+    assert volts.min() > 2.8
+    assert volts.max() < 4.2
+    unknown = on_cycle(opened("Electric.UnknownSmallBatteryOnCycle", cache), names, 1.0).T
+    assert np.abs(speed - unknown[0]).max() < 1.0  # the car drives as if it had more
+    assert unknown[2].max() > 1.5 * power.max()
+    assert unknown[2].min() < 1.5 * power.min()
+
+
+@pytest.mark.thorough
+def test_the_energy_of_the_hybrid_with_temperatures_is_found_in_full_wherever_it_went(cache: Path) -> None:
+    """Over the cycle from -7 degrees: fuel and battery against work, heat to the air, and what all masses store.
+
+    Heats are integrated from the temperatures; of the parts' own accounts, only the gearbox's is used. A sum of
+    integrals is exact in every step of the solver; only kinetic energy, a square, is as exact as the tolerance of 1e-6.
+    """
+    heats = ("exhaust", "gears", "used", "air", "radiators")
+    kelvins = tuple(f"{part}_kelvin" for part in ("engine", "machine", "battery", "coolant"))
+    names = ("speed", "given", "wheel_work", "motion", *heats, *kelvins)
+    found = on_cycle(opened("Electric.ThermalHybridOnCycle", cache), names, 1.0)
+    given, work, motion = found[:, 1:4].T
+    warmed = (found[:, 9:] - 266.15) @ [65e3, 20e3, 8.44e-3 * 108 * 28800, 15e3]
+    missing = given - work - (motion - motion[0]) - found[:, 4:9].sum(axis=1) - warmed
+    assert np.abs(missing).max() < 1e-6 * given.max()
+    assert min(work[-1], warmed[-1], *found[-1, 4:9]) > 1e-2 * given[-1]  # none of them could be missing
 
 
 def coupled(cache: Path, step: float, stop: float) -> np.ndarray:

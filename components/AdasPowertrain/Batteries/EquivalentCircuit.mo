@@ -17,6 +17,8 @@ block EquivalentCircuit
   parameter Real soc_axis[13] = {0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1} "State of charge of the points";
   parameter Real cell_voltage[13](each unit="V") = {2.6540, 3.1773, 3.5164, 3.6746, 3.7250, 3.7477, 3.7729, 3.8034, 3.8411, 3.8880, 3.9460, 4.0170, 4.1029}
     "Open-circuit voltage of a cell there";
+  parameter Real least_cell_voltage(unit="V", min=1) = 2.8;
+  parameter Real highest_cell_voltage(unit="V", min=1) = 4.2;
   parameter Boolean has_low_charge_rise = false "Resistances rise at low state of charge";
   input Real resistance_factor = 1 "On all resistances, by temperature";
   input Real electric_power(unit="W") "Given at the poles";
@@ -25,6 +27,8 @@ block EquivalentCircuit
   output Real battery_power(unit="W") "Drawn from the cells: open-circuit voltage times current";
   output Real loss(unit="W");
   output Real stored_energy(unit="J") "In the capacitors";
+  output Real discharge_power(unit="W") "Most it gives at the poles within the cells' voltages, with the capacitors charged";
+  output Real charge_power(unit="W") "Most it takes, likewise";
   Real current(unit="A") "Out of the battery";
   Real open_circuit_voltage(unit="V");
 protected
@@ -53,6 +57,10 @@ equation
   resistance = specific_resistance * unit_resistance * (if has_low_charge_rise then 1 + 2.0978 * exp(-24.37 * soc) else 1);
   first_resistance = fast_resistance * unit_resistance * (if has_low_charge_rise then 1 + 6.8709 * exp(-29.14 * soc) else 1);
   second_resistance = slow_resistance * unit_resistance * (if has_low_charge_rise then 1 + 132.48 * exp(-155.2 * soc) else 1);
+  discharge_power = noEvent(max(0, series_cells * least_cell_voltage * (open_circuit_voltage - series_cells * least_cell_voltage)
+    / (resistance + first_resistance + second_resistance)));
+  charge_power = noEvent(max(0, series_cells * highest_cell_voltage * (series_cells * highest_cell_voltage - open_circuit_voltage)
+    / (resistance + first_resistance + second_resistance)));
   first_capacitance * der(fast_voltage) = current - fast_voltage / first_resistance;
   second_capacitance * der(slow_voltage) = current - slow_voltage / second_resistance;
   battery_power = open_circuit_voltage * current;

@@ -19,7 +19,7 @@ model Dynamic "Engine with inertia, lag of the air path, idle governor and fuel 
   Boolean is_stopped(start = false, fixed = true);
   Boolean is_starting(start = false, fixed = true) "By the starter";
 protected
-  constant Real dead(unit = "rad/s") = 40 "Below it nothing burns while it is started";
+  constant Real dead(unit = "rad/s") = 20 "Below it nothing burns while it is started; direct injection fires within the first turns";
   constant Real alive(unit = "rad/s") = 60 "From it on all burns";
   Real starter(unit = "N.m") "On the crankshaft";
   Real burning "0 to 1";

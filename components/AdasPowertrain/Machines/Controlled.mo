@@ -23,6 +23,7 @@ block Controlled
   input Real copper_factor = 1 "On the copper losses, by temperature";
   input Real derating = 1 "On the torque limit, by temperature";
   output Real torque(unit="N.m", start=0, fixed=true) "On the shaft";
+  output Real torque_limit(unit="N.m") "Most it gives now, either way";
   output Real electric_power(unit="W") "Taken from the link";
   output Real loss(unit="W") "Of machine and inverter";
   SteadyState machine(pole_pairs=pole_pairs, flux_linkage=flux_linkage, inductance=inductance, stator_resistance=stator_resistance,
@@ -31,7 +32,6 @@ block Controlled
 protected
   Real seen_voltage(unit="V", start=initial_voltage, fixed=true);
   Real power_limit(unit="W");
-  Real torque_limit(unit="N.m");
   Real target(unit="N.m");
   Boolean is_fast(start=false) "Above the corner of the envelope";
 equation

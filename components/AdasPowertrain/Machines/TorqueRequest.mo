@@ -12,11 +12,11 @@ block TorqueRequest
   input Real discharge_power(unit="W") "Most the battery gives";
   input Real charge_power(unit="W") "Most the battery takes";
   output Real machine_torque_demand(unit="N.m");
+  Real highest(unit="N.m") "Asked of the machine at most";
+  Real lowest(unit="N.m") "Asked of the machine at least";
 protected
   Real size(unit="rad/s") "Of the speed, smooth and never zero";
   Real fading;
-  Real highest(unit="N.m");
-  Real lowest(unit="N.m");
   Real wanted(unit="N.m");
   Boolean is_driving_limited(start=false);
   Boolean is_charging_limited(start=false);

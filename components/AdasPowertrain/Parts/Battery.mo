@@ -12,6 +12,8 @@ model Battery
   Interfaces.RealOutput voltage(unit="V") "At the poles";
   Interfaces.RealOutput soc "State of charge";
   Interfaces.RealOutput battery_power(unit="W") "Drawn from the cells, negative when charging";
+  Interfaces.RealOutput discharge_power(unit="W") "Most it gives to the machine's cables now";
+  Interfaces.RealOutput charge_power(unit="W") "Most it takes from them now";
   Interfaces.RealOutput energy_in(unit="J", start=0, fixed=true) "Out of the cells, since the start";
   Interfaces.RealOutput energy_out(unit="J", start=0, fixed=true) "To the cables, since the start";
   Interfaces.RealOutput energy_loss(unit="J", start=0, fixed=true) "Turned into heat or used on board, since the start";
@@ -23,6 +25,8 @@ equation
   voltage = circuit.voltage;
   soc = circuit.soc;
   battery_power = circuit.battery_power;
+  discharge_power = noEvent(max(0, circuit.discharge_power - auxiliary_power + charging_power));
+  charge_power = noEvent(max(0, circuit.charge_power + auxiliary_power - charging_power));
   der(energy_in) = battery_power;
   der(energy_out) = electric_power - charging_power;
   der(energy_loss) = circuit.loss + auxiliary_power;

@@ -23,5 +23,5 @@ equation
   is_wanted = is_low or is_demanding;
   is_urgent = false;
   charging = noEvent(max(-max_charging, min(max_charging, charging_gain * (target_soc - soc))));
-  best = noEvent(max(least_engine_torque, min(max_engine_torque, shaft_torque + charging / max(machine_speed, stop_speed))));
+  best = noEvent(max(least_engine_torque, min(min(max_engine_torque, shaft_torque - request.lowest), shaft_torque + charging / max(machine_speed, stop_speed))));
 end HybridControl;

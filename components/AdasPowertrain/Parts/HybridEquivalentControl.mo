@@ -20,8 +20,11 @@ model HybridEquivalentControl
 protected
   Real slope "Of the engine's Willans line";
   Real full_load(unit="N.m") "Of the engine";
-  Real drag(unit="N.m") "Of the engine";
-  Real machine_limit(unit="N.m") "Most the machine gives";
+  Real throttling(unit="N.m") "Of the engine with a closed throttle";
+  Real natural(unit="N.m") "Torque of the engine's charge without throttle and boost";
+  Real drag(unit="N.m") "Of the engine without fuel";
+  Real machine_limit(unit="N.m") "Most that machine and battery give";
+  Real lowest(unit="N.m") "The engine gives what machine and battery cannot";
   Real price "Fuel power that one watt out of the battery is worth, now";
   Real saving(unit="W") "Of the running engine";
   Real deviation(start=0, fixed=true) "State of charge that was missing, integrated over equivalence_time";
@@ -32,13 +35,17 @@ equation
   price = noEvent(max(1, equivalence + equivalence_gain*(target_soc - soc + deviation)));
   slope = Tables.smooth1D(machine_speed, engine_data.speeds, engine_data.efficiency);
   full_load = noEvent(max(least_engine_torque, engine_scale*Tables.smooth1D(machine_speed, engine_data.speeds, engine_data.full_load)));
-  drag = engine_scale*engine_data.displacement/12.566*(engine_data.friction_pressure + engine_data.friction_pressure_1*abs(machine_speed)
+  throttling = engine_scale*engine_data.displacement/12.566*engine_data.throttling_pressure;
+  natural = engine_scale*engine_data.displacement/12.566*engine_data.natural_pressure;
+  drag = throttling + engine_scale*engine_data.displacement/12.566*(engine_data.friction_pressure + engine_data.friction_pressure_1*abs(machine_speed)
     + engine_data.friction_pressure_2*machine_speed*machine_speed) + engine_scale*engine_data.auxiliary_power/noEvent(max(machine_speed, 50));
-  best = equivalentSplit(shaft_torque, machine_speed, slope, price, linear_loss, squared_loss, battery_loss, least_engine_torque, full_load);
+  machine_limit = noEvent(min(request.highest, machine_torque_limit));
+  lowest = noEvent(min(full_load, max(least_engine_torque, shaft_torque - machine_limit)));
+  best = equivalentSplit(shaft_torque, machine_speed, slope, drag, throttling, natural, engine_data.late_ignition, price, linear_loss,
+    squared_loss, battery_loss, lowest, noEvent(min(full_load, shaft_torque - max(request.lowest, -machine_torque_limit))));
   saving = price*(equivalentPower(shaft_torque, machine_speed, linear_loss, squared_loss, battery_loss)
     - equivalentPower(shaft_torque - best, machine_speed, linear_loss, squared_loss, battery_loss))
-    - (best + drag)*machine_speed/slope;
-  machine_limit = noEvent(min(max_machine_torque, 0.9*limits.discharge_power/max(machine_speed, 1)));
+    - Engines.fuelTorque(Engines.chargeTorque(best + drag, throttling, natural), natural, engine_data.late_ignition)*machine_speed/slope;
   is_needed = soc < low_soc or shaft_torque > (if pre(is_needed) then 0.6 else 0.9)*machine_limit;
   is_saving = saving > (if pre(is_saving) then stop_saving else start_saving);
   is_wanted = is_needed or is_saving;

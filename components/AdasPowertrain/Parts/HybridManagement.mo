@@ -10,8 +10,8 @@ partial model HybridManagement
   parameter Real least_engine_torque(unit="N.m", min=0.1, max=100) = 10 "Asked of the running engine at least";
   parameter Real max_machine_torque(unit="N.m", min=10, max=600) = 330;
   parameter Real max_recuperation(unit="N.m", min=0, max=600) = 150 "Of the machine";
-  parameter Real max_discharge_power(unit="W", min=1000, max=500000) = 90000 "Of the battery";
-  parameter Real max_charge_power(unit="W", min=1000, max=500000) = 60000 "Of the battery";
+  parameter Real max_discharge_power(unit="W", min=1000, max=500000) = 90000 "Asked of any battery at most";
+  parameter Real max_charge_power(unit="W", min=1000, max=500000) = 60000 "Given to any battery at most";
   parameter Real engine_lag(unit="s", min=0.01, max=5) = 0.4 "Time constant of the demand to the engine";
   parameter Real engine_response(unit="s", min=0.01, max=5) = 0.2 "Of the engine, as the machine expects it";
   parameter Real clutch_lag(unit="s", min=0.01, max=1) = 0.06 "Time constant of the clutch's command";
@@ -23,6 +23,9 @@ partial model HybridManagement
   Interfaces.RealInput engine_speed(unit="rad/s", start=0);
   Interfaces.RealInput machine_speed(unit="rad/s", start=0);
   Interfaces.RealInput soc(start=0.5);
+  Interfaces.RealInput discharge_power(unit="W", start=1e6) "Most the battery gives now";
+  Interfaces.RealInput charge_power(unit="W", start=1e6) "Most the battery takes now";
+  Interfaces.RealInput machine_torque_limit(unit="N.m", start=1e4) "Most the machine gives now";
   Interfaces.RealOutput engine_torque_demand(unit="N.m") "0: off";
   Interfaces.RealOutput machine_torque_demand(unit="N.m");
   Interfaces.RealOutput clutch(start=0, fixed=true) "0 open … 1 closed";
@@ -58,8 +61,8 @@ equation
   clutch_target = if is_synchronous then 1 elseif is_engine_on then slipping else 0;
   der(clutch) = (clutch_target - clutch) / clutch_lag;
   limits.soc = soc;
-  request.discharge_power = limits.discharge_power;
-  request.charge_power = limits.charge_power;
+  request.discharge_power = noEvent(min(limits.discharge_power, discharge_power));
+  request.charge_power = noEvent(min(limits.charge_power, charge_power));
   request.machine_speed = machine_speed;
   request.torque_demand = shaft_torque - engine_estimate + (if is_engine_on and not is_synchronous then cranking_torque else 0);
   machine_torque_demand = request.machine_torque_demand;

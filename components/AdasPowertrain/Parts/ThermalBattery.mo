@@ -17,6 +17,8 @@ model ThermalBattery
   extends Battery(circuit(
     capacity=capacity * (1 - initial_cycle_loss - initial_calendar_loss),
     has_low_charge_rise=true,
+    least_cell_voltage=2.0,
+    highest_cell_voltage=3.6,
     resistance_factor=exp(activation_energy / 8.314 * (1 / body.temperature - 1 / 298.15)),
     cell_voltage={2.0845, 2.4996, 2.7971, 2.9798, 3.1668, 3.2035, 3.2503, 3.2647, 3.2678, 3.2721, 3.3074, 3.3136, 3.3402}));
   Interfaces.RealInput heat_flow(unit="W", start=0) "Into the battery";

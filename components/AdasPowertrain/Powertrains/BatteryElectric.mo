@@ -28,8 +28,8 @@ initial equation
 equation
   request.torque_demand = torque_demand;
   request.machine_speed = machine.speed;
-  request.discharge_power = battery.limits.discharge_power;
-  request.charge_power = battery.limits.charge_power;
+  request.discharge_power = battery.discharge_power;
+  request.charge_power = battery.charge_power;
   machine.torque_demand = request.machine_torque_demand;
   connect(machine.flange, axle.flange);
   connect(battery.link, machine.link);

@@ -40,9 +40,9 @@ model CombustionAutomatic "Petrol engine, six-speed automatic with torque conver
   Driveline.Wheels wheels(speed = wheel_speed_front);
 protected
   constant Real standing(unit = "rad/s") = 0.3 "Wheel speed below which the car stands";
-  Boolean may_stop(start = false, fixed = true);
+  Boolean may_stop(start = false, fixed = true) "At standstill, until more is demanded than to creep";
 equation
-  may_stop = abs(wheel_speed_front) < standing and torque_demand < (if pre(may_stop) then 30 else 5);
+  may_stop = abs(wheel_speed_front) < standing and torque_demand < (if pre(may_stop) then 150 else 5);
   connect(engine.flange, gearbox.a);
   connect(gearbox.b, differential.a);
   connect(differential.b, shaft.a);

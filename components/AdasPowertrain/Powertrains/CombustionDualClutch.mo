@@ -11,7 +11,7 @@ model CombustionDualClutch "Petrol engine, seven-speed dual-clutch gearbox, comp
   parameter Real engine_inertia(unit = "kg.m2", min = 0.02, max = 1) = 0.15 "With flywheel or flexplate";
   parameter Real final_ratio(min = 2, max = 6) = 4.438;
   parameter Real shift_time(unit = "s", min = 0.05, max = 2) = 0.25;
-  parameter Real torque_phase(unit = "s", min = 0, max = 1) = 0 "Part of the shift in which the torque is handed over; 0: at once";
+  parameter Real torque_phase(unit = "s", min = 0, max = 1) = 0.0 "Part of the shift in which the torque is handed over; 0: at once";
   parameter Real intervention_share(min = 0, max = 1) = 0 "Part of the torque that slows the engine in upshifts which its ignition takes over";
   parameter Boolean has_charger = false "The engine's torque follows the boost pressure of its turbocharger";
   parameter Real shaft_stiffness(unit = "N.m/rad", min = 1e3, max = 20e3) = 3e3
@@ -43,9 +43,9 @@ model CombustionDualClutch "Petrol engine, seven-speed dual-clutch gearbox, comp
   Driveline.Wheels wheels(speed = wheel_speed_front);
 protected
   constant Real standing(unit = "rad/s") = 0.3 "Wheel speed below which the car stands";
-  Boolean may_stop(start = false, fixed = true);
+  Boolean may_stop(start = false, fixed = true) "At standstill, until more is demanded than to creep";
 equation
-  may_stop = abs(wheel_speed_front) < standing and torque_demand < (if pre(may_stop) then 30 else 5);
+  may_stop = abs(wheel_speed_front) < standing and torque_demand < (if pre(may_stop) then 150 else 5);
   connect(engine.flange, gearbox.a);
   connect(gearbox.b, differential.a);
   connect(differential.b, shaft.a);

@@ -107,3 +107,9 @@ def on_cycle(model: FmuModel, names: Sequence[str], within: float) -> Rows:
         assert abs(rows[-1][0] - speed(then)) < within
     bench.close()
     return np.array(rows)
+
+
+def lacking(rows: Rows) -> float:
+    """Largest part of the energy moved that columns in, out, loss and stored do not account for."""
+    entered, left, lost, stored = rows.T
+    return float(np.abs(entered - left - lost - (stored - stored[0])).max() / max(np.abs(entered).max(), left.max()))

@@ -18,7 +18,8 @@ ENGINE, OUTPUT, TWIST, AIR, PRESSURE, CAR, ENERGY_IN, ENERGY_OUT, ENERGY_LOSS = 
 
 _SPEEDS = (0, 42, 105, 157, 366.5, 523.6, 628.3, 670, 712)
 _FULL_LOAD = Curve(_SPEEDS, (-12, 0, 135, 250, 250, 210.1, 175.1, 140, -50))
-_SLOPE = Curve(_SPEEDS, (0.34, 0.35, 0.385, 0.4, 0.405, 0.385, 0.36, 0.35, 0.34))
+_SLOPE = Curve(_SPEEDS, (0.333, 0.343, 0.377, 0.392, 0.397, 0.377, 0.353, 0.343, 0.333))
+_VOLUME = 1.498e-3 / (4 * math.pi)  # torque per mean effective pressure, m3
 _RATIOS = (0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 0.98, 1)
 _CAPACITY = Curve(
     _RATIOS, (3.4325e-3, 3.6925e-3, 3.5842e-3, 3.1077e-3, 2.2626e-3, 1.5901e-3, 0.8551e-3, 0.3533e-3, 0.0)
@@ -33,17 +34,28 @@ def smaller(a: float, b: float, width: float = 2.0) -> float:
 
 @dataclass(frozen=True)
 class Petrol:
-    """Volkswagen 1.5 TSI: brake torque = slope * fuel power / speed - friction."""
+    """Volkswagen 1.5 TSI: slope * fuel power / speed is the charge's torque; friction and throttling reduce it."""
 
     idle: float = 90.0
     power: float = 110e3
     air_lag: float = 0.12
 
     def drag(self, speed: float) -> float:
-        """Friction after Heywood and 500 W of auxiliaries, N.m."""
-        pressure = 0.97e5 + 143.24 * abs(speed) + 0.45595 * speed**2
-        friction = 1.498e-3 / (4 * math.pi) * pressure * direction(speed, 5.0)
-        return friction + 500 * speed / (speed**2 + 400)
+        """Friction, closed throttle and 500 W of auxiliaries, N.m."""
+        pressure = 0.488e5 + 103 * abs(speed) + 0.164 * speed**2
+        return _VOLUME * pressure * direction(speed, 5.0) + self.throttling(speed) + 500 * speed / (speed**2 + 400)
+
+    def throttling(self, speed: float) -> float:
+        """Of a closed throttle, N.m."""
+        return _VOLUME * 0.965e5 * direction(speed, 5.0)
+
+    def fuel(self, speed: float, combustion: float) -> float:
+        """Fuel power for what the fuel adds to the torque, W. Throttling falls in proportion to the charge."""
+        natural, closed = _VOLUME * 13e5, self.throttling(speed)
+        throttled = combustion / (1 + closed / natural)
+        charge = throttled if throttled < natural else combustion - closed
+        late = 0.3 * (charge - natural) ** 2 / natural if charge > natural else 0.0
+        return (charge + late) * max(0.0, speed) / self.slope(speed)
 
     def slope(self, speed: float) -> float:
         """Of the Willans line."""
@@ -157,8 +169,8 @@ class CombustionCar:
             clutch = self.capacity(y) * self.sliding
             gear = self.train.motion(time, output, fluid + clutch, 0.0, shaft)
             engine_rate = (brake - pump - clutch) / self.engine_inertia
-        fuel = burning * max(0.0, engine) / petrol.slope(engine)
-        loss = (1 - petrol.slope(engine)) * fuel + petrol.drag(engine) * engine + gear.loss
+        fuel = petrol.fuel(engine, burning)
+        loss = fuel - brake * engine + gear.loss
         loss += pump * engine - fluid * turbine + clutch * (engine - turbine) + self.damping * twist_rate**2
         target = petrol.target(engine, wanted)
         return Motion(

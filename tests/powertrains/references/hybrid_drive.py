@@ -184,9 +184,8 @@ class HybridDrive(Stepped):
         combustion, engine_speed = self._drive(time, y)
         mechanics = self.car.derivative(time, y[:MECHANICS])
         spin, _, ratio = self._speeds(time, y)
-        slope, drag = self.petrol.slope(engine_speed), self.petrol.drag(engine_speed)
-        fuel = combustion * max(0.0, engine_speed) / slope
-        engine_heat = (1 - slope) * fuel + drag * engine_speed
+        fuel = self.petrol.fuel(engine_speed, combustion)
+        engine_heat = fuel - self._engine * engine_speed
         demanded = max(y[ASKED], LEAST_TORQUE) if self.is_on else 0.0
         air = max(0.0, self.petrol.target(engine_speed, demanded)) if self.is_on else 0.0
         asked = self._asked(time, y)[3]
