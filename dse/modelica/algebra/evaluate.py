@@ -9,6 +9,7 @@ from itertools import pairwise
 from dse.errors import fail
 from dse.modelica.algebra.arithmetic import FUNCTIONS
 from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.random_numbers import random, random_start
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.tables import ERROR, HOLD, table1, table2
 from dse.modelica.algebra.traversal import walk
@@ -57,6 +58,10 @@ def _called(node: Expression, done: Mapping[int, float]) -> float:
     def elements(place: int) -> list[float]:
         return [done[element.number] for element in node.operands[place].operands]
 
+    if node.name == "random":
+        return random(int(scalar(0)), elements(2))
+    if node.name == "random_start":
+        return random_start(int(scalar(0)), elements(1))
     if node.name == "table1":
         axes = [elements(2)]
     elif node.name == "table2":

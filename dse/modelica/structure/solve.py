@@ -18,7 +18,7 @@ from dse.modelica.structure.aliases.merging import merged
 from dse.modelica.structure.blocks.arrange import Quantity, Stage, arranged
 from dse.modelica.structure.blocks.conditioning import refuse_singular
 from dse.modelica.structure.events import discrete_steps, ordered
-from dse.modelica.structure.initialization import checked, start
+from dse.modelica.structure.initialization import checked, start, without_values_before
 from dse.modelica.structure.known import Known, Starts, default, dependent_parameters, is_free
 from dse.modelica.structure.preparation import with_preferred_rates, without_zeros
 from dse.modelica.structure.reduction.dummies import chosen
@@ -36,7 +36,7 @@ def solve(flat: FlatModel) -> Solved:
     if flat.graph.knows(Symbol(referent=Referent.CONTINUED)):
         # Only equations are solved by continuation.
         flat = replace(flat.mapped(actual), equations=flat.equations, initial_equations=flat.initial_equations)
-    flat = without_zeros(flat)
+    flat = without_zeros(without_values_before(flat))
     preferred = with_preferred_rates(flat)
     if preferred is not flat:
         with contextlib.suppress(DseError):  # a preference is no demand
