@@ -74,10 +74,25 @@ def _read_by_functions(read: Forest, constants: set[str], called: set[str]) -> I
         if element.kind == "function" and element.name in called:
             own = {inner.name for inner in element.elements if inner.kind == "component" and not _is_constant(inner)}
             words |= {*element.tree.words[element.named : element.end]} - own
-    for element in read.elements:
-        if element.kind == "modifier" and element.is_given and element.name in constants & words:
-            what = f"constant '{element.name}' is changed here and read by a function, where the front-end mixes up its"
-            yield Problem(f"{what} values", element.where, "make it an input of the function")
+    classes = {element.name for element in read.elements if element.kind in KINDS}
+    for name in sorted(constants & words):
+        having = _having(read, name)
+        for element in read.elements:
+            changed = element.parent.last if element.parent else ""
+            if element.kind == "modifier" and element.is_given and element.name == name:
+                if changed in having or changed not in classes:
+                    what = f"constant '{name}' is changed here and read by a function, where the front-end mixes up its"
+                    yield Problem(f"{what} values", element.where, "make it an input of the function")
+
+
+def _having(read: Forest, name: str) -> set[str]:
+    """Classes that may have the constant *name*: they declare it, extend one that has it, or are made from one."""
+    found = {each.parent.name for each in read.elements if each.name == name and _is_constant(each) and each.parent}
+    made = {(each.parent.name, each.last) for each in read.elements if each.kind == "extends" and each.parent}
+    made |= {(each.name, each.last) for each in read.elements if each.kind in KINDS and each.type}
+    while new := {one for one, base in made if base in found} - found:
+        found |= new
+    return found
 
 
 def _of_the_base(read: Forest, constants: set[str], model: str) -> Iterator[Problem]:

@@ -10,6 +10,8 @@ from dse.modelica.algebra.expression import Expression, shown
 from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.algebra.traversal import actual, replaced, smooth, symbols
 from dse.modelica.flat_model import Check, FlatModel, Role, Trigger
+from dse.modelica.solved_model import EventBlock, Explicit
+from dse.modelica.structure.blocks.arrange import Stage
 from dse.modelica.structure.graphs import Matching
 from dse.modelica.structure.known import default, is_dependent, is_free
 from dse.modelica.structure.rows import Row, told
@@ -178,6 +180,19 @@ def without_values_before(flat: FlatModel) -> FlatModel:
     residuals = replaced([one.residual for one in flat.initial_equations], now)
     found = zip(flat.initial_equations, residuals, strict=True)
     return replace(flat, initial_equations=tuple(replace(one, residual=residual) for one, residual in found))
+
+
+def values_before(flat: FlatModel, found: Start) -> list[Stage[EventBlock]]:
+    """Values just before the start of discrete variables that are known only when *found* is solved."""
+    unknown = set(found.unknowns)
+    stages: list[Stage[EventBlock]] = []
+    for name, variable in flat.variables.items():
+        value = flat.graph.variable(name) if name in found.discretes else variable.start
+        if variable.role is Role.DISCRETE and value is not None and not unknown.isdisjoint(needs := symbols(value)):
+            before = Symbol(name, referent=Referent.PRE)
+            block = Explicit(before, value)
+            stages.append(Stage(block, (before,), tuple(needs), variable.where, f"the value before of {name}"))
+    return stages
 
 
 def _too_few(flat: FlatModel, symbol: Symbol) -> Problem:
