@@ -12,7 +12,7 @@ from typing import Any
 
 from dse.errors import DseError
 from dse.modelica.frontend.library_names import distinct
-from dse.modelica.frontend.library_tables import with_tables
+from dse.modelica.frontend.library_functions import with_tables
 from dse.modelica.frontend.misreadings import mixed_up_constants
 from dse.modelica.frontend.modifications import misread_modifications
 from dse.modelica.frontend.signal_connections import with_equations

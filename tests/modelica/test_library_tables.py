@@ -11,7 +11,7 @@ from modelica_components import MakeModel
 from slaves import run_cs
 from workspaces import written
 
-from dse.modelica.frontend.library_tables import with_tables
+from dse.modelica.frontend.library_functions import with_tables
 
 TABLES = Path(__file__).parent / "tables"
 CURVE = ([0.0, 1.0, 2.0, 4.0], [1.0, 3.0, 2.0, 6.0])

@@ -11,9 +11,8 @@ from pathlib import Path
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 from dse.modelica.frontend.enumeration_loops import counted
 from dse.modelica.frontend.jumps import without_jumps
+from dse.modelica.frontend.library_functions import with_random, with_tables
 from dse.modelica.frontend.library_names import distinct
-from dse.modelica.frontend.library_random import with_random
-from dse.modelica.frontend.library_tables import with_tables
 from dse.modelica.frontend.source_text import SourceText, changed
 from dse.modelica.frontend.used_classes import reached
 

@@ -162,9 +162,7 @@ def _free_discretes(flat: FlatModel) -> list[str]:
 
 def _assigned(flat: FlatModel) -> set[str]:
     """Discrete variables that have another value than the one before at the start."""
-    return {
-        one.target for one in flat.assignments if one.trigger is None or flat.triggers[one.trigger].at_start
-    }
+    return {one.target for one in flat.assignments if one.trigger is None or flat.triggers[one.trigger].at_start}
 
 
 def without_values_before(flat: FlatModel) -> FlatModel:

@@ -6,7 +6,6 @@ import itertools
 from collections.abc import Generator
 
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.algebra.random_numbers import hashed
 from dse.modelica.flatten.document import Document, Record, fields, single
 from dse.modelica.flatten.evaluation.context import Frame, Request
 from dse.modelica.flatten.model import Model
@@ -35,7 +34,7 @@ def called(
             raise document.refused(f"an argument of kind '{kind}' of '{symbol}'", number)
         values.append((yield Request(frame, node)))
     if symbol == _HASH and len(values) == 1 and isinstance(values[0], Text):
-        return (scalar(model.graph.of(float(hashed(values[0].text)))),)
+        return (scalar(model.graph.of(float(_hashed(values[0].text)))),)
     return (scalar(_FUNCTIONS[symbol](model, list(map(array, values)))),)
 
 
@@ -110,3 +109,14 @@ _FUNCTIONS = {
     "dse_random": _random,
     "dse_random_start": _random_start,
 }
+
+
+def _hashed(text: str) -> int:
+    """A whole number of 32 bits from *text*, by A. Partow's hash function."""
+    found = 0xAAAAAAAA
+    for place, byte in enumerate(text.encode()):
+        if place % 2:
+            found ^= ~((found << 11) + (byte ^ found >> 5)) & 0xFFFFFFFF
+        else:
+            found ^= (found << 7 ^ byte * (found >> 3)) & 0xFFFFFFFF
+    return found - (found >> 31 << 32)

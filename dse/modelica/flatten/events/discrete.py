@@ -18,7 +18,7 @@ from dse.modelica.flatten.events.chains import Chains, Span, read_chains, span
 from dse.modelica.flatten.events.clauses import Clauses, Item
 from dse.modelica.flatten.events.conditions import Conditions
 from dse.modelica.flatten.values import Text
-from dse.modelica.frontend.library_random import IMPURE_SEED
+from dse.modelica.frontend.library_functions import IMPURE_SEED
 
 
 @dataclass(slots=True)
@@ -242,8 +242,10 @@ def _enter_initial_values(evaluation: Evaluation, values: Mapping[Symbol, tuple[
 
 def _is_hidden_state(start: Expression) -> bool:
     """Whether *start* is the first number of the state of a block that draws from the impure generator."""
-    return start.name == "random_start" and start.operands[0].is_number(1) and (
-        start.operands[1].operands[0].is_number(IMPURE_SEED)
+    return (
+        start.name == "random_start"
+        and start.operands[0].is_number(1)
+        and (start.operands[1].operands[0].is_number(IMPURE_SEED))
     )
 
 
