@@ -81,8 +81,8 @@ def _called(node: Expression, done: Mapping[int, float]) -> float:
 
 
 # Random numbers by xorshift generators (S. Vigna, ACM Trans. Math. Softw. 42(4), 2016), as the C runtime computes them.
-# Two whole numbers of 32 bits are a word, the lower half first. 2 numbers: xorshift64*, whose next state is the product;
-# 4: xorshift128+; 33: xorshift1024*, the last of which is the place.
+# Two whole numbers of 32 bits are a word, the lower half first. 2 numbers: xorshift64*, whose next state is the
+# product; 4: xorshift128+; 33: xorshift1024*, the last of which is the place.
 
 _ALL, _HALF = 2**64 - 1, 2**32 - 1
 _TURNS = 10

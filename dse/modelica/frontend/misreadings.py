@@ -79,10 +79,10 @@ def _read_by_functions(read: Forest, constants: set[str], called: set[str]) -> I
         having = _having(read, name)
         for element in read.elements:
             changed = element.parent.last if element.parent else ""
-            if element.kind == "modifier" and element.is_given and element.name == name:
-                if changed in having or changed not in classes:
-                    what = f"constant '{name}' is changed here and read by a function, where the front-end mixes up its"
-                    yield Problem(f"{what} values", element.where, "make it an input of the function")
+            is_change = element.kind == "modifier" and element.is_given and element.name == name
+            if is_change and (changed in having or changed not in classes):
+                what = f"constant '{name}' is changed here and read by a function, where the front-end mixes up its"
+                yield Problem(f"{what} values", element.where, "make it an input of the function")
 
 
 def _having(read: Forest, name: str) -> set[str]:

@@ -36,22 +36,7 @@ class Given(NamedTuple):
 
 Function = Callable[[Given], Value]
 
-_BY_ELEMENT = [
-    "abs",
-    "sqrt",
-    "sin",
-    "cos",
-    "tan",
-    "asin",
-    "acos",
-    "atan",
-    "sinh",
-    "cosh",
-    "tanh",
-    "exp",
-    "log",
-    "log10",
-]
+_BY_ELEMENT = ["abs", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "log10"]
 _BINARY = {
     "add": "add",
     "subtract": "subtract",
