@@ -36,7 +36,7 @@ class Given(NamedTuple):
 
 Function = Callable[[Given], Value]
 
-_BY_ELEMENT = ["abs", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "log10"]
+_EACH = ["abs", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "log10"]
 _BINARY = {
     "add": "add",
     "subtract": "subtract",
@@ -203,7 +203,7 @@ def _bracketed(dimension: int) -> Function:
 
 
 BUILTINS: Mapping[str, Function] = {
-    **{name: _elementwise(name) for name in _BY_ELEMENT},
+    **{name: _elementwise(name) for name in _EACH},
     "atan2": _atan2,
     "min": _extreme("minimum"),
     "max": _extreme("maximum"),
