@@ -22,7 +22,7 @@ ALL = [*OF_EXPRESSIONS, *OF_CLASSES, *OF_DYNAMICS, *OF_EVENTS]
 TIGHT = 1e-9
 
 
-EVERY_DAY = {case.model for case in ALL[::3]}
+EVERY_DAY = {case.model for case in ALL[::4]}
 PARAMETERS = [
     pytest.param(
         case,

@@ -19,6 +19,11 @@ def misread(result: FrontEndResult) -> Iterator[Problem]:
     yield from misread_modifications(read)
     yield from _functions_of_one_name(read, names)
     yield from mixed_up_constants(read, result.model, [name.rpartition(".")[2] for name in names])
+    for tree in read.trees:
+        for at, word in enumerate(tree.words):
+            if word == "getInstanceName" and {tree.words[at - 1], tree.words[at + 3]} & {"==", "<>"}:
+                what = "comparing getInstanceName(), for which the front-end takes another name, is not supported"
+                yield Problem(what, tree.place(at), "compare it in a function that has it as an input")
     for element in read.elements:
         if "partial" in element.prefixes and element.full == result.model:
             yield Problem(f"{result.model} is partial", element.where, "name a model that is complete")
