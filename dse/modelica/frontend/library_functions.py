@@ -119,7 +119,7 @@ def _edited(text: str, changes: list[Change]) -> str:
 # What such a function of the package Random contains.
 _GENERATORS = {
     "random": r"\bModelicaRandom_xorshift(?:64star|128plus|1024star)\b",
-    "initialState": r"\bstate\b",
+    "initialState": r"\bglobalSeed\b",
     "automaticGlobalSeed": r"\bModelicaRandom_automaticGlobalSeed\b",
     "initializeImpureRandom": r"\bsetInternalState\b",
 }
@@ -136,7 +136,7 @@ def with_random(text: str) -> str:
         return text
     clean = code(text)
     changes: list[Change] = []
-    for name, content in _GENERATORS.items() if "package Random" in clean else ():
+    for name, content in _GENERATORS.items() if "ModelicaRandom_xorshift" in clean else ():
         changes += _replaced(clean, name, content)
     changes += [
         (*found.span(), f"{found[1]}{found[3]}random{found[4]}; {found[2]}{found[3]}dse_next{found[4]}")

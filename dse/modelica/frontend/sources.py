@@ -9,10 +9,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
-from dse.modelica.frontend.enumeration_loops import counted
 from dse.modelica.frontend.jumps import without_jumps
 from dse.modelica.frontend.library_functions import with_random, with_tables
 from dse.modelica.frontend.library_names import distinct
+from dse.modelica.frontend.other_words import counted
 from dse.modelica.frontend.source_text import SourceText, changed
 from dse.modelica.frontend.used_classes import reached
 

@@ -256,16 +256,11 @@ def _string(visit: Visit) -> Steps:
     return Text(", ".join(shown(one) if one.is_constant else f"<{shown(one)}>" for one in array(value).elements))
 
 
+# fmt: off
 RULES: Mapping[str, Rule] = {
-    "literal": _literal,
-    "coordinate": _coordinate,
-    "unary": _unary,
-    "binary": _binary,
-    "conditional": _conditional,
-    "builtin": _builtin,
-    "runtime_quotient_owner": _quotient,
-    "call": _call,
-    "function_value": _function_value,
+    "literal": _literal, "coordinate": _coordinate, "unary": _unary, "binary": _binary, "conditional": _conditional,
+    "builtin": _builtin, "runtime_quotient_owner": _quotient, "call": _call, "function_value": _function_value,
     "string_conversion": _string,
 }
+# fmt: on
 """Rules by kind of node."""
