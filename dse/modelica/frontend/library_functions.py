@@ -142,18 +142,20 @@ def with_random(text: str) -> str:
         (*found.span(), f"{found[1]}{found[3]}random{found[4]}; {found[2]}{found[3]}dse_next{found[4]}")
         for found in _BOTH.finditer(clean)
     ]
-    for found in re.finditer(r"\bblock\s+(\w+)\b(?!\s*=).*?\bend\s+\1\s*;", clean, re.DOTALL):
+    for found in re.finditer(r"\b(?:block|model)\s+(\w+)\b(?!\s*=).*?\bend\s+\1\s*;", clean, re.DOTALL):
         changes += _own_state(clean, *found.span())
     return _edited(text, changes)
 
 
 def _own_state(clean: str, start: int, end: int) -> list[Change]:
-    """What a block without blocks in it needs to draw from a state of its own, at its only call of the generator."""
+    """What a block or model needs to draw from a state of its own, at its only call of the generator."""
     calls = [*_IMPURE.finditer(clean, start, end)]
-    begins = re.compile(r"(?<!initial\s)\bequation\b").search(clean, start, end)
-    if len(calls) != 1 or begins is None or len(re.findall(r"\bimpureRandom", clean[start:end])) > 1:
+    if len(calls) != 1 or len(re.findall(r"\bimpureRandom", clean[start:end])) > 1:
         return []
     (call,) = calls
+    *_, begins = [None, *re.compile(r"(?<!initial\s)\bequation\b").finditer(clean, start, call.start())]
+    if begins is None:
+        return []
     generator, state = "Modelica.Math.Random.Generators.Xorshift1024star", "pre(dse_state)"
     declared = f"protected Integer dse_state[33]; parameter Integer dse_seed = {call[2]}; initial equation"
     first = f"{declared} {state} = {generator}.initialState({IMPURE_SEED}, dse_seed); equation"
