@@ -406,7 +406,6 @@ def initial_value_before(t: float, given: Given) -> Values:
 def starts_of_free_parameters(t: float, given: Given) -> Values:
     p = 5 if given["scale"] < 3 else 7
     d, ticks = given["scale"] * p + 0.5, math.floor(2 * t)
-    # At the start as at the first tick, the values before are those of the initial equations.
     return {"y": [p + ticks, 2 * p + 1 + ticks, d + ticks, d + p + 2 * max(ticks - 1, 0)]}
 
 

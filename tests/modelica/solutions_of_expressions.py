@@ -354,15 +354,14 @@ def function_asserts(t: float, given: Given) -> Values:
     return {"y": 1 / max(t, 0.2), "z": t / (t - 0.3) if t > 0.5 else 0}
 
 
-ENDS_AT = 0.95  # where the second base is too small
 LIMITS = [np.polysub(np.poly1d([-1, 2]) ** k, [2, 4]).roots for k in range(1, 14)]
 POWERS_AT = (*(t.real for roots in LIMITS for t in roots if abs(t.imag) < 1e-9), 1.5**4 / 2 - 2)
 
 
-@case("LoopsInLoops", stop=1.2, events=(*POWERS_AT, ENDS_AT), error=1e-12)
+@case("LoopsInLoops", stop=1.2, events=(*POWERS_AT, 0.95), error=1e-12)
 def loops_in_loops(t: float, given: Given) -> Values:
     """The first power takes 2 turns; the others take as many as are left of 13, but one."""
-    if t > ENDS_AT:
+    if t > 0.95:
         return {"first": [9, -1, -1], "turns": 2}
     turns, found = 2, [9.0]
     for base in (2 - t, 1.5):
