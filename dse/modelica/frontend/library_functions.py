@@ -93,16 +93,12 @@ def functions() -> Mapping[str, str]:
     text = re.sub(r"(?<![.\w])(Extrapolation|Smoothness)\b", rf"{_TYPES}\1", text)
     every = re.finditer(r"(?:pure )?function (\w+)\s.*?\bend \1;", text, re.DOTALL)
     found = {match[1]: " ".join(match[0].split()) for match in every}
-    for name, others in _WITH.items():
+    for name, others in _OWN.items():
         found[name] = " ".join((found[name], *map(found.pop, others.split())))
     return found
 
 
-_WITH = {
-    "getTable2DValueNoDer2": "getTable2DLines",
-    "random": "dse_next dse_draw dse_step",
-    "initialState": "dse_start",
-}
+_OWN = {"getTable2DValueNoDer2": "getTable2DLines", "random": "dse_next dse_draw dse_step", "initialState": "dse_start"}
 
 
 def _replaced(clean: str, name: str, content: str) -> Iterator[Change]:
