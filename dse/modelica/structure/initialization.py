@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from dse.errors import DseError, Problem
@@ -12,6 +12,7 @@ from dse.modelica.algebra.traversal import actual, replaced, smooth, symbols
 from dse.modelica.flat_model import Check, FlatModel, Role, Trigger
 from dse.modelica.solved_model import EventBlock, Explicit
 from dse.modelica.structure.blocks.arrange import Stage
+from dse.modelica.structure.events import by_target
 from dse.modelica.structure.graphs import Matching
 from dse.modelica.structure.known import default, is_dependent, is_free
 from dse.modelica.structure.rows import Row, told
@@ -180,17 +181,15 @@ def without_values_before(flat: FlatModel) -> FlatModel:
     return replace(flat, initial_equations=tuple(replace(one, residual=residual) for one, residual in found))
 
 
-def values_before(flat: FlatModel, found: Start) -> list[Stage[EventBlock]]:
+def values_before(flat: FlatModel, found: Start) -> Iterator[Stage[EventBlock]]:
     """Values just before the start of discrete variables that are known only when *found* is solved."""
     unknown = set(found.unknowns)
-    stages: list[Stage[EventBlock]] = []
-    for name, variable in flat.variables.items():
-        value = flat.graph.variable(name) if name in found.discretes else variable.start
-        if variable.role is Role.DISCRETE and value is not None and not unknown.isdisjoint(needs := symbols(value)):
+    for name in by_target(flat):
+        value, where = flat.variables[name].start, flat.variables[name].where
+        value = flat.graph.variable(name) if name in found.discretes else value
+        if value is not None and not unknown.isdisjoint(needs := symbols(value)):
             before = Symbol(name, referent=Referent.PRE)
-            block = Explicit(before, value)
-            stages.append(Stage(block, (before,), tuple(needs), variable.where, f"the value before of {name}"))
-    return stages
+            yield Stage(Explicit(before, value), (before,), tuple(needs), where, f"pre({name})")
 
 
 def _too_few(flat: FlatModel, symbol: Symbol) -> Problem:
