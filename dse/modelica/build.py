@@ -238,6 +238,7 @@ def _runtime() -> dict[str, bytes]:
 @lru_cache(maxsize=1)
 def _implementation() -> str:
     """A name of the program that translates: other code may write another FMU."""
-    files = [path for room in ("fmu", "modelica") for path in sorted((_DSE / room).rglob("*.py"))]
+    kinds = ("*.py", "*.mo")
+    files = [path for room in ("fmu", "modelica") for kind in kinds for path in sorted((_DSE / room).rglob(kind))]
     code = ((path.relative_to(_DSE).as_posix(), path.read_bytes()) for path in files)
     return content_key([*code, *_runtime().items()])

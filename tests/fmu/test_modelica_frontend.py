@@ -305,8 +305,11 @@ def test_a_variable_of_a_function_is_not_the_constant_of_its_name(tmp_path: Path
     )
     assert structural(tmp_path, f"{text} {model} end P;", "P.M") == []
     reads = text.replace("Real k = 2*x; algorithm y := k", "Real j; algorithm y := C.k")
-    message = refusal(tmp_path, f"{reads} {model} end P;", "P.M")
-    assert "constant 'k' is changed here" in message
+    assert structural(tmp_path, f"{reads} {model} end P;", "P.M") == []  # the parameter of B is changed
+    for has in ("constant Real k = 1;", "extends C;"):
+        based = reads.replace("parameter Real k = 1;", has).replace("package C", "model C")
+        message = refusal(tmp_path, f"{based} {model} end P;", "P.M")
+        assert "constant 'k' is changed here" in message
 
 
 def test_an_expression_in_brackets_after_else_is_no_modification(tmp_path: Path) -> None:

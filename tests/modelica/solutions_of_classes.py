@@ -241,3 +241,13 @@ def string_parameter(t: float, given: Given) -> Values:
 @case("InnerNested", given={"k": 3.0}, variants=({"k": -5.0},), error=1e-12)
 def inner_nested(t: float, given: Given) -> Values:
     return {"y": [2 * t, 2 * given["k"] * t, -2 * t, -2 * t]}
+
+
+@case("InstanceNames", stop=0.14, error=EXACT)
+def instance_names(t: float, given: Given) -> Values:
+    return {"y": [1, 2, 3]}
+
+
+@case("ConstantOfOtherClass", given={"a.k": 3.0}, variants=({"a.k": -2.0},), error=ROUNDED)
+def constant_of_other_class(t: float, given: Given) -> Values:
+    return {"y": [given["a.k"] * (2 * t + 10), 70, 2.5 * t]}

@@ -394,3 +394,23 @@ def preferred_rates(t: float, given: Given) -> Values:
 def shared_signal(t: float, given: Given) -> Values:
     fast, slow = math.floor(t / 0.2), math.floor(t / 0.45)
     return {"total": 2 * fast + slow, "square": slow * (2 * fast + slow)}
+
+
+@case("InitialValueBefore", events=(0.25, 0.5), error=1e-12)
+def initial_value_before(t: float, given: Given) -> Values:
+    is_late = t > 0.5
+    return {"y": [3 + is_late, 60 if is_late else 6, 7.25 if t > 0.25 else 7, 5 + 2 * is_late, 11 - is_late]}
+
+
+@case("StartsOfFreeParameters", given={"scale": 2.0}, variants=({"scale": 4.0},), events=(0.5, 1.0), error=1e-12)
+def starts_of_free_parameters(t: float, given: Given) -> Values:
+    p = 5 if given["scale"] < 3 else 7
+    d, ticks = given["scale"] * p + 0.5, math.floor(2 * t)
+    return {"y": [p + ticks, 2 * p + 1 + ticks, d + ticks, d + p + 2 * max(ticks - 1, 0)]}
+
+
+@case("BooleanUnderConditions", events=(0.25, 0.45, 0.65, *(k / 10 for k in range(1, 11))), error=1e-12)
+def boolean_under_conditions(t: float, given: Given) -> Values:
+    """On from 0.25 s, off at 0.45 s as the count is 4, on at 0.65 s; late at the tick of 0.7 s, which puts it off."""
+    is_on = 0.25 < t < 0.45 or 0.65 < t < 0.7
+    return {"y": [is_on, 0.7 < t < 0.9, is_on, math.floor(10 * t)]}

@@ -347,3 +347,32 @@ def function_open_loops(t: float, given: Given) -> Values:
 @case("EnumerationLoops", error=1e-12)
 def enumeration_loops(t: float, given: Given) -> Values:
     return {"force": [t, 2 * t, 4 * t], "total": 11 * t, "squares": [1, 4, 16]}
+
+
+@case("FunctionAsserts", events=(0.5,), error=1e-12)
+def function_asserts(t: float, given: Given) -> Values:
+    return {"y": 1 / max(t, 0.2), "z": t / (t - 0.3) if t > 0.5 else 0}
+
+
+LIMITS = [np.polysub(np.poly1d([-1, 2]) ** k, [2, 4]).roots for k in range(1, 14)]
+POWERS_AT = (*(t.real for roots in LIMITS for t in roots if abs(t.imag) < 1e-9), 1.5**4 / 2 - 2)
+
+
+@case("LoopsInLoops", stop=1.2, events=(*POWERS_AT, 0.95), error=1e-12)
+def loops_in_loops(t: float, given: Given) -> Values:
+    """The first power takes 2 turns; the others take as many as are left of 13, but one."""
+    if t > 0.95:
+        return {"first": [9, -1, -1], "turns": 2}
+    turns, found = 2, [9.0]
+    for base in (2 - t, 1.5):
+        wanted = math.floor(math.log(4 + 2 * t) / math.log(base)) + 1
+        taken = min(wanted, max(13 - turns, 1))
+        found.append(base**taken)
+        turns += taken
+    return {"first": found, "turns": -turns}
+
+
+@case("Comprehensions", error=1e-12)
+def comprehensions(t: float, given: Given) -> Values:
+    nested = (1 + t) * (2 + t) + (4 + t) * (6 + t)
+    return {"largest": 6, "nested": nested, "rows": [1 - t, 3 - 2 * t], "wheels": [8, 13]}

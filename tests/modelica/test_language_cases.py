@@ -22,7 +22,7 @@ ALL = [*OF_EXPRESSIONS, *OF_CLASSES, *OF_DYNAMICS, *OF_EVENTS]
 TIGHT = 1e-9
 
 
-EVERY_DAY = {case.model for case in ALL[::3]}
+EVERY_DAY = {case.model for case in ALL[::4]}
 PARAMETERS = [
     pytest.param(
         case,
@@ -37,7 +37,6 @@ PARAMETERS = [
 
 def test_every_model_of_the_folder_has_a_solution() -> None:
     assert sorted(case.model for case in ALL) == sorted(file.stem for file in FOLDER.glob("*.mo"))
-    assert len(ALL) >= 70
 
 
 def test_every_model_says_which_situation_it_is() -> None:

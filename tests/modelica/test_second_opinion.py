@@ -15,7 +15,7 @@ from test_language_cases import ALL, deviation
 
 AGREED = 2e-3
 """The tolerance of the other solver is coarser."""
-DIFFERING = {"ElsewhenReinit", "PreferredRates", "RelationsOfJumps", "SampleMeetsState"}
+DIFFERING = {"BooleanUnderConditions", "ElsewhenReinit", "PreferredRates", "RelationsOfJumps", "SampleMeetsState"}
 ALONE = [case for case in ALL if not case.inputs and not case.tuned]
 
 

@@ -58,6 +58,7 @@
 
 #include "csolve/linear.h"
 #include "slot.h"
+#include "random.h"
 #include "tables.h"
 
 #ifndef DSE_DISCRETES

@@ -35,7 +35,7 @@ def system_lines(system: System, flat: FlatModel, setting: Setting) -> list[str]
 
 def explicit_store(block: Explicit, setting: Setting) -> Store:
     """The assignment of *block*."""
-    return Store(f"v[{setting.place(block.unknown)}]", block.value, f"in the equation for {block.unknown}")
+    return Store(setting.symbol(block.unknown), block.value, f"in the equation for {block.unknown}")
 
 
 def _subject(system: System) -> str:

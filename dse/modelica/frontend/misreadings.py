@@ -19,6 +19,11 @@ def misread(result: FrontEndResult) -> Iterator[Problem]:
     yield from misread_modifications(read)
     yield from _functions_of_one_name(read, names)
     yield from mixed_up_constants(read, result.model, [name.rpartition(".")[2] for name in names])
+    for tree in read.trees:
+        for at, word in enumerate(tree.words):
+            if word == "getInstanceName" and {tree.words[at - 1], tree.words[at + 3]} & {"==", "<>"}:
+                what = "comparing getInstanceName(), for which the front-end takes another name, is not supported"
+                yield Problem(what, tree.place(at), "compare it in a function that has it as an input")
     for element in read.elements:
         if "partial" in element.prefixes and element.full == result.model:
             yield Problem(f"{result.model} is partial", element.where, "name a model that is complete")
@@ -74,10 +79,25 @@ def _read_by_functions(read: Forest, constants: set[str], called: set[str]) -> I
         if element.kind == "function" and element.name in called:
             own = {inner.name for inner in element.elements if inner.kind == "component" and not _is_constant(inner)}
             words |= {*element.tree.words[element.named : element.end]} - own
-    for element in read.elements:
-        if element.kind == "modifier" and element.is_given and element.name in constants & words:
-            what = f"constant '{element.name}' is changed here and read by a function, where the front-end mixes up its"
-            yield Problem(f"{what} values", element.where, "make it an input of the function")
+    classes = {element.name for element in read.elements if element.kind in KINDS}
+    for name in sorted(constants & words):
+        having = _having(read, name)
+        for element in read.elements:
+            changed = element.parent.last if element.parent else ""
+            is_change = element.kind == "modifier" and element.is_given and element.name == name
+            if is_change and (changed in having or changed not in classes):
+                what = f"constant '{name}' is changed here and read by a function, where the front-end mixes up its"
+                yield Problem(f"{what} values", element.where, "make it an input of the function")
+
+
+def _having(read: Forest, name: str) -> set[str]:
+    """Classes that may have the constant *name*: they declare it, extend one that has it, or are made from one."""
+    found = {each.parent.name for each in read.elements if each.name == name and _is_constant(each) and each.parent}
+    made = {(each.parent.name, each.last) for each in read.elements if each.kind == "extends" and each.parent}
+    made |= {(each.name, each.last) for each in read.elements if each.kind in KINDS and each.type}
+    while new := {one for one, base in made if base in found} - found:
+        found |= new
+    return found
 
 
 def _of_the_base(read: Forest, constants: set[str], model: str) -> Iterator[Problem]:

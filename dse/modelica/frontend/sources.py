@@ -9,11 +9,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
-from dse.modelica.frontend.enumeration_loops import counted
 from dse.modelica.frontend.jumps import without_jumps
+from dse.modelica.frontend.library_functions import with_random, with_tables
 from dse.modelica.frontend.library_names import distinct
-from dse.modelica.frontend.library_tables import with_tables
-from dse.modelica.frontend.source_text import SourceText
+from dse.modelica.frontend.other_words import counted
+from dse.modelica.frontend.source_text import SourceText, changed
 from dse.modelica.frontend.used_classes import reached
 
 FILES, LIBRARIES = "files", "libraries"
@@ -125,7 +125,8 @@ def _accepted(sources: ModelSources) -> ModelSources:
     contents, parts = (
         counted(files, {**sources.parts, **sources.contents}) for files in (sources.contents, sources.parts)
     )
-    return replace(sources, contents=without_jumps(contents), parts=without_jumps(parts))
+    contents = changed(without_jumps(contents), with_random)
+    return replace(sources, contents=contents, parts=without_jumps(parts))
 
 
 def _with_parts(sources: ModelSources, keep: Keep) -> ModelSources:
@@ -136,7 +137,7 @@ def _with_parts(sources: ModelSources, keep: Keep) -> ModelSources:
     library = [(name, content) for name, (_, content) in sorted(files.items())]
 
     def made() -> bytes:
-        texts = [SourceText(name, _text(content)) for name, content in (*own, *library)]
+        texts = [SourceText(name, with_random(_text(content))) for name, content in (*own, *library)]
         used = reached(texts, sources.model)
         parts = [replace(text, text=with_tables(text.text)) for text in used if text.path in files]
         named = distinct(parts, [text for text in used if text.path not in files])

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from dse.errors import DseError, Problem
 from dse.graphs import components
-from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.algebra.traversal import symbols
 from dse.modelica.flat_model import FlatModel
 from dse.modelica.solved_model import Activation, EventBlock, When
@@ -34,7 +34,7 @@ def discrete_steps(
         ]
         symbol = Symbol(target)
         triggers = tuple(dict.fromkeys(trigger for trigger, _ in branches if trigger is not None))
-        needs = (*triggers, *symbols(*(value for _, value in branches)))
+        needs = (*triggers, Symbol(target, referent=Referent.PRE), *symbols(*(value for _, value in branches)))
         where = next((flat.assignments[place].where for place in own), None)
         steps.append(Stage(When(symbol, tuple(branches)), (symbol,), needs, where, target))
     return steps

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from dse.errors import DseError, Problem
 from dse.modelica.algebra.expression import Expression, shown
 from dse.modelica.algebra.symbol import Referent, Symbol
-from dse.modelica.algebra.traversal import actual, smooth, symbols
+from dse.modelica.algebra.traversal import actual, replaced, smooth, symbols
 from dse.modelica.flat_model import Check, FlatModel, Role, Trigger
+from dse.modelica.solved_model import EventBlock, Explicit
+from dse.modelica.structure.blocks.arrange import Stage
 from dse.modelica.structure.events import by_target
 from dse.modelica.structure.graphs import Matching
 from dse.modelica.structure.known import default, is_dependent, is_free
@@ -48,7 +50,7 @@ def start(flat: FlatModel, rows: Sequence[Row], unknowns: Sequence[Symbol], stat
     is_state = set(states)
     others = [one for one in unknowns if one not in is_state and not one.order and _has_start(flat, one)]
     free = [one for one in all_unknowns[len(unknowns) :] if one.name not in discretes]
-    kept = [Symbol(name) for name in discretes]
+    kept = sorted(map(Symbol, discretes), key=lambda one: not flat.variables[one.name].is_fixed)
     notes = filling.complete(flat, kept, [*states, *free, *others])
     unfinished = filling.missing()
     if unfinished:
@@ -145,11 +147,7 @@ def _free_parameters(flat: FlatModel, rows: list[Row]) -> list[Symbol]:
 
 def _free_discretes(flat: FlatModel) -> list[str]:
     """Discrete variables that initial equations speak of and no equation determines at the start."""
-    always = set()
-    for target, places in by_target(flat).items():
-        triggers = [flat.assignments[place].trigger for place in places]
-        if any(trigger is None or flat.triggers[trigger].at_start for trigger in triggers):
-            always.add(target)
+    always = _assigned(flat)
     found: dict[str, None] = {}
     for equation in flat.initial_equations:
         for symbol in symbols(equation.residual):
@@ -161,6 +159,37 @@ def _free_discretes(flat: FlatModel) -> list[str]:
             if symbol.name not in always:
                 found[symbol.name] = None
     return list(found)
+
+
+def _assigned(flat: FlatModel) -> set[str]:
+    """Discrete variables that have another value than the one before at the start."""
+    return {one.target for one in flat.assignments if one.trigger is None or flat.triggers[one.trigger].at_start}
+
+
+def without_values_before(flat: FlatModel) -> FlatModel:
+    """*flat* whose initial equations say ``d`` for ``pre(d)``: the same, where nothing assigns d at the start."""
+    assigned = _assigned(flat)
+
+    def now(node: Expression) -> Expression | None:
+        symbol = node.symbol
+        if symbol is None or symbol.referent is not Referent.PRE or symbol.name in assigned:
+            return None
+        return flat.graph.variable(symbol.name) if flat.variables[symbol.name].role is Role.DISCRETE else None
+
+    residuals = replaced([one.residual for one in flat.initial_equations], now)
+    found = zip(flat.initial_equations, residuals, strict=True)
+    return replace(flat, initial_equations=tuple(replace(one, residual=residual) for one, residual in found))
+
+
+def values_before(flat: FlatModel, found: Start) -> Iterator[Stage[EventBlock]]:
+    """Values just before the start of discrete variables that are known only when *found* is solved."""
+    unknown = set(found.unknowns)
+    for name in by_target(flat):
+        value, where = flat.variables[name].start, flat.variables[name].where
+        value = flat.graph.variable(name) if name in found.discretes else value
+        if value is not None and not unknown.isdisjoint(needs := symbols(value)):
+            before = Symbol(name, referent=Referent.PRE)
+            yield Stage(Explicit(before, value), (before,), tuple(needs), where, f"pre({name})")
 
 
 def _too_few(flat: FlatModel, symbol: Symbol) -> Problem:

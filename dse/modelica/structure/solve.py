@@ -18,7 +18,7 @@ from dse.modelica.structure.aliases.merging import merged
 from dse.modelica.structure.blocks.arrange import Quantity, Stage, arranged
 from dse.modelica.structure.blocks.conditioning import refuse_singular
 from dse.modelica.structure.events import discrete_steps, ordered
-from dse.modelica.structure.initialization import checked, start
+from dse.modelica.structure.initialization import checked, start, values_before, without_values_before
 from dse.modelica.structure.known import Known, Starts, default, dependent_parameters, is_free
 from dse.modelica.structure.preparation import with_preferred_rates, without_zeros
 from dse.modelica.structure.reduction.dummies import chosen
@@ -36,7 +36,7 @@ def solve(flat: FlatModel) -> Solved:
     if flat.graph.knows(Symbol(referent=Referent.CONTINUED)):
         # Only equations are solved by continuation.
         flat = replace(flat.mapped(actual), equations=flat.equations, initial_equations=flat.initial_equations)
-    flat = without_zeros(flat)
+    flat = without_zeros(without_values_before(flat))
     preferred = with_preferred_rates(flat)
     if preferred is not flat:
         with contextlib.suppress(DseError):  # a preference is no demand
@@ -76,6 +76,7 @@ def _sorted(flat: FlatModel) -> Solved:
     first_stages = arranged(first.rows, first.unknowns, known)
     refuse_singular((stage.block for stage in first_stages), known)
 
+    before = values_before(flat, first)
     steps = discrete_steps(flat)
     inputs = [Symbol(name) for name, one in flat.variables.items() if one.role is Role.INPUT]
     refuse_uncertain(flat, states, Reach([*stages, *steps], states))
@@ -92,7 +93,7 @@ def _sorted(flat: FlatModel) -> Solved:
         derivatives=tuple(hot),
         outputs=tuple(cold),
         event=tuple(ordered([*stages, *steps])),
-        initial=tuple(ordered([*first_stages, *discrete_steps(flat, first.discretes, at_start=True)])),
+        initial=tuple(ordered([*first_stages, *before, *discrete_steps(flat, first.discretes, at_start=True)])),
         aliases=aliases,
         guesses=tuple(_guesses(flat, eliminated)),
         dependencies=dependencies(flat, reach, states, aliases),

@@ -55,18 +55,12 @@ def cheap(node: Expression) -> bool:
     return node.operator in ("negate", "not", "abs") and not node.operands[0].operands
 
 
+# fmt: off
 _BETWEEN = {
-    "add": "+",
-    "subtract": "-",
-    "multiply": "*",
-    "divide": "/",
-    "less": "<",
-    "less_equal": "<=",
-    "greater": ">",
-    "greater_equal": ">=",
-    "equal": "==",
-    "not_equal": "!=",
+    "add": "+", "subtract": "-", "multiply": "*", "divide": "/", "less": "<", "less_equal": "<=", "greater": ">",
+    "greater_equal": ">=", "equal": "==", "not_equal": "!=",
 }
+# fmt: on
 _NAMES = {"minimum": "dse_min", "maximum": "dse_max", "abs": "fabs", "sign": "dse_sign"}
 
 
@@ -106,9 +100,10 @@ def _power(node: Expression, operands: Sequence[Printed]) -> str:
     return f"pow({base}, {operands[1].value})"
 
 
+_OUTSIDE = "a table is read outside of its axis, where that is an error"
 _WHOLE, _AXIS = "i", "a"
 # i: a whole number, a: an axis, whose length goes along, d: a double, v: values.
-_OPERANDS = {"table1": "idavii", "table2": "iiddaavii"}
+_OPERANDS = {"table1": "idavii", "table2": "iiddaavii", "random": "iiv", "random_start": "iv"}
 
 
 def table_axes(node: Expression) -> list[Expression]:
@@ -118,7 +113,7 @@ def table_axes(node: Expression) -> list[Expression]:
 
 
 def call_lines(node: Expression, name: str, operands: Sequence[str], subject: str, setting: Setting) -> list[str]:
-    """``name``, a double, becomes the value of the table call *node*; *operands* are values and pointers."""
+    """``name``, a double, becomes the value of the call *node*; *operands* are values and pointers."""
     if len(operands) != len(_OPERANDS.get(node.name, "")):
         raise fail(f"'{node.name}' with {len(operands)} operands cannot be translated to C")
     arguments = []
@@ -126,7 +121,9 @@ def call_lines(node: Expression, name: str, operands: Sequence[str], subject: st
         arguments.append(f"(int)({text})" if meaning == _WHOLE else text)
         if meaning == _AXIS:
             arguments.append(str(len(operand.operands)))
-    failing = setting.failing(f"a table is read outside of its axis, where that is an error: {subject}")
+    is_random = node.name.startswith("random")
+    what = "a seed or state of random numbers is not of whole numbers of 32 bits" if is_random else _OUTSIDE
+    failing = setting.failing(f"{what}: {subject}")
     return [f"double {name};", f"if (dse_{node.name}(&{name}, {', '.join(arguments)})) {{ {failing} }}"]
 
 

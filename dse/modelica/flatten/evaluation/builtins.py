@@ -36,22 +36,7 @@ class Given(NamedTuple):
 
 Function = Callable[[Given], Value]
 
-_BY_ELEMENT = [
-    "abs",
-    "sqrt",
-    "sin",
-    "cos",
-    "tan",
-    "asin",
-    "acos",
-    "atan",
-    "sinh",
-    "cosh",
-    "tanh",
-    "exp",
-    "log",
-    "log10",
-]
+_EACH = ["abs", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "log10"]
 _BINARY = {
     "add": "add",
     "subtract": "subtract",
@@ -217,27 +202,17 @@ def _bracketed(dimension: int) -> Function:
     return function
 
 
+# fmt: off
 BUILTINS: Mapping[str, Function] = {
-    **{name: _elementwise(name) for name in _BY_ELEMENT},
-    "atan2": _atan2,
-    "min": _extreme("minimum"),
-    "max": _extreme("maximum"),
-    "sum": lambda given: scalar(total(given.graph, _elements(given))),
-    "product": lambda given: scalar(product(given.graph, _elements(given))),
-    "size": _size,
+    **{name: _elementwise(name) for name in _EACH}, "atan2": _atan2, "min": _extreme("minimum"),
+    "max": _extreme("maximum"), "sum": lambda given: scalar(total(given.graph, _elements(given))),
+    "product": lambda given: scalar(product(given.graph, _elements(given))), "size": _size,
     "zeros": lambda given: _filled(given.graph.constant(0.0), given.values),
     "ones": lambda given: _filled(given.graph.constant(1.0), given.values),
-    "fill": lambda given: _filled(only(given.values[0]), given.values[1:]),
-    "linspace": _linspace,
-    "identity": _identity,
-    "diagonal": _diagonal,
-    "transpose": _transpose,
-    "vector": _vector,
-    "cross": _cross,
-    "skew": _skew,
-    "outer_product": _outer_product,
-    "cat": _cat,
-    "promoted_cat1": _bracketed(1),
+    "fill": lambda given: _filled(only(given.values[0]), given.values[1:]), "linspace": _linspace,
+    "identity": _identity, "diagonal": _diagonal, "transpose": _transpose, "vector": _vector, "cross": _cross,
+    "skew": _skew, "outer_product": _outer_product, "cat": _cat, "promoted_cat1": _bracketed(1),
     "promoted_cat2": _bracketed(2),
 }
+# fmt: on
 """Functions that need nothing but their arguments' values."""

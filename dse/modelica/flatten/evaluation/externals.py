@@ -1,4 +1,4 @@
-"""External functions: the two table look-ups that the runtime knows; nothing else."""
+"""External functions that the runtime knows: tables and random numbers. A string's hash is known while building."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from dse.modelica.algebra.expression import Expression
 from dse.modelica.flatten.document import Document, Record, fields, single
 from dse.modelica.flatten.evaluation.context import Frame, Request
 from dse.modelica.flatten.model import Model
-from dse.modelica.flatten.values import Array, MismatchError, Value, array, only, scalar, whole
+from dse.modelica.flatten.values import Array, MismatchError, Text, Value, array, only, scalar, whole
 
-_HINT = "external functions other than dse_table1 and dse_table2 cannot be translated; write it in Modelica"
+_HINT = "external functions other than tables and random numbers cannot be translated; write it in Modelica"
+_HASH = "ModelicaStrings_hashString"
 
 
 def called(
@@ -22,7 +23,7 @@ def called(
     where = document.where(function.get("declaration")) or document.at(number)
     fields(external, "purity language symbol arguments result linkage", f"the function '{function['name']}'", where)
     symbol = external["symbol"]
-    if symbol not in ("dse_table1", "dse_table2") or external["language"].lower() != "c":
+    if symbol not in (*_FUNCTIONS, _HASH) or external["language"].lower() != "c":
         raise document.refused(f"the external function '{symbol}'", number, _HINT)
     if external["result"] != 0 or len(function["outputs"]) != 1 or function["statements"]:
         raise document.refused(f"the external function '{symbol}' in this form", number, _HINT)
@@ -31,9 +32,10 @@ def called(
         kind, node = single(argument, "an argument of an external function", where)
         if kind != "input":
             raise document.refused(f"an argument of kind '{kind}' of '{symbol}'", number)
-        values.append(array((yield Request(frame, node))))
-    made = _table1(model, values) if symbol == "dse_table1" else _table2(model, values)
-    return (scalar(made),)
+        values.append((yield Request(frame, node)))
+    if symbol == _HASH and len(values) == 1 and isinstance(values[0], Text):
+        return (scalar(model.graph.of(float(_hashed(values[0].text)))),)
+    return (scalar(_FUNCTIONS[symbol](model, list(map(array, values)))),)
 
 
 def _table1(model: Model, values: list[Array]) -> Expression:
@@ -84,3 +86,37 @@ def _choice(model: Model, value: Array) -> Expression:
     if not model.is_parameter(found):
         raise MismatchError("a table whose interpolation changes while the model runs")
     return found
+
+
+def _random(model: Model, values: list[Array]) -> Expression:
+    """A number, or one of the next state, of (state, size, which)."""
+    state, size, which = values
+    if len(state.elements) not in (2, 4, 33) or whole(size) != len(state.elements):
+        raise MismatchError("random numbers from a state of other than 2, 4 or 33 whole numbers")
+    graph = model.graph
+    return graph.call("random", [only(which), only(size), graph.array(state.elements, state.shape)])
+
+
+def _random_start(model: Model, values: list[Array]) -> Expression:
+    """A number of the state that (local seed, global seed, which) begin."""
+    *seeds, which = map(only, values)
+    return model.graph.call("random_start", [which, model.graph.array(seeds, (2,))])
+
+
+_FUNCTIONS = {
+    "dse_table1": _table1,
+    "dse_table2": _table2,
+    "dse_random": _random,
+    "dse_random_start": _random_start,
+}
+
+
+def _hashed(text: str) -> int:
+    """A whole number of 32 bits from *text*, by A. Partow's hash function."""
+    found = 0xAAAAAAAA
+    for place, byte in enumerate(text.encode()):
+        if place % 2:
+            found ^= ~((found << 11) + (byte ^ found >> 5)) & 0xFFFFFFFF
+        else:
+            found ^= (found << 7 ^ byte * (found >> 3)) & 0xFFFFFFFF
+    return found - (found >> 31 << 32)

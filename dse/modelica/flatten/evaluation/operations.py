@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 
 from dse.modelica.algebra.expression import COMPARISONS, Expression, shown
@@ -23,12 +24,14 @@ from dse.modelica.flatten.values import (
     only,
     scalar,
 )
+from dse.modelica.frontend.literal import WRAPPER
 
 
 def _literal(visit: Visit) -> Steps:
     kind, value = single(visit.node.data, "a literal", visit.where)
     if kind == "string":
-        return Text(value)
+        simulated = visit.document.result.model.rpartition(".")[2]
+        return Text(re.sub(rf"^{WRAPPER}(?=\.|$)", simulated, value))  # of getInstanceName
     if kind not in ("real", "integer", "boolean", "enumeration") or not isinstance(value, int | float):
         raise visit.document.refused(f"a literal of kind '{kind}'", visit.number)
     return scalar(visit.graph.constant(float(value)))
@@ -253,16 +256,11 @@ def _string(visit: Visit) -> Steps:
     return Text(", ".join(shown(one) if one.is_constant else f"<{shown(one)}>" for one in array(value).elements))
 
 
+# fmt: off
 RULES: Mapping[str, Rule] = {
-    "literal": _literal,
-    "coordinate": _coordinate,
-    "unary": _unary,
-    "binary": _binary,
-    "conditional": _conditional,
-    "builtin": _builtin,
-    "runtime_quotient_owner": _quotient,
-    "call": _call,
-    "function_value": _function_value,
+    "literal": _literal, "coordinate": _coordinate, "unary": _unary, "binary": _binary, "conditional": _conditional,
+    "builtin": _builtin, "runtime_quotient_owner": _quotient, "call": _call, "function_value": _function_value,
     "string_conversion": _string,
 }
+# fmt: on
 """Rules by kind of node."""

@@ -87,7 +87,7 @@ class Clauses:
 
     def _merged(self, graph: Graph, items: Sequence[Item], kept: Expression, place: BranchNumber | None) -> Assignment:
         """One step for *items* of one trigger."""
-        ranked = self._ranked(items, place)
+        ranked = self._ranked(items, kept, place)
         covered = graph.constant(0.0)
         for item in ranked:
             covered = graph.make("or", covered, item.guard)
@@ -97,10 +97,18 @@ class Clauses:
             value = graph.make("if", item.guard, item.value, value)
         return Assignment(items[0].target, value, items[0].trigger, items[0].where)
 
-    def _ranked(self, items: Sequence[Item], place: BranchNumber | None) -> Sequence[Item]:
-        """*items* of one trigger, the one that holds first. In an algorithm the last one in the text holds."""
+    def _ranked(self, items: Sequence[Item], kept: Expression, place: BranchNumber | None) -> Sequence[Item]:
+        """*items* of one trigger, the one that holds first. In an algorithm the last one in the text holds.
+
+        Of a when-clause with an `if`, the front-end lists an equation for each branch, and one for none of them.
+        """
         if len(items) == 1 or _exclude(items):
             return items
+        *branches, last = sorted(items, key=lambda item: item.guard.is_number(1))
+        values = {item.value.number for item in branches}
+        is_rest = last.guard.is_number(1) and (last.value is kept or values == {last.value.number})
+        if place is not None and self.chains.is_equation(place) and is_rest and _exclude(branches):
+            return [*branches, last]
         lines = {(item.where.file, item.where.line, item.where.column) for item in items if item.where is not None}
         if place is None or self.chains.is_equation(place) or len(lines) != len(items):
             what = f"'{items[0].target}' assigned several times under one condition is not supported"

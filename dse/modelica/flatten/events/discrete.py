@@ -18,6 +18,7 @@ from dse.modelica.flatten.events.chains import Chains, Span, read_chains, span
 from dse.modelica.flatten.events.clauses import Clauses, Item
 from dse.modelica.flatten.events.conditions import Conditions
 from dse.modelica.flatten.values import Text
+from dse.modelica.frontend.library_functions import IMPURE_SEED
 
 
 @dataclass(slots=True)
@@ -233,6 +234,19 @@ def _enter_initial_values(evaluation: Evaluation, values: Mapping[Symbol, tuple[
             known[symbol] = start
             variables[symbol.name] = replace(variables[symbol.name], start=start, is_fixed=True)
             del pending[symbol]
+    hidden = [symbol for symbol, start in known.items() if _is_hidden_state(start)]
+    if len(hidden) > 1:
+        what = "impureRandom in several blocks, whose order is not defined, is not supported"
+        raise fail(what, values[hidden[1]][1], "draw from a generator of Random.Generators, with a state of its own")
+
+
+def _is_hidden_state(start: Expression) -> bool:
+    """Whether *start* is the first number of the state of a block that draws from the impure generator."""
+    return (
+        start.name == "random_start"
+        and start.operands[0].is_number(1)
+        and (start.operands[1].operands[0].is_number(IMPURE_SEED))
+    )
 
 
 def _now(node: Expression) -> Symbol | None:

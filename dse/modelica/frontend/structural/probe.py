@@ -16,9 +16,9 @@ from dse.errors import DseError, Problem, raise_if_any
 from dse.modelica.frontend.compile import Session, opened
 from dse.modelica.frontend.jumps import OPEN_LOOP, without_open_loops
 from dse.modelica.frontend.literal import Value, literal
+from dse.modelica.frontend.other_words import ELEMENTS, with_equations
 from dse.modelica.frontend.process import FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import FrontEndResult
-from dse.modelica.frontend.signal_connections import ELEMENTS, with_equations
 from dse.modelica.frontend.sources import ModelSources
 from dse.modelica.frontend.structural.alterations import Alteration, alterations, number, refers_to
 from dse.modelica.frontend.structural.shape import shaping
