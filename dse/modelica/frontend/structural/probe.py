@@ -13,6 +13,7 @@ from functools import partial
 from typing import Any
 
 from dse.errors import DseError, Problem, raise_if_any
+from dse.modelica.frontend.buses import NEEDED, with_members
 from dse.modelica.frontend.compile import Session, opened
 from dse.modelica.frontend.jumps import OPEN_LOOP, without_open_loops
 from dse.modelica.frontend.literal import Value, literal
@@ -32,18 +33,20 @@ def compile_probed(sources: ModelSources, structural: Mapping[str, Value] | None
             return _compiled(sources, structural or {})
         except DseError as refusal:
             said = " ".join(problem.what for problem in refusal.problems)
-            found = next((way for way in ways if way[0] in said), None)
+            found = next((way for way in ways if any(each in said for each in way[0])), None)
             if found is None:
                 raise
         ways.remove(found)
-        contents, parts = (found[1](files) for files in (sources.contents, sources.parts))
+        files = found[1]({**sources.parts, **sources.contents})
+        contents, parts = ({name: files[name] for name in those} for those in (sources.contents, sources.parts))
         sources = replace(sources, contents=contents, parts=parts)
 
 
-_OTHER_WORDS: tuple[tuple[str, Callable[[Mapping[str, bytes]], dict[str, bytes]]], ...] = (
-    (ELEMENTS, partial(with_equations, least=2)),  # first only signals with more than one such connection
-    (ELEMENTS, partial(with_equations, least=1)),
-    (OPEN_LOOP, without_open_loops),
+_OTHER_WORDS: tuple[tuple[tuple[str, ...], Callable[[Mapping[str, bytes]], dict[str, bytes]]], ...] = (
+    ((ELEMENTS,), partial(with_equations, least=2)),  # first only signals with more than one such connection
+    ((ELEMENTS,), partial(with_equations, least=1)),
+    (NEEDED, with_members),
+    ((OPEN_LOOP,), without_open_loops),
 )
 """What a refusal says, and how the sources are written for another try."""
 
