@@ -17,7 +17,7 @@ from dse.modelica.frontend.scope import Scope
 from dse.modelica.frontend.source_text import Change, SourceText, code, edited
 from dse.modelica.frontend.syntax import KINDS, Element, Forest, Tree
 
-NEEDED = ("requires unsupported member augmentation", "instantiates partial model", "of an outer component")
+NEEDED = ("requires unsupported member augmentation", "instantiates partial model", "of an outer component", "missing resolved class metadata", "unresolved Flat reference")
 """What refusals of such texts say, those of `outer_values` too."""
 
 
@@ -29,7 +29,7 @@ def with_members(files: Mapping[str, bytes]) -> dict[str, bytes]:
     scope = Scope(read)
     _add_members(read, scope)
     changes: dict[str, list[Change]] = {text.path: [] for text in texts}
-    for tree, change in (*_declared(read, scope), *_whole(read, scope), *_values(read, scope)):
+    for tree, change in (*_declared(read, scope), *_whole(read, scope), *_values(read, scope), *_aggregates(read, scope)):
         changes[tree.source.path].append(change)
     return {**files, **{text.path: edited(text.text, changes[text.path]).encode() for text in texts}}
 
@@ -199,3 +199,31 @@ def _final(own: Element, given: list[Element], modification: str) -> Change:
     start = tree.starts[after] + (tree.words[after] == "(")
     text = f"final {modification}"
     return start, start, f"{text}, " if tree.words[after] == "(" else f"({text})"
+
+
+def _aggregates(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
+    """Records of outer components that are arguments, made of their fields; arrays in equations, as other variables."""
+    outer = {each.name: each for each in read.elements if each.kind == "component" and "outer" in each.prefixes}
+    declared: set[tuple[Element, str]] = set()
+    for tree in read.trees:
+        classes = [own for own in tree.elements if own.kind in KINDS]
+        values = {at for own in tree.elements if own.kind not in KINDS for at in range(own.start, own.end)}
+        for at, word in enumerate(tree.words[:-4]):
+            if word not in outer or tree.words[at - 1] == "." or tree.words[at + 1] != ".":
+                continue
+            own, name = scope.type_of(outer[word]), tree.words[at + 2]
+            member = scope.members(own).get(name) if isinstance(own, Element) else None
+            kind, new = scope.type_of(member) if member else None, ""
+            is_argument = tree.words[at - 1] in ("(", ",") and tree.words[at + 3] in (",", ")")
+            if isinstance(kind, Element) and kind.kind == "record" and is_argument:
+                new = ", ".join(f"{field} = {word}.{name}.{field}" for field in scope.members(kind))
+                new = f"{kind.full}({new})"
+            elif member and (written := _written(member, scope)).endswith("]") and at not in values:
+                new = f"dse_{word}_{name}"
+                around = [each for each in classes if each.named < at < each.end][-1]
+                if (around, new) not in declared:
+                    start = tree.starts[around.named + 1]
+                    yield tree, (start, start, f"{written} {new} = {word}.{name}; ")
+                declared.add((around, new))
+            if new:
+                yield tree, (tree.starts[at], tree.starts[at + 2] + len(name), new)
