@@ -24,6 +24,10 @@ def partial(expression: Expression, symbol: Symbol) -> Expression:
     return derived((expression,), lambda leaf: one if leaf == symbol else zero)[0]
 
 
+NO_RATE = "no derivative"
+"""In place of the derivative of a ``prescribed`` value that has none."""
+
+
 def derived(roots: Iterable[Expression], rate: Rate) -> list[Expression]:
     """Derivative of each of *roots* where each leaf changes with *rate* (chain rule, forward)."""
     listed = list(roots)
@@ -33,6 +37,9 @@ def derived(roots: Iterable[Expression], rate: Rate) -> list[Expression]:
         if node.symbol is not None:
             done[node.number] = rate(node.symbol)
         elif node.operator == "prescribed":
+            if node.operands[1].name == NO_RATE:
+                what = "the derivative of a function that is annotated with noDerivative and has inputs that vary"
+                raise fail(f"{what} is not supported", hint="give its input by equations that need no derivative")
             done[node.number] = node.operands[1]
         elif node.operator == "array":
             elements = [done[operand.number] for operand in node.operands]

@@ -17,7 +17,13 @@ from dse.modelica.frontend.scope import Scope
 from dse.modelica.frontend.source_text import Change, SourceText, code, edited
 from dse.modelica.frontend.syntax import KINDS, Element, Forest, Tree
 
-NEEDED = ("requires unsupported member augmentation", "instantiates partial model", "of an outer component", "missing resolved class metadata", "unresolved Flat reference")
+NEEDED = (
+    "requires unsupported member augmentation",
+    "instantiates partial model",
+    "of an outer component",
+    "missing resolved class metadata",
+    "unresolved Flat reference",
+)
 """What refusals of such texts say, those of `outer_values` too."""
 
 
@@ -29,7 +35,12 @@ def with_members(files: Mapping[str, bytes]) -> dict[str, bytes]:
     scope = Scope(read)
     _add_members(read, scope)
     changes: dict[str, list[Change]] = {text.path: [] for text in texts}
-    for tree, change in (*_declared(read, scope), *_whole(read, scope), *_values(read, scope), *_aggregates(read, scope)):
+    for tree, change in (
+        *_declared(read, scope),
+        *_whole(read, scope),
+        *_values(read, scope),
+        *_aggregates(read, scope),
+    ):
         changes[tree.source.path].append(change)
     return {**files, **{text.path: edited(text.text, changes[text.path]).encode() for text in texts}}
 

@@ -15,6 +15,7 @@ from typing import Any
 from dse.errors import DseError, Problem, raise_if_any
 from dse.modelica.frontend.buses import NEEDED, with_members
 from dse.modelica.frontend.compile import Session, opened
+from dse.modelica.frontend.derivatives import OF_EXPRESSION, with_variables
 from dse.modelica.frontend.jumps import OPEN_LOOP, without_open_loops
 from dse.modelica.frontend.literal import Value, literal
 from dse.modelica.frontend.process import FrontEndDied, FrontEndRefusal
@@ -46,6 +47,7 @@ _OTHER_WORDS: tuple[tuple[tuple[str, ...], Callable[[Mapping[str, bytes]], dict[
     ((ELEMENTS,), partial(with_equations, least=2)),  # first only signals with more than one such connection
     ((ELEMENTS,), partial(with_equations, least=1)),
     (NEEDED, with_members),
+    ((OF_EXPRESSION,), with_variables),
     ((OPEN_LOOP,), without_open_loops),
 )
 """What a refusal says, and how the sources are written for another try."""
