@@ -6,8 +6,9 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 from dse.errors import Location, Problem
-from dse.modelica.frontend.buses import is_expandable, outer_values
+from dse.modelica.frontend.buses import is_expandable
 from dse.modelica.frontend.modifications import misread_modifications
+from dse.modelica.frontend.outer import outer_values
 from dse.modelica.frontend.result import FrontEndResult
 from dse.modelica.frontend.scope import Scope
 from dse.modelica.frontend.syntax import KINDS, Element, Forest

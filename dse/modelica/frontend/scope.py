@@ -96,6 +96,17 @@ class Scope:
             path, inside = found.type, found.parent or found
         return None
 
+    def declaration(self, component: Element) -> str:
+        """The type and the sizes of a component as they can be declared in any class; nothing if they cannot."""
+        kind, tree = self.type_of(component), component.tree
+        path = f".{kind.full}" if isinstance(kind, Element) else kind or ""
+        before, after = component.named - 1, component.named + 1
+        starts = [tree.closing[before]] if tree.words[before] == "]" else []
+        starts += [after] if tree.words[after] == "[" else []
+        sizes = ["".join(tree.words[start : tree.closing[start] + 1]) for start in starts]
+        is_fixed = len(sizes) < 2 and all(size[1:-1].replace(",", "").isdigit() for size in sizes)
+        return f"{path}{''.join(sizes)}" if path and is_fixed else ""
+
     def follow(self, names: Sequence[str], inside: Element) -> tuple[Element | str | None, Element | None]:
         """The class around the last of *names*, components in components of *inside*, and that component."""
         around: Element | str | None = inside

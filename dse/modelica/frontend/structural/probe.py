@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any
 
 from dse.errors import DseError, Problem, raise_if_any
-from dse.modelica.frontend.buses import NEEDED, with_members
+from dse.modelica.frontend.buses import REFUSED, with_members
 from dse.modelica.frontend.compile import Session, opened
 from dse.modelica.frontend.derivatives import OF_EXPRESSION, with_variables
 from dse.modelica.frontend.jumps import OPEN_LOOP, without_open_loops
@@ -46,7 +46,7 @@ def compile_probed(sources: ModelSources, structural: Mapping[str, Value] | None
 _OTHER_WORDS: tuple[tuple[tuple[str, ...], Callable[[Mapping[str, bytes]], dict[str, bytes]]], ...] = (
     ((ELEMENTS,), partial(with_equations, least=2)),  # first only signals with more than one such connection
     ((ELEMENTS,), partial(with_equations, least=1)),
-    (NEEDED, with_members),
+    (REFUSED, with_members),
     ((OF_EXPRESSION,), with_variables),
     ((OPEN_LOOP,), without_open_loops),
 )
