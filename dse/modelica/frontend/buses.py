@@ -72,7 +72,7 @@ def _add_members(read: Forest, scope: Scope) -> None:
                 types = scope.type_of(end), scope.type_of(other_end)
                 pairs = [(a, *each) for a, b in (types, types[::-1]) for each in _shared(a, b, scope)]
             for around, name, member in pairs:
-                is_bus = isinstance(around, Element) and is_expandable(around) and name not in scope.members(around)
+                is_bus = isinstance(around, Element) and is_expandable(around) and not scope.member(around, name)
                 if is_bus and isinstance(around, Element) and member and name != "[]" and scope.declaration(member):
                     scope.added.setdefault(around.full, {})[name] = member
                     is_new = True

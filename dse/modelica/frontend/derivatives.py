@@ -39,10 +39,14 @@ def _variables(tree: Tree, own: Element) -> Iterator[Change]:
             opened.append(at)
         elif words[at] in (")", "]", "}"):
             opened.pop()
-        is_each = loops or any("for" in words[start : tree.closing[start]] for start in opened)
-        if words[at] == "der" and words[at + 1] == "(" and not is_each:
+        if words[at] == "der" and words[at + 1] == "(" and not loops:
             end = tree.closing[at + 1]
-            if not {"+", "-", "*", "/", "^", "("}.isdisjoint(words[at + 2 : end]) and "[" not in words[at + 2 : end]:
+            is_each = any("for" in words[start : tree.closing[start]] for start in opened)
+            if (
+                not is_each
+                and not {"+", "-", "*", "/", "^", "("}.isdisjoint(words[at + 2 : end])
+                and "[" not in words[at + 2 : end]
+            ):
                 first, last, head = tree.starts[at + 2], tree.starts[end], tree.starts[own.named + 1]
                 number += 1
                 name = f"dse_{own.name}_{number}"

@@ -23,7 +23,7 @@ def _uses(read: Forest, scope: Scope) -> Iterator[tuple[Tree, int, Element, bool
         for at, word in enumerate(tree.words[:-2]):
             if word in outer and tree.words[at + 1] == "." and tree.words[at - 1] != ".":
                 own = scope.type_of(outer[word])
-                member = scope.members(own).get(tree.words[at + 2]) if isinstance(own, Element) else None
+                member = scope.member(own, tree.words[at + 2]) if isinstance(own, Element) else None
                 if member:
                     yield tree, at, member, at in values
 
@@ -87,6 +87,7 @@ def _whole(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
 def _aggregates(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
     """Records that are arguments, made of their fields; arrays in equations, as variables declared for them."""
     declared: set[tuple[Element, str]] = set()
+    inside: dict[Tree, dict[int, Element]] = {}
     for tree, at, member, is_value in _uses(read, scope):
         kind, path, new = scope.type_of(member), "".join(tree.words[at : at + 3]), ""
         is_argument = tree.words[at - 1] in ("(", ",") and tree.words[at + 3] in (",", ")")
@@ -94,7 +95,9 @@ def _aggregates(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
             new = f"{kind.full}({', '.join(f'{field} = {path}.{field}' for field in scope.members(kind))})"
         elif (written := scope.declaration(member)).endswith("]") and not is_value:
             new = f"dse_{path.replace('.', '_')}"
-            around = [each for each in tree.elements if each.kind in KINDS and each.named < at < each.end][-1]
+            if tree not in inside:
+                inside[tree] = {k: own for own in tree.elements if own.kind in KINDS for k in range(own.named, own.end)}
+            around = inside[tree][at]
             if (around, new) not in declared:
                 start = tree.starts[around.named + 1]
                 yield tree, (start, start, f"{written} {new} = {path}; ")

@@ -15,6 +15,7 @@ class Scope:
     def __init__(self, forest: Forest) -> None:
         classes = [element for element in forest.elements if element.kind in KINDS and not element.is_argument]
         self._classes = {element.full: element for element in reversed(classes)}
+        self._own: dict[Element, dict[str, Element]] = {}
         self._lineages: dict[Element, list[Element]] = {}
         self._found: dict[tuple[str, Element], Element | None] = {}
         self.added: dict[str, dict[str, Element]] = {}
@@ -76,11 +77,20 @@ class Scope:
                     found.append(base)
         return found
 
+    def member(self, own: Element, name: str) -> Element | None:
+        """The component *name* of a class, which it may inherit."""
+        for each in self.lineage(own):
+            if each not in self._own:
+                self._own[each] = {inner.name: inner for inner in each.elements if inner.kind == "component"}
+            if found := self.added.get(each.full, {}).get(name) or self._own[each].get(name):
+                return found
+        return None
+
     def members(self, own: Element) -> dict[str, Element]:
         """The components of a class by name, with those that it inherits."""
         found: dict[str, Element] = {}
         for each in reversed(self.lineage(own)):
-            found |= {element.name: element for element in each.elements if element.kind == "component"}
+            found |= {inner.name: inner for inner in each.elements if inner.kind == "component"}
             found |= self.added.get(each.full, {})
         return found
 
@@ -114,7 +124,7 @@ class Scope:
         for number, name in enumerate(names):
             if number:
                 around = self.type_of(component) if component else None
-            component = self.members(around).get(name) if isinstance(around, Element) else None
+            component = self.member(around, name) if isinstance(around, Element) else None
             if component is None and number < len(names) - 1:
                 return None, None
         return around, component
