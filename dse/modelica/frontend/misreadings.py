@@ -28,7 +28,7 @@ def misread(result: FrontEndResult) -> Iterator[Problem]:
             yield Problem(what, element.where, "connect it by a connector of its own")
     for tree, at, member in outer_values(read, scope):
         what = f"the value of '{member.name}' of an outer component, which the front-end does not see here, is not"
-        hint = "give the inner component true, false or a whole number, once and by itself"
+        hint = "give the inner component true, false, a whole number or an item of an enumeration, once"
         yield Problem(f"{what} supported", tree.place(at), hint)
     yield from _functions_of_one_name(read, names)
     yield from mixed_up_constants(read, result.model, [name.rpartition(".")[2] for name in names])

@@ -2,7 +2,7 @@
 
 rumoca 0.10.2 refuses an outer component of a partial class, its records as arguments of functions, and its arrays in
 equations. In values of declarations, it takes the parameters of the component as its class has them, not as the inner
-one: a Boolean or a whole number is written as the inner component has it, and made `final` there.
+one: a value that is no Real is written as the inner component has it, and made `final` there.
 """
 
 from __future__ import annotations
@@ -29,12 +29,13 @@ def _uses(read: Forest, scope: Scope) -> Iterator[tuple[Tree, int, Element, bool
 
 
 def outer_values(read: Forest, scope: Scope) -> list[tuple[Tree, int, Element]]:
-    """Where values of declarations name a Boolean or Integer of an outer component that is not final: the word."""
-    return [
-        (tree, at, member)
-        for tree, at, member, is_value in _uses(read, scope)
-        if is_value and "final" not in member.prefixes and scope.type_of(member) in ("Boolean", "Integer")
-    ]
+    """Where values of declarations name components of an outer one that are neither Real nor final, and these."""
+    found = []
+    for tree, at, member, is_value in _uses(read, scope):
+        kind = scope.type_of(member) if is_value and "final" not in member.prefixes else None
+        if kind in ("Boolean", "Integer", "String") or (isinstance(kind, Element) and kind.kind == "type"):
+            found.append((tree, at, member))
+    return found
 
 
 def outer_changes(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
@@ -50,7 +51,7 @@ def outer_changes(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
             given = [each for each in modified if _may_change(each.parent, name)]
             is_plain = all(each.prefixes & {"inner", "redeclare"} for each in owners)
             is_plain = is_plain and all(each.parent in owners for each in given)
-            values = {_value(each) for each in given} or {_value(member)}
+            values = {_value(each, scope) for each in given} or {_value(member, scope)}
             is_one = len(values) == 1 and len(given) in (0, len(owners))
             made[name, of] = values.pop() if is_plain and is_one else ""
             for each in (given or [member]) if made[name, of] else ():
@@ -65,10 +66,17 @@ def _may_change(owner: Element | None, name: str) -> bool:
     return owner is not None and (owner.name == name or owner.kind in ("extends", *KINDS))
 
 
-def _value(own: Element) -> str:
-    """What an element is given, if it is written as a Boolean or a whole number."""
-    equals, text = own.tree.words[own.end - 2 : own.end]
-    return text if equals == "=" and (text in ("true", "false") or text.isdigit()) else ""
+def _value(own: Element, scope: Scope) -> str:
+    """What an element is given, if it is written as a Boolean, a whole number or an item of an enumeration."""
+    words = own.tree.words[own.named : own.end]
+    *path, last = words[words.index("=") + 1 :] if "=" in words else [""]
+    around: Element | None = own
+    while around and around.kind not in KINDS:
+        around = around.parent
+    if not path:
+        return last if last in ("true", "false") or last.isdigit() else ""
+    kind = scope.class_of("".join(path[:-1]), around) if around and path[-1] == "." else None
+    return f"{kind.full}.{last}" if kind and kind.kind == "type" else ""
 
 
 def _whole(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:

@@ -1,10 +1,12 @@
 // Values of an outer component that decide what there is: the inner one's, not those of its class. And an outer
 // component of a partial class, and a function with an assert in the value of a parameter.
 package OuterParameters
+  type Kind = enumeration(small, large);
   model World
     parameter Boolean rigid = true;
     parameter Boolean heavy = false;
     parameter Integer n = 1;
+    parameter Kind kind = Kind.small;
     parameter Real g = 9.81;
   end World;
   partial model Road
@@ -35,7 +37,9 @@ package OuterParameters
   model Body
     outer World world;
     outer Road road;
-    parameter Boolean is_soft = not world.rigid;
+    parameter Boolean is_soft(start = false) = not world.rigid;
+    parameter Kind kind = world.kind;
+    Source large if kind == Kind.large;
     Part part(has_source = world.heavy, n = world.n);
     Part soft(has_source = is_soft);
     Real weight = world.g * road.slope;
@@ -50,7 +54,7 @@ package OuterParameters
   model Test
     parameter Real area = 4;
     parameter Real side = positive(area);
-    inner World world(rigid = false, heavy = true, n = 3, g = 10);
+    inner World world(rigid = false, heavy = true, n = 3, kind = Kind.large, g = 10);
     inner Hill road;
     Body body;
     output Real a = body.part.source.p.e;
@@ -58,5 +62,6 @@ package OuterParameters
     output Real c = body.part.y;
     output Real d = body.weight;
     output Real e = side * time;
+    output Real f = body.large.p.e;
   end Test;
 end OuterParameters;
