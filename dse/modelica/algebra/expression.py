@@ -314,25 +314,12 @@ def _select(_: Graph, operands: Operands) -> Expression | None:
     return array.operands[place]
 
 
+# fmt: off
 _RULES: Mapping[str, _Rule] = {
-    "add": _add,
-    "subtract": _subtract,
-    "negate": _negate,
-    "multiply": _multiply,
-    "divide": _divide,
-    "power": _power,
-    "minimum": _same,
-    "maximum": _same,
-    "less": _reflexive(0.0),
-    "less_equal": _reflexive(1.0),
-    "greater": _reflexive(0.0),
-    "greater_equal": _reflexive(1.0),
-    "equal": _reflexive(1.0),
-    "not_equal": _reflexive(0.0),
-    "and": _junction(1.0),
-    "or": _junction(0.0),
-    "not": _not,
-    "if": _if,
-    "abs": _abs,
+    "add": _add, "subtract": _subtract, "negate": _negate, "multiply": _multiply, "divide": _divide, "power": _power,
+    "minimum": _same, "maximum": _same, "less": _reflexive(0.0), "less_equal": _reflexive(1.0),
+    "greater": _reflexive(0.0), "greater_equal": _reflexive(1.0), "equal": _reflexive(1.0),
+    "not_equal": _reflexive(0.0), "and": _junction(1.0), "or": _junction(0.0), "not": _not, "if": _if, "abs": _abs,
     "select": _select,
 }
+# fmt: on

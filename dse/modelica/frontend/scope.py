@@ -101,9 +101,12 @@ class Scope:
             if path in PREDEFINED:
                 return path
             found = self.class_of(path, inside)
-            if found is None or found.elements or not found.type or found.kind not in ("type", "connector"):
+            made_of = found.type if found and found.kind in ("type", "connector") and not found.elements else ""
+            if found and found.kind == "type" and found.elements:  # as in Modelica.Icons.TypeReal
+                made_of = next((each.type for each in found.elements if each.kind == "extends"), "")
+            if found is None or not made_of:
                 return found
-            path, inside = found.type, found.parent or found
+            path, inside = made_of, found.parent or found
         return None
 
     def declaration(self, component: Element) -> str:

@@ -55,18 +55,12 @@ def cheap(node: Expression) -> bool:
     return node.operator in ("negate", "not", "abs") and not node.operands[0].operands
 
 
+# fmt: off
 _BETWEEN = {
-    "add": "+",
-    "subtract": "-",
-    "multiply": "*",
-    "divide": "/",
-    "less": "<",
-    "less_equal": "<=",
-    "greater": ">",
-    "greater_equal": ">=",
-    "equal": "==",
-    "not_equal": "!=",
+    "add": "+", "subtract": "-", "multiply": "*", "divide": "/", "less": "<", "less_equal": "<=", "greater": ">",
+    "greater_equal": ">=", "equal": "==", "not_equal": "!=",
 }
+# fmt: on
 _NAMES = {"minimum": "dse_min", "maximum": "dse_max", "abs": "fabs", "sign": "dse_sign"}
 
 
