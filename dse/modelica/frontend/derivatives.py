@@ -1,6 +1,7 @@
 """Derivatives of expressions, ``der(a - b)``, as derivatives of variables that are declared for them.
 
-rumoca 0.10.2 refuses the first. A variable for the expression is differentiated by index reduction, as in any model.
+rumoca 0.10.2 refuses the first, and takes ``{der(a), der(b)}`` for ``der({a, b})``. A variable for the expression is
+differentiated by index reduction, as in any model.
 """
 
 from __future__ import annotations
@@ -29,28 +30,22 @@ def _changed(text: str) -> str:
 
 
 def _variables(tree: Tree, own: Element) -> Iterator[Change]:
-    words, at, loops, number = tree.words, own.named, 0, 0
+    words, starts, at, loops, number = tree.words, tree.starts, own.named, 0, 0
     inner = {each.start: each.end for each in own.elements if each.elements}
-    opened: list[int] = []
     while at < own.end:
         at = inner.get(at, at)
         loops += (words[at] == "loop") - (words[at - 1] == "end" and words[at] in ("for", "while"))
-        if words[at] in ("(", "[", "{"):
-            opened.append(at)
-        elif words[at] in (")", "]", "}"):
-            opened.pop()
-        if words[at] == "der" and words[at + 1] == "(" and not loops:
-            end = tree.closing[at + 1]
-            is_each = any("for" in words[start : tree.closing[start]] for start in opened)
-            if (
-                not is_each
-                and not {"+", "-", "*", "/", "^", "("}.isdisjoint(words[at + 2 : end])
-                and "[" not in words[at + 2 : end]
-            ):
-                first, last, head = tree.starts[at + 2], tree.starts[end], tree.starts[own.named + 1]
+        if words[at] in ("(", "[", "{") and "for" in words[at : tree.closing[at]]:
+            at = tree.closing[at]
+        elif words[at] == "der" and words[at + 1] == "(" and not loops:
+            start, end = at + 2, tree.closing[at + 1]
+            if words[start] == "{" and tree.closing[start] == end - 1:
+                parts = (f"der({' '.join(part)})" for part in tree.parts(start))
+                yield starts[at], starts[end] + 1, f"{{{', '.join(parts)}}}"
+            elif not {*"+-*/^("}.isdisjoint(words[start:end]) and "[" not in words[start:end]:
                 number += 1
-                name = f"dse_{own.name}_{number}"
-                yield head, head, f"Real {name} = {' '.join(tree.source.text[first:last].split())}; "
-                yield first, last, name
-                at = end
+                name, head = f"dse_{own.name}_{number}", starts[own.named + 1]
+                yield head, head, f"Real {name} = {' '.join(words[start:end])}; "
+                yield starts[start], starts[end], name
+            at = end
         at += 1

@@ -12,5 +12,5 @@ equation
   quotient = x / (1 + w ^ 2);
   product_rate = der(x * w /* of both */);
   quotient_rate = der(quotient);
-  acceleration = der(x) + der(w);
+  acceleration = {1, 1} * der({x, w});
 end DerivativeOfExpression;
