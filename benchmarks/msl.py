@@ -114,11 +114,12 @@ def _examples(library: Path) -> list[str]:
 def _other(name: str, modelica: Path, scratch: Path, engine: str) -> dict[str, Any]:
     """A model without reference results, by dse and then by rumoca, which leaves its signals in *scratch*."""
     from dse.modelica.frontend.buses import with_members
+    from dse.modelica.frontend.derivatives import with_variables
     from dse.modelica.frontend.sources import LIBRARIES, read_sources
 
     if engine == "dse":
         sources = read_sources("model", name, [], [modelica])
-        replace(sources, parts=with_members(sources.parts)).lay_out_parts(scratch)
+        replace(sources, parts=with_variables(with_members(sources.parts))).lay_out_parts(scratch)
         modelica = scratch / LIBRARIES
     declared = re.compile(rb"\bmodel\s+" + name.rpartition(".")[2].encode() + rb"\b")
     texts = [file.read_bytes() for file in sorted(modelica.rglob("*.mo"))]
