@@ -204,6 +204,11 @@ def outer_parameters(t: float, given: Given) -> Values:
     return {"a": 3, "b": 3, "c": 6, "d": given["world.g"] / 4, "e": math.sqrt(given["area"]) * t, "f": 3}
 
 
+@case("OuterAggregates", given={"world.k": 5.0}, variants=({"world.k": -1.0},), error=EXACT)
+def outer_aggregates(t: float, given: Given) -> Values:
+    return {"y": 1 + 10 * t + given["world.k"], "z[1]": 6 + t, "z[2]": 2 * t + 2}
+
+
 @case("Streams", given={"left.h": 5.0}, variants=({"left.h": -2.0},), stop=0.14, error=EXACT)
 def streams(t: float, given: Given) -> Values:
     return {"flow_rate": 4, "forward": given["left.h"] + 1, "backward": 10, "carried": given["left.h"] + 1}

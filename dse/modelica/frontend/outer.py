@@ -97,6 +97,9 @@ def _aggregates(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
     declared: set[tuple[Element, str]] = set()
     inside: dict[Tree, dict[int, Element]] = {}
     for tree, at, member, is_value in _uses(read, scope):
+        declared_as = scope.class_of(member.type, member.parent) if member.parent else None
+        if declared_as and declared_as.kind == "connector":
+            continue
         kind, path, new = scope.type_of(member), "".join(tree.words[at : at + 3]), ""
         is_argument = tree.words[at - 1] in ("(", ",") and tree.words[at + 3] in (",", ")")
         if isinstance(kind, Element) and kind.kind == "record" and is_argument:
