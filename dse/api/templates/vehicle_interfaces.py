@@ -73,12 +73,11 @@ model @NAME@ "Engine, transmission and driveline of VehicleInterfaces as a power
     parameter Real stiffness(unit = "N.m/rad") = 15e3;
     parameter Real damping(unit = "N.m.s/rad") = 200;
     input Real speed(unit = "rad/s");
-    Real torque(unit = "N.m") "Drives the wheel if > 0";
+    Real torque(unit = "N.m") = flange.tau "Drives the wheel if > 0";
     Real twist(unit = "rad", start = 0, fixed = true);
   equation
     der(twist) = der(flange.phi) - speed;
     torque = stiffness*twist + damping*der(twist);
-    torque = flange.tau;
   end Wheel;
 protected
   Wheel front_left(speed = wheel_speed_front);
