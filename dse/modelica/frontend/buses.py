@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from dse.errors import Problem, raise_if_any
 from dse.modelica.frontend.outer import outer_changes
 from dse.modelica.frontend.scope import Scope
 from dse.modelica.frontend.source_text import Change, SourceText, code, edited
@@ -25,7 +26,7 @@ REFUSED = (
 
 
 def with_members(files: Mapping[str, bytes]) -> dict[str, bytes]:
-    """*files*, all that a model is made of, in such words, and with those of `outer_changes`."""
+    """*files*, all that a model is made of, in such words, and with those of `outer_changes`. Raises DseError."""
     names = [name for name in files if name.endswith(".mo")]
     texts = [SourceText(name, files[name].decode("utf-8", "replace")) for name in names]
     read = Forest(SourceText(text.path, code(text.text)) for text in texts)
@@ -76,6 +77,7 @@ def _add_members(read: Forest, scope: Scope) -> None:
                 if is_bus and isinstance(around, Element) and member and name != "[]" and scope.declaration(member):
                     scope.added.setdefault(around.full, {})[name] = member
                     is_new = True
+                    raise_if_any(flows(member, name, scope))
 
 
 def _shared(to: Element | str | None, of: Element | str | None, scope: Scope) -> list[tuple[str, Element]]:
@@ -90,6 +92,14 @@ def _shared(to: Element | str | None, of: Element | str | None, scope: Scope) ->
             found = [scope.type_of(member) for member in scope.members(kind).values()]
             pending += [each for each in found if is_expandable(each) and each not in pending]
     return [each for each in members.items() if to is not of and (to not in pending or each[0] not in inner)]
+
+
+def flows(member: Element, name: str, scope: Scope) -> Iterator[Problem]:
+    """That a member of an expandable connector has a flow, which the front-end counts wrongly."""
+    kind = scope.type_of(member)
+    if isinstance(kind, Element) and any("flow" in inner.prefixes for inner in scope.members(kind).values()):
+        what = f"'{name}', a member of an expandable connector that has a flow, is not supported"
+        yield Problem(what, member.where, "connect it by a connector of its own")
 
 
 def is_expandable(own: Element | str | None) -> bool:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 from dse.errors import Location, Problem
-from dse.modelica.frontend.buses import is_expandable
+from dse.modelica.frontend.buses import flows, is_expandable
 from dse.modelica.frontend.modifications import misread_modifications
 from dse.modelica.frontend.outer import outer_values
 from dse.modelica.frontend.result import FrontEndResult
@@ -22,10 +22,8 @@ def misread(result: FrontEndResult) -> Iterator[Problem]:
     yield from misread_modifications(read, names)
     scope = Scope(read)
     for element in read.elements:
-        kind = scope.type_of(element) if element.kind == "component" and is_expandable(element.parent) else None
-        if isinstance(kind, Element) and any("flow" in member.prefixes for member in scope.members(kind).values()):
-            what = f"'{element.name}', a member of an expandable connector that has a flow, is not supported"
-            yield Problem(what, element.where, "connect it by a connector of its own")
+        if element.kind == "component" and is_expandable(element.parent):
+            yield from flows(element, element.name, scope)
     for tree, at, member in outer_values(read, scope):
         what = f"the value of '{member.name}' of an outer component, which the front-end does not see here, is not"
         hint = "give the inner component true, false, a whole number or an item of an enumeration, once"

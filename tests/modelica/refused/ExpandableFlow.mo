@@ -4,10 +4,15 @@ package ExpandableFlow
     flow Real f;
   end Pin;
   expandable connector Bus
-    Pin pin;
   end Bus;
-  model Test // refused: unbalanced
+  model Part
+    Pin pin; // refused: has a flow
     Bus bus;
+  equation
+    connect(pin, bus.pin);
+  end Part;
+  model Test
+    Part part;
     output Real y = time;
   end Test;
 end ExpandableFlow;
