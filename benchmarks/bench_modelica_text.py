@@ -5,12 +5,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from dse.errors import DseError
+from dse.modelica.frontend.buses import with_members
+from dse.modelica.frontend.derivatives import with_variables
 from dse.modelica.frontend.library_functions import with_tables
 from dse.modelica.frontend.library_names import distinct
 from dse.modelica.frontend.misreadings import mixed_up_constants
@@ -37,6 +40,12 @@ def texts(n: int) -> Mapping[str, list[SourceText]]:
         "words": "model T\n  parameter Real k = " + " + ".join(f"a{i}.b[{i}]" for i in range(3 * n)) + ";\nend T;",
         "brackets": "model T\n  Real x" + "(a" * 4 * n + ")" * 4 * n + ";\nend T;",
         "connections": "model T\nequation\n" + "".join(f"  connect(a.y, b.u[{i}]);\n" for i in range(2 * n)) + "end T;",
+        "buses": "package P\n  connector R = output Real;\n  expandable connector B\n  end B;\n  model W\n"
+        "    Real g[2];\n  end W;\n  model T\n    outer W w; B b;"
+        + "".join(f" R r{i};" for i in range(n))
+        + "\n  equation\n"
+        + "".join(f"    connect(b.r{i}, r{i}); der(r{i} - 1) = w.g[1];\n" for i in range(n))
+        + "  end T;\nend P;",
         "constants": "package P\n"
         + "".join(f"  constant Real c{i} = {i};\n" for i in range(n))
         + "model T end T; end P;",
@@ -64,12 +73,19 @@ def passes() -> Mapping[str, Callable[[list[SourceText]], None]]:
         "reached": lambda given: run(reached(given, _model(given))),
         "tables": lambda given: run(with_tables(given[0].text + "// ExternalCombiTable1D")),
         "names": lambda given: run(distinct(given, [])),
+        "members": _with_members,
+        "derivatives": lambda given: run(with_variables({"P.mo": given[0].text.encode()})),
         "connections": lambda given: run(with_equations({"P.mo": given[0].text.encode()}, 2)),
-        "modifications": lambda given: run(misread_modifications(_forest(given))),
+        "modifications": lambda given: run(misread_modifications(_forest(given), ())),
         "constants": lambda given: run(mixed_up_constants(_forest(given), _model(given), ["f"])),
         "shape": lambda given: run(places(_forest(given).trees)),
         "made of": lambda given: run(made_of(_forest(given).trees, {"k"}, {"k", "x"})),
     }
+
+
+def _with_members(given: list[SourceText]) -> None:
+    with contextlib.suppress(DseError):  # brackets too deep
+        with_members({"P.mo": given[0].text.encode()})
 
 
 def _forest(given: list[SourceText]) -> Forest:

@@ -103,18 +103,7 @@ def _type_name(items: Iterable[str]) -> str:
     return f"enumeration({', '.join(items)})"
 
 
-_TYPES_2 = {
-    ScalarType.REAL: "Real",
-    ScalarType.INTEGER: "Integer",
-    ScalarType.BOOLEAN: "Boolean",
-    ScalarType.ENUMERATION: "Enumeration",
-}
-_TYPES_3 = {
-    ScalarType.REAL: "Float64",
-    ScalarType.INTEGER: "Int32",
-    ScalarType.BOOLEAN: "Boolean",
-    ScalarType.ENUMERATION: "Enumeration",
-}
+_NUMBERS_3 = {ScalarType.REAL: "Float64", ScalarType.INTEGER: "Int32"}
 
 
 def _variables_2(root: ET.Element, described: Described) -> None:
@@ -126,7 +115,7 @@ def _variables_2(root: ET.Element, described: Described) -> None:
         if listed.derivative_of is not None:
             typed["derivative"] = str(index[listed.derivative_of])
         variable = ET.SubElement(variables, "ScalarVariable", _common(listed))
-        ET.SubElement(variable, _TYPES_2[listed.kind], typed)
+        ET.SubElement(variable, listed.kind.capitalize(), typed)
     structure = ET.SubElement(root, "ModelStructure")
     outputs, derivatives, initial = _unknowns(shown)
     for name, unknowns in {"Outputs": outputs, "Derivatives": derivatives, "InitialUnknowns": initial}.items():
@@ -144,7 +133,7 @@ def _variables_3(root: ET.Element, described: Described) -> None:
         attributes = {**_common(listed), **_typed(listed)}
         if listed.derivative_of is not None:
             attributes["derivative"] = str(listed.derivative_of)
-        ET.SubElement(variables, _TYPES_3[listed.kind], attributes)
+        ET.SubElement(variables, _NUMBERS_3.get(listed.kind, listed.kind.capitalize()), attributes)
     taken = {listed.name for listed in shown}
     # The runtime's own variables come after the model's.
     first = len(described.variables)

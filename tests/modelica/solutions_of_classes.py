@@ -193,6 +193,22 @@ def expandable_bus(t: float, given: Given) -> Values:
     return {"y": 2 * given["speed.k"] * t, "z": 14 * t}
 
 
+@case("ExpandableMembers", given={"plant.speed.k": 3.0}, variants=({"plant.speed.k": -2.0},), error=1e-9)
+def expandable_members(t: float, given: Given) -> Values:
+    x = given["plant.speed.k"] * max(t * t - 0.35**2, 0) / 2
+    return {"x": x, "z": 3 * t + (2 if t > 0.55 else 1), "twice": 14 * t}
+
+
+@case("OuterParameters", given={"world.g": 10.0, "area": 4.0}, variants=({"world.g": 4.0, "area": 9.0},), error=EXACT)
+def outer_parameters(t: float, given: Given) -> Values:
+    return {"a": 3, "b": 3, "c": 6, "d": given["world.g"] / 4, "e": math.sqrt(given["area"]) * t, "f": 3}
+
+
+@case("OuterAggregates", given={"world.k": 5.0}, variants=({"world.k": -1.0},), error=EXACT)
+def outer_aggregates(t: float, given: Given) -> Values:
+    return {"y": 1 + 10 * t + given["world.k"], "z[1]": 6 + t, "z[2]": 2 * t + 2}
+
+
 @case("Streams", given={"left.h": 5.0}, variants=({"left.h": -2.0},), stop=0.14, error=EXACT)
 def streams(t: float, given: Given) -> Values:
     return {"flow_rate": 4, "forward": given["left.h"] + 1, "backward": 10, "carried": given["left.h"] + 1}

@@ -1,4 +1,4 @@
-"""The template of a powertrain by VehicleInterfaces, with a stand-in whose buses have declared members."""
+"""The template of a powertrain by VehicleInterfaces, with a stand-in; its buses have no members either."""
 
 from __future__ import annotations
 

@@ -41,7 +41,6 @@ source:
   model: @NAME@
   files: [@NAME@.mo]
   modelica_path: [$MODELICA_PATH]                # folders that contain VehicleInterfaces and Modelica
-  compiler: auto                                 # the library's own buses need omc on the PATH (dse docs modelica)
 map:
   wheel_speed.front: wheel_speed_front
   wheel_speed.rear: wheel_speed_rear
@@ -69,15 +68,16 @@ model @NAME@ "Engine, transmission and driveline of VehicleInterfaces as a power
   VehicleInterfaces.Transmissions.SingleGearAutomaticTransmission transmission;
   VehicleInterfaces.Drivelines.MinimalDriveline driveline;
 
-  model Wheel "Its speed is given, the torque on it is found"
+  model Wheel "Its speed is given, the torque on it is found, which twists the half shaft"
     Modelica.Mechanics.Rotational.Interfaces.Flange_a flange;
+    parameter Real stiffness(unit = "N.m/rad") = 15e3;
+    parameter Real damping(unit = "N.m.s/rad") = 200;
     input Real speed(unit = "rad/s");
-    Real torque(unit = "N.m") "Drives the wheel if > 0";
-    Real angle(unit = "rad", start = 0, fixed = true);
+    Real torque(unit = "N.m") = flange.tau "Drives the wheel if > 0";
+    Real twist(unit = "rad", start = 0, fixed = true);
   equation
-    der(angle) = speed;
-    flange.phi = angle;
-    torque = flange.tau;
+    der(twist) = der(flange.phi) - speed;
+    torque = stiffness*twist + damping*der(twist);
   end Wheel;
 protected
   Wheel front_left(speed = wheel_speed_front);

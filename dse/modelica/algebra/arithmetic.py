@@ -73,43 +73,22 @@ def _sign(value: float) -> float:
     return 1.0 if value > 0 else -1.0 if value < 0 else value
 
 
+# fmt: off
 FUNCTIONS: Mapping[str, Callable[..., float]] = {
-    "add": lambda a, b: a + b,
-    "subtract": lambda a, b: a - b,
-    "multiply": lambda a, b: a * b,
-    "divide": _divide,
-    "negate": lambda a: -a,
-    "power": _power,
+    "add": lambda a, b: a + b, "subtract": lambda a, b: a - b, "multiply": lambda a, b: a * b, "divide": _divide,
+    "negate": lambda a: -a, "power": _power,
     "minimum": lambda a, b: a if a < b or a != a else b,  # noqa: PLR0124 (only NaN differs from itself, as in C)
     "maximum": lambda a, b: a if a > b or a != a else b,  # noqa: PLR0124 (only NaN differs from itself, as in C)
-    "less": lambda a, b: float(a < b),
-    "less_equal": lambda a, b: float(a <= b),
-    "greater": lambda a, b: float(a > b),
-    "greater_equal": lambda a, b: float(a >= b),
-    "equal": lambda a, b: float(a == b),
-    "not_equal": lambda a, b: float(a != b),
-    "and": lambda a, b: float(a != 0 and b != 0),
-    "or": lambda a, b: float(a != 0 or b != 0),
-    "not": lambda a: float(a == 0),
-    "if": lambda condition, a, b: a if condition != 0 else b,
-    "prescribed": lambda value, _: value,
-    "abs": abs,
-    "sign": _sign,
-    "sqrt": _guarded(math.sqrt),
-    "sin": _guarded(math.sin),
-    "cos": _guarded(math.cos),
-    "tan": _guarded(math.tan),
-    "asin": _guarded(math.asin),
-    "acos": _guarded(math.acos),
-    "atan": math.atan,
-    "atan2": math.atan2,
-    "sinh": _sinh,
-    "cosh": _guarded(math.cosh),
-    "tanh": math.tanh,
-    "exp": _guarded(math.exp),
-    "log": _logarithm(math.log),
-    "log10": _logarithm(math.log10),
-    "floor": _rounded(math.floor),
+    "less": lambda a, b: float(a < b), "less_equal": lambda a, b: float(a <= b), "greater": lambda a, b: float(a > b),
+    "greater_equal": lambda a, b: float(a >= b), "equal": lambda a, b: float(a == b),
+    "not_equal": lambda a, b: float(a != b), "and": lambda a, b: float(a != 0 and b != 0),
+    "or": lambda a, b: float(a != 0 or b != 0), "not": lambda a: float(a == 0),
+    "if": lambda condition, a, b: a if condition != 0 else b, "prescribed": lambda value, _: value, "abs": abs,
+    "sign": _sign, "sqrt": _guarded(math.sqrt), "sin": _guarded(math.sin), "cos": _guarded(math.cos),
+    "tan": _guarded(math.tan), "asin": _guarded(math.asin), "acos": _guarded(math.acos), "atan": math.atan,
+    "atan2": math.atan2, "sinh": _sinh, "cosh": _guarded(math.cosh), "tanh": math.tanh, "exp": _guarded(math.exp),
+    "log": _logarithm(math.log), "log10": _logarithm(math.log10), "floor": _rounded(math.floor),
     "ceil": _rounded(math.ceil),
 }
+# fmt: on
 """Every operator over scalars. Out of its domain an operator gives NaN, at a pole or on overflow an infinity."""

@@ -24,6 +24,10 @@ def partial(expression: Expression, symbol: Symbol) -> Expression:
     return derived((expression,), lambda leaf: one if leaf == symbol else zero)[0]
 
 
+NO_RATE = "no derivative"
+"""In place of the derivative of a ``prescribed`` value that has none."""
+
+
 def derived(roots: Iterable[Expression], rate: Rate) -> list[Expression]:
     """Derivative of each of *roots* where each leaf changes with *rate* (chain rule, forward)."""
     listed = list(roots)
@@ -33,6 +37,9 @@ def derived(roots: Iterable[Expression], rate: Rate) -> list[Expression]:
         if node.symbol is not None:
             done[node.number] = rate(node.symbol)
         elif node.operator == "prescribed":
+            if node.operands[1].name == NO_RATE:
+                what = "the derivative of a function that is annotated with noDerivative and has inputs that vary"
+                raise fail(f"{what} is not supported", hint="give its input by equations that need no derivative")
             done[node.number] = node.operands[1]
         elif node.operator == "array":
             elements = [done[operand.number] for operand in node.operands]
@@ -86,22 +93,18 @@ def _of_power(graph: Graph, node: Expression, rates: list[Expression]) -> Expres
     return by_base + node * graph.make("log", base) * rates[1]
 
 
+# fmt: off
 _OUTER: Mapping[str, Callable[[Expression, Expression], Expression]] = {
     "abs": lambda _, x: x.graph.make("if", x.graph.make("less", x, x.graph.of(0.0)), x.graph.of(-1.0), x.graph.of(1.0)),
-    "sqrt": lambda y, _: 0.5 / y,
-    "sin": lambda _, x: x.graph.make("cos", x),
-    "cos": lambda _, x: -x.graph.make("sin", x),
-    "tan": lambda y, _: 1.0 + y * y,
+    "sqrt": lambda y, _: 0.5 / y, "sin": lambda _, x: x.graph.make("cos", x),
+    "cos": lambda _, x: -x.graph.make("sin", x), "tan": lambda y, _: 1.0 + y * y,
     "asin": lambda _, x: 1.0 / x.graph.make("sqrt", 1.0 - x * x),
-    "acos": lambda _, x: -1.0 / x.graph.make("sqrt", 1.0 - x * x),
-    "atan": lambda _, x: 1.0 / (1.0 + x * x),
-    "sinh": lambda _, x: x.graph.make("cosh", x),
-    "cosh": lambda _, x: x.graph.make("sinh", x),
-    "tanh": lambda y, _: 1.0 - y * y,
-    "exp": lambda y, _: y,
-    "log": lambda _, x: 1.0 / x,
+    "acos": lambda _, x: -1.0 / x.graph.make("sqrt", 1.0 - x * x), "atan": lambda _, x: 1.0 / (1.0 + x * x),
+    "sinh": lambda _, x: x.graph.make("cosh", x), "cosh": lambda _, x: x.graph.make("sinh", x),
+    "tanh": lambda y, _: 1.0 - y * y, "exp": lambda y, _: y, "log": lambda _, x: 1.0 / x,
     "log10": lambda _, x: (1.0 / math.log(10.0)) / x,
 }
+# fmt: on
 """Derivative of a function y of one operand x by that operand."""
 
 

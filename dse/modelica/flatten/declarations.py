@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from dse.errors import DseError, Location, fail
+from dse.errors import Location, fail
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.flat_model import Equation, Role, ScalarType, Variable
+from dse.modelica.flat_model import Check, Equation, Role, ScalarType, Variable
 from dse.modelica.flatten.document import Document, Record, fields
 from dse.modelica.flatten.evaluation.context import Frame
 from dse.modelica.flatten.evaluation.evaluation import Evaluation
@@ -97,9 +97,9 @@ def declare(document: Document, model: Model) -> None:
             )
 
 
-def complete(document: Document, evaluation: Evaluation) -> None:
-    """Give every scalar its start, binding and bounds."""
-    model = evaluation.model
+def complete(document: Document, evaluation: Evaluation) -> list[Check]:
+    """Give every scalar its start, binding and bounds. Returns the asserts of functions that parameters call."""
+    model, frame = evaluation.model, Frame(makes_events=False)
     for item, record in zip(model.declared, document.lists["variables"], strict=True):
         if item.role == "constant" or item.scalar == "string":
             continue
@@ -110,8 +110,10 @@ def complete(document: Document, evaluation: Evaluation) -> None:
         is_free = item.role == "parameter" and bool(fixed) and not all(fixed)
         if is_free and any(fixed):
             raise fail(f"the parameter '{item.name}' of which some elements are fixed is not supported", item.where)
-        wanted = ("start", "min", "max", "nominal", *(("binding",) if item.role == "parameter" and not is_free else ()))
-        given = {name: _spread(evaluation, item, attributes[name], name) for name in wanted}
+        is_bound = item.role == "parameter" and not is_free and attributes["binding"] is not None
+        # The start of one that is bound is the front-end's evaluation of the binding, which is read itself.
+        wanted = ("binding" if is_bound else "start", "min", "max", "nominal")
+        given = {name: _spread(evaluation, item, attributes[name], name, frame) for name in wanted}
         if item.role != "parameter" and attributes["binding"] is not None and record["role"] != "input":
             raise fail(f"a binding of '{item.name}' that is not an equation is not supported", item.where)
         has_start = _has_start(document, record)
@@ -119,7 +121,7 @@ def complete(document: Document, evaluation: Evaluation) -> None:
             own = {key: None if values is None else values[place] for key, values in given.items()}
             is_fixed = bool(fixed[place if len(fixed) > 1 else 0]) if fixed else item.role == "parameter"
             binding = own.get("binding")
-            start = own["start"] if binding is None and (has_start or item.role == "parameter") else None
+            start = own["start"] if not is_bound and (has_start or item.role == "parameter") else None
             model.variables[name] = replace(
                 model.variables[name],
                 start=start,
@@ -129,6 +131,7 @@ def complete(document: Document, evaluation: Evaluation) -> None:
                 maximum=own["max"],
                 nominal=own["nominal"],
             )
+    return frame.asserts
 
 
 def _role(document: Document, record: Record, where: Location | None) -> str:
@@ -150,18 +153,15 @@ def _has_start(document: Document, record: Record) -> bool:
     return bool(provenance.get("span") != record["declaration"].get("span"))
 
 
-def _spread(evaluation: Evaluation, item: Declared, node: int | None, what: str) -> Sequence[Expression] | None:
+def _spread(
+    evaluation: Evaluation, item: Declared, node: int | None, what: str, frame: Frame
+) -> Sequence[Expression] | None:
     """Attribute *what* for each scalar of *item*."""
     if node is None:
         return None
-    frame = Frame(makes_events=False)
-    try:
-        value = evaluation.elements(node, frame)
-    except DseError:
-        if what == "start" and item.role == "parameter":
-            return None  # The front-end's evaluation of the binding, which is read itself.
-        raise
-    if frame.asserts:
+    known = len(frame.asserts)
+    value = evaluation.elements(node, frame)
+    if len(frame.asserts) > known and item.role != "parameter":
         raise fail(f"an assert in a function called for '{what}' of '{item.name}' is not supported", item.where)
     if value.shape == item.shape:
         elements = value.elements

@@ -33,7 +33,7 @@ def flatten(result: FrontEndResult) -> FlatModel:
     model = Model(Graph(), items, inputs)
     evaluation = Evaluation(document, model)
     declare(document, model)
-    complete(document, evaluation)
+    bound = complete(document, evaluation)
     read_clocks(evaluation)
     equations, asserts = continuous(evaluation)
     equations += bindings(document, evaluation)
@@ -50,7 +50,7 @@ def flatten(result: FrontEndResult) -> FlatModel:
         triggers=tuple(model.triggers),
         assignments=tuple(model.assignments),
         reinitializations=tuple(discrete.reinitializations),
-        checks=_distinct([*asserts, *asserts_at_start, *discrete.checks]),
+        checks=_distinct([*bound, *asserts, *asserts_at_start, *discrete.checks]),
     )
     _check_balance(flat)
     return flat

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from dse.errors import DseError, Problem, fail
+from dse.modelica.frontend.buses import REFUSED, with_members
+from dse.modelica.frontend.derivatives import OF_EXPRESSION, with_variables
+from dse.modelica.frontend.jumps import OPEN_LOOP, without_open_loops
 from dse.modelica.frontend.literal import WRAPPER, is_class_name, wrapper
 from dse.modelica.frontend.messages import found_problems, refusal
 from dse.modelica.frontend.misreadings import misread
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import SCHEMA, FrontEndResult
+from dse.modelica.frontend.signal_connections import ELEMENTS, with_equations
 from dse.modelica.frontend.source_text import SourceText, declarations
 from dse.modelica.frontend.sources import FILES, LIBRARIES, ModelSources, libraries
 from dse.scratch import ScratchFolder
@@ -27,8 +32,39 @@ def compile_model(sources: ModelSources) -> FrontEndResult:
 
     Raises DseError: the front-end refuses the model, crashes, takes too long, or is one whose output is not known.
     """
-    with opened(sources) as session:
-        return session.compiled({})
+
+    def compiled(others: ModelSources) -> FrontEndResult:
+        with opened(others) as session:
+            return session.compiled({})
+
+    return in_other_words(sources, compiled)
+
+
+def in_other_words(sources: ModelSources, compiled: Callable[[ModelSources], FrontEndResult]) -> FrontEndResult:
+    """What *compiled* makes of *sources*, in other words where these are refused. Raises DseError."""
+    ways = list(_OTHER_WORDS)
+    while True:
+        try:
+            return compiled(sources)
+        except DseError as refusal:
+            said = " ".join(problem.what for problem in refusal.problems)
+            found = next((way for way in ways if any(each in said for each in way[0])), None)
+            if found is None:
+                raise
+        ways.remove(found)
+        files = found[1]({**sources.parts, **sources.contents})
+        contents, parts = ({name: files[name] for name in those} for those in (sources.contents, sources.parts))
+        sources = replace(sources, contents=contents, parts=parts)
+
+
+_OTHER_WORDS: tuple[tuple[tuple[str, ...], Callable[[Mapping[str, bytes]], dict[str, bytes]]], ...] = (
+    ((ELEMENTS,), partial(with_equations, least=2)),  # first only signals with more than one such connection
+    ((ELEMENTS,), partial(with_equations, least=1)),
+    (REFUSED, with_members),
+    ((OF_EXPRESSION,), with_variables),
+    ((OPEN_LOOP,), without_open_loops),
+)
+"""What a refusal says, and how the sources are written for another try."""
 
 
 @dataclass(frozen=True, slots=True)

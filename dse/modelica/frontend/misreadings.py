@@ -6,8 +6,11 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 from dse.errors import Location, Problem
+from dse.modelica.frontend.buses import flows, is_expandable
 from dse.modelica.frontend.modifications import misread_modifications
+from dse.modelica.frontend.outer import outer_values
 from dse.modelica.frontend.result import FrontEndResult
+from dse.modelica.frontend.scope import Scope
 from dse.modelica.frontend.syntax import KINDS, Element, Forest
 from dse.modelica.frontend.used_classes import used
 
@@ -16,7 +19,15 @@ def misread(result: FrontEndResult) -> Iterator[Problem]:
     """Each construct of the classes the model uses that rumoca 0.10.2 takes for something else. Raises DseError."""
     read = Forest(used(result.sources.values(), result.model))
     names = [str(function["name"]) for function in result.dae["storage"]["functions"]]
-    yield from misread_modifications(read)
+    yield from misread_modifications(read, names)
+    scope = Scope(read)
+    for element in read.elements:
+        if element.kind == "component" and is_expandable(element.parent):
+            yield from flows(element, element.name, scope)
+    for tree, at, member in outer_values(read, scope):
+        what = f"the value of '{member.name}' of an outer component, which the front-end does not see here, is not"
+        hint = "give the inner component true, false, a whole number or an item of an enumeration, once"
+        yield Problem(f"{what} supported", tree.place(at), hint)
     yield from _functions_of_one_name(read, names)
     yield from mixed_up_constants(read, result.model, [name.rpartition(".")[2] for name in names])
     for tree in read.trees:

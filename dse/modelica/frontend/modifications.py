@@ -9,16 +9,18 @@ It applies a redeclaration in the modifications of a component (`Car a(redeclare
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from dse.errors import Problem
 from dse.modelica.frontend.syntax import KINDS, Element, Forest
 
 
-def misread_modifications(read: Forest) -> Iterator[Problem]:
-    """Each modification in what is used that the front-end takes for something else."""
+def misread_modifications(read: Forest, called: Iterable[str]) -> Iterator[Problem]:
+    """Each modification in what is used that the front-end takes for something else; *called* are all functions."""
+    last = {name.rpartition(".")[2] for name in called}
     for element in read.elements:
-        if "redeclare" in element.prefixes and element.kind in KINDS and element.written:
+        is_used = element.kind != "function" or not last.isdisjoint((element.name, element.last))
+        if "redeclare" in element.prefixes and element.kind in KINDS and element.written and is_used:
             what = (
                 f"the redeclaration of class '{element.name}' modifies what it takes, which the front-end does not see"
             )

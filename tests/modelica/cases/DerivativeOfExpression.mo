@@ -1,8 +1,7 @@
-// Derivatives of variables that are expressions of states: a product and a quotient, and a derivative as an output.
+// Derivatives of a product, as an expression, and of a variable that is a quotient, and a derivative as an output.
 model DerivativeOfExpression
   Real x(start = 1, fixed = true);
   Real w(start = 2, fixed = true);
-  Real product;
   Real quotient;
   output Real product_rate;
   output Real quotient_rate;
@@ -10,9 +9,8 @@ model DerivativeOfExpression
 equation
   der(x) = -0.5 * x + w;
   der(w) = -x;
-  product = x * w;
   quotient = x / (1 + w ^ 2);
-  product_rate = der(product);
+  product_rate = der(x * w /* of both */);
   quotient_rate = der(quotient);
-  acceleration = der(x) + der(w);
+  acceleration = {1, 1} * der({x, w});
 end DerivativeOfExpression;

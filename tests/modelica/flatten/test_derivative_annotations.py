@@ -6,6 +6,7 @@ import pytest
 from modelica_text import flattened
 
 from dse.errors import DseError
+from dse.modelica.algebra.derivative import derived
 
 MODEL = """model M
   function f
@@ -37,10 +38,13 @@ FULL = "if x[1] > x[2] then 2 * k * x[1] * x_der[1]{} else x_der[1] * sin(x[2]) 
 OF_K = FULL.format(" + k_der * x[1] ^ 2")
 
 
+def written(right: str, how: str, more: str, argument: str) -> str:
+    return MODEL.replace("{right}", right).replace("{how}", how).replace("{more}", more).replace("{argument}", argument)
+
+
 def told(right: str, how: str = "", more: str = "input Real k_der;", argument: str = "u") -> str:
-    text = MODEL.replace("{right}", right).replace("{how}", how).replace("{more}", more).replace("{argument}", argument)
     try:
-        flattened(text)
+        flattened(written(right, how, more, argument))
     except DseError as error:
         (problem,) = error.problems
         return f"{problem.where.line}: {problem.what}"
@@ -58,7 +62,13 @@ def test_what_is_the_derivative_is_taken(how: str, more: str, right: str) -> Non
 @pytest.mark.parametrize(("how", "more", "right"), [
     ("", "input Real k_der;", FULL.format("")),
     ("", "input Real k_der;", OF_K.replace("2 * k", "2.001 * k")),
-    ("(noDerivative = k)", "", FULL.format("").replace("cos", "sin")),
 ])  # fmt: skip
 def test_another_formula_is_refused_where_it_is_named(how: str, more: str, right: str) -> None:
     assert told(right, how, more) == "12: the annotation derivative of 'f': 'f_der' is not its derivative"
+
+
+def test_another_formula_of_inputs_that_vary_is_no_derivative() -> None:
+    flat = flattened(written(FULL.format("").replace("cos", "sin"), "(noDerivative = k)", "", "u"))
+    residuals = [equation.residual for equation in flat.equations]
+    with pytest.raises(DseError, match="annotated with noDerivative"):
+        derived(residuals, lambda _: flat.graph.constant(1.0))

@@ -1,14 +1,10 @@
-// der() of a product and of a quotient, twice the same derivative, and a derivative as an output.
-model DerivativeOfExpression // refused: der(...)
-  Real x(start = 1, fixed = true);
-  Real w(start = 2, fixed = true);
-  output Real product_rate;
-  output Real quotient_rate;
-  output Real acceleration;
+// der() of an expression that is an array.
+model DerivativeOfExpression
+  Real x[2](each start = 1, each fixed = true);
+  Real y[2];
+  output Real z[2];
 equation
-  der(x) = -0.5 * x + w;
-  der(w) = -x;
-  product_rate = der(x * w);
-  quotient_rate = der(x / (1 + w ^ 2));
-  acceleration = der(x) + der(w);
+  der(x) = -x;
+  y = 2 * x;
+  z = der(x + y); // refused: dimension
 end DerivativeOfExpression;

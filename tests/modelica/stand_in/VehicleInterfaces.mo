@@ -1,7 +1,6 @@
-package VehicleInterfaces "Stand-in with the names of the library's interfaces, and buses with declared members"
+package VehicleInterfaces "Stand-in with the names of the library's interfaces, and buses without members"
   package Interfaces
     expandable connector DriverBus
-      Real acceleratorPedalPosition;
     end DriverBus;
     expandable connector ControlBus
       DriverBus driverBus;

@@ -8,7 +8,7 @@ from collections.abc import Generator, Mapping, Sequence
 from typing import Any
 
 from dse.errors import DseError, Location, fail
-from dse.modelica.algebra.derivative import derived
+from dse.modelica.algebra.derivative import NO_RATE, derived
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression, Graph
 from dse.modelica.algebra.symbol import Referent, Symbol
@@ -155,7 +155,7 @@ def _prescribed(
 ) -> Generator[Request, Value, tuple[Value, ...]]:
     """*outputs* of function *number* with the time derivatives that its annotation states.
 
-    Raises DseError where an input to differentiate is neither the time nor constant: their rates are known here.
+    They have none where an input to differentiate is neither the time nor constant, whose rates are known here.
     """
     document, graph = visit.document, visit.graph
     functions, time = document.lists["functions"], graph.symbol(Symbol(referent=Referent.TIME))
@@ -167,7 +167,8 @@ def _prescribed(
     for how, argument in list(zip(stated["inputs"], arguments, strict=True))[done:]:
         if how == "Differentiate" and isinstance(argument, Array):
             if not all(item is time or item.is_constant for item in argument.elements):
-                raise _contradiction(document, number, stated)
+                none = Array((graph.call(NO_RATE, ()),))
+                return tuple(_with_rate(graph, array(value), none) for value in outputs)
             rates.append(Array(tuple(graph.of(float(item is time)) for item in argument.elements), argument.shape))
     target, given = stated["target"], (*arguments, *rates)
     inside = visit.frame.call(target, given)
@@ -180,7 +181,7 @@ def _prescribed(
 
 
 def _with_rate(graph: Graph, value: Array, rate: Array) -> Array:
-    pairs = zip(value.elements, rate.elements, strict=True)
+    pairs = zip(value.elements, rate.elements * (len(value.elements) // len(rate.elements)), strict=True)
     return Array(tuple(graph.make("prescribed", one, other) for one, other in pairs), value.shape)
 
 

@@ -7,16 +7,13 @@ stands where a model gets its shape, as a trial may not cross a threshold (`shap
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
-from dse.errors import DseError, Problem, raise_if_any
-from dse.modelica.frontend.compile import Session, opened
-from dse.modelica.frontend.jumps import OPEN_LOOP, without_open_loops
+from dse.errors import Problem, raise_if_any
+from dse.modelica.frontend.compile import Session, in_other_words, opened
 from dse.modelica.frontend.literal import Value, literal
-from dse.modelica.frontend.other_words import ELEMENTS, with_equations
 from dse.modelica.frontend.process import FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import FrontEndResult
 from dse.modelica.frontend.sources import ModelSources
@@ -26,26 +23,7 @@ from dse.modelica.frontend.structural.shape import shaping
 
 def compile_probed(sources: ModelSources, structural: Mapping[str, Value] | None = None) -> FrontEndResult:
     """As `compile_model`, and the result's *structural* is known. Raises DseError."""
-    ways = list(_OTHER_WORDS)
-    while True:
-        try:
-            return _compiled(sources, structural or {})
-        except DseError as refusal:
-            said = " ".join(problem.what for problem in refusal.problems)
-            found = next((way for way in ways if way[0] in said), None)
-            if found is None:
-                raise
-        ways.remove(found)
-        contents, parts = (found[1](files) for files in (sources.contents, sources.parts))
-        sources = replace(sources, contents=contents, parts=parts)
-
-
-_OTHER_WORDS: tuple[tuple[str, Callable[[Mapping[str, bytes]], dict[str, bytes]]], ...] = (
-    (ELEMENTS, partial(with_equations, least=2)),  # first only signals with more than one such connection
-    (ELEMENTS, partial(with_equations, least=1)),
-    (OPEN_LOOP, without_open_loops),
-)
-"""What a refusal says, and how the sources are written for another try."""
+    return in_other_words(sources, lambda others: _compiled(others, structural or {}))
 
 
 def _compiled(sources: ModelSources, structural: Mapping[str, Value]) -> FrontEndResult:
