@@ -16,9 +16,9 @@ from dse.modelica.frontend.jumps import OPEN_LOOP, without_open_loops
 from dse.modelica.frontend.literal import WRAPPER, is_class_name, wrapper
 from dse.modelica.frontend.messages import found_problems, refusal
 from dse.modelica.frontend.misreadings import misread
+from dse.modelica.frontend.other_words import ELEMENTS, with_equations
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import SCHEMA, FrontEndResult
-from dse.modelica.frontend.signal_connections import ELEMENTS, with_equations
 from dse.modelica.frontend.source_text import SourceText, declarations
 from dse.modelica.frontend.sources import FILES, LIBRARIES, ModelSources, libraries
 from dse.scratch import ScratchFolder
