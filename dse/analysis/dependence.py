@@ -8,7 +8,7 @@ from dataclasses import asdict
 
 from dse.analysis.data import StudyData, withheld
 from dse.analysis.finding import Finding, Topic
-from dse.analysis.first_order import LEAST, alias_sentences, courses, going_together
+from dse.analysis.first_order import LEAST, alias_sentences, courses, few_points, going_together
 from dse.analysis.importance import importances, model_first_order_shares
 from dse.analysis.phrases import between, difference, listed, parts, percent
 from dse.analysis.probability import Interval
@@ -32,11 +32,12 @@ def shares(data: StudyData, metric: str) -> Iterator[Finding]:
     data = data.evenly(metric, LEAST)
     found = sorted(model_first_order_shares(data, metric), key=lambda share: -round(share.share.value, 9))
     alias_reasons = alias_sentences(data, metric)
-    if alias_reasons and not any(share.share.low > 0 for share in found):
+    said = [each for each in found if each.share.low > 0]
+    if alias_reasons and (not found or (few_points(data.response(metric, 1)[0]) and not said)):
         raise withheld(metric, "; ".join(alias_reasons))
     if not found:
         raise fail(f"{metric}: its runs differ in nothing that could explain it")
-    label, named = metric_label(data, metric), [each for each in found if each.share.low > 0][:_MOST_NAMED]
+    label, named = metric_label(data, metric), said[:_MOST_NAMED]
     named = [each for each in named if each.share.value >= _HARDLY] or named[:1]
     defined = data.response(metric, 2)[0]
     where = "" if len(defined) == len(data) else f" where it is defined ({len(defined)} of {len(data)} runs)"

@@ -124,7 +124,7 @@ def observations(data: StudyData, k: int) -> Observations:
     return Observations(rows, found, places[:, k], weights)
 
 
-def _few_points(data: StudyData) -> dict[str, int]:
+def few_points(data: StudyData) -> dict[str, int]:
     """The variables that have too few observations for shares, though enough runs, with their number."""
     found = {factor.name: observations(data, k) for k, factor in enumerate(data.factors)}
     return {name: len(each.places) for name, each in found.items() if len(each.places) < LEAST <= each.rows.sum()}
@@ -239,7 +239,7 @@ def alias_sentences(data: StudyData, metric: str) -> tuple[str, ...]:
         "so its effect cannot be separated from their interaction"
         for one, other, factor in interacting(there)
     )
-    few = _few_points(there)
+    few = few_points(there)
     points = (
         f"there are {count} different values of {listed([name for name in few if few[name] == count])} in these runs, "
         f"and {LEAST} are needed"

@@ -39,7 +39,7 @@ static speed_profile_motion motion_of(const rating_target *self) {
 
 static lane_shift_pose pose_of(const rating_target *self, double speed) {
     double time = self->par.lane_change_time;
-    if (!(time > 0)) return (lane_shift_pose){0, 0, speed};
+    if (!(time > 0)) return (lane_shift_pose){0, 0, 0, speed};
     double left = self->meeting - self->par.lane_change_end - self->clock;
     lane_shift change = {self->turn == 0 ? self->par.lane_width : -self->par.lane_width, 0, time, fmin(fmax(1 - left / time, 0), 1)};
     return lane_shift_at(&change, speed);
