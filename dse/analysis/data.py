@@ -176,9 +176,25 @@ class StudyData:
         self.known["even"] = found
         return found
 
+    @property
+    def points(self) -> NDArray[np.intp]:
+        """The number of the point of the variables that each run is at, (n,); on a grid, and of few points, its own.
+
+        What is found of some runs says what others at the same points, of other configurations, are: these are no test.
+        """
+        alone = np.arange(len(self), dtype=np.intp)
+        variables = [k for k, factor in enumerate(self.factors) if not factor.is_choice]
+        if self.on_grid or not variables or not len(self):
+            return alone
+        places = np.nan_to_num(self.places[:, variables], nan=-1.0)
+        _, first, which = np.unique(places, axis=0, return_index=True, return_inverse=True)
+        return alone if len(first) < _FEW_POINTS else np.argsort(np.argsort(first))[which.reshape(-1)]
+
     def half(self) -> Rows:
-        """Every other of the runs by chance, (n,): what is found by these is judged by the others."""
-        return np.asarray(np.random.default_rng(0).permutation(len(self)) % 2 == 0)
+        """The runs at every other of the points by chance, (n,): what is found by these is judged by the others."""
+        points = self.points
+        chosen = np.random.default_rng(0).permutation(int(points.max(initial=-1)) + 1) % 2 == 0
+        return np.asarray(chosen[points])
 
     def response(self, metric: str, least: int) -> tuple[StudyData, Floats]:
         """The runs in which *metric* is defined, and its values there.
@@ -209,3 +225,6 @@ def withheld(about: str, why: str, hint: str = "") -> DseError:
 
 _NOISE = 1e-12
 """Relative changes that are rounding."""
+
+_FEW_POINTS = 10
+"""Halves of fewer points are not alike."""

@@ -216,7 +216,7 @@ def _scores(column: Floats, is_choice: bool) -> Floats:
 
 
 def _models(data: StudyData, values: Floats) -> Iterator[Model]:
-    part, is_choice = folds(len(data)), [factor.is_choice for factor in data.factors]
+    part, is_choice = folds(data.points), [factor.is_choice for factor in data.factors]
     y = values - np.average(values, weights=data.weights)
     y /= np.average(y**2, weights=data.weights) ** 0.5 or 1.0
     if not any(is_choice) and not np.isnan(data.places).any():
@@ -258,7 +258,7 @@ def _measure(data: StudyData, group: tuple[int, ...]) -> tuple[Floats, Floats]:
     if len(group) == 1 and variable is not None and not variable.values and len(places) > _FEW_VALUES:
         nodes, chances = np.polynomial.legendre.leggauss(_NODES)
         return (nodes[:, None] + 1) / 2, np.tile(chances / 2, (FOLDS, 1))
-    part = folds(len(data))
+    part = folds(data.points)
     counts = [np.bincount(which.reshape(-1), data.weights * (part != n), len(places)) for n in _PARTS]
     return places, np.stack([each / each.sum() for each in counts])
 

@@ -60,9 +60,12 @@ def centres_of(points: Floats) -> Floats:
     return np.asarray(points[np.sort(chosen)], dtype=np.float64)
 
 
-def formulas(points: Floats, values: Floats, centres: Floats) -> list[Formula]:
-    """A formula through *values*, (n, responses), at *points*, (n, features), for each response."""
-    fold = folds(len(points))
+def formulas(points: Floats, values: Floats, centres: Floats, alike: NDArray[np.intp]) -> list[Formula]:
+    """A formula through *values*, (n, responses), at *points*, (n, features), for each response.
+
+    Runs that are *alike*, (n,), by a number (`StudyData.points`), are left out together to judge it.
+    """
+    fold = folds(alike)
     squares = dict.fromkeys(POWERS, np.zeros(values.shape[1]))
     for number in range(FOLDS):
         train = fold != number

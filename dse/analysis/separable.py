@@ -59,9 +59,10 @@ class Group:
     chances: Floats
 
 
-def folds(count: int) -> NDArray[np.intp]:
-    """The part that each of so many runs is in, (n,)."""
-    return np.asarray(np.random.default_rng(_SEED).permutation(count) % FOLDS, dtype=np.intp)
+def folds(points: NDArray[np.intp]) -> NDArray[np.intp]:
+    """The part that each run is in, (n,): one for all runs at one of the *points* (`StudyData.points`)."""
+    parts = np.random.default_rng(_SEED).permutation(int(points.max(initial=-1)) + 1) % FOLDS
+    return np.asarray(parts[points], dtype=np.intp)
 
 
 def _product(factors: Iterable[Floats]) -> Floats:

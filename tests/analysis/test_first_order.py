@@ -7,6 +7,7 @@ from known_functions import ISHIGAMI, even, g_function, g_indices, ishigami, stu
 from dse.analysis import aliased, going_together, interacting, main_effects, model_first_order_shares, study_data
 from dse.analysis.dependence import shares
 from dse.analysis.importance import _dependent
+from dse.analysis.separable import folds
 from dse.errors import DseError
 
 
@@ -238,6 +239,15 @@ def test_few_points_at_many_configurations_have_no_shares():
     inside = sorted(even(16, 2)[:, 0])[:2]
     assert first.value == pytest.approx(np.mean(inside) + 0.4)
     assert first.high - first.value == pytest.approx(12.706 * np.ptp(inside) / 2, rel=1e-4)
+
+
+def test_runs_at_one_point_judge_nothing_that_was_found_of_others_at_it():
+    few, many = (study_data(at_configurations(even(count, 2), lambda x, _: x[:, 0])) for count in (9, 16))
+    assert np.array_equal(many.points, np.repeat(np.arange(16), 5))
+    assert len({*zip(many.points, many.half(), strict=True)}) == 16
+    assert many.half().sum() == 40
+    assert len({*zip(many.points, folds(many.points), strict=True)}) == 16
+    assert len({*few.points}) == len(few) == 45  # too few points for halves of them
 
 
 def test_levels_in_all_combinations_are_no_sample():

@@ -116,7 +116,7 @@ def test_a_formula_of_a_plane_is_that_plane_and_says_that_it_errs_by_nothing():
     points = features(even(200, 2, 0), planes(plane(200))[0].factors)
     values = (3 + points @ np.array([1.0, -2.0]))[:, None]
     centres = centres_of(points)
-    (formula,) = formulas(points, values, centres)
+    (formula,) = formulas(points, values, centres, np.arange(len(points)))
     there = np.array([[0.3, -0.9], [0.0, 0.0]])
     assert evaluated(there, centres, formula.weights[:, None], formula.power)[:, 0] == pytest.approx(
         [5.1, 3.0], abs=1e-3
@@ -129,7 +129,7 @@ def test_the_error_of_a_formula_is_what_it_errs_by_in_runs_it_has_never_seen():
     points = even(300, 2, 0)
     values = np.sin(7 * points[:, :1]) * points[:, 1:]
     centres = centres_of(points)
-    (formula,) = formulas(points, values, centres)
+    (formula,) = formulas(points, values, centres, np.arange(len(points)))
     fresh = even(2000, 2, 5)
     wrong = evaluated(fresh, centres, formula.weights[:, None], formula.power) - np.sin(7 * fresh[:, :1]) * fresh[:, 1:]
     # It is made from a quarter more runs than those whose error is told, and errs more at the rim, beyond the last run.

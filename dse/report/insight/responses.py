@@ -117,7 +117,7 @@ class _Fits:
         spread = values.std(axis=0)
         spread[spread == 0] = 1.0
         scaled = (values - values.mean(axis=0)) / spread
-        made = formulas(points, scaled, centres)
+        made = formulas(points, scaled, centres, self.data.points[rows])
         self.centres.append(centres)
         for name, formula, middle, scale in zip(names, made, values.mean(axis=0), spread, strict=True):
             weights = formula.weights * scale
