@@ -91,6 +91,7 @@ def test_a_study_cannot_name_files_of_a_workspace(brought: Path, results: dse.Re
         module.benches_near(named, Path(), brought)
 
 
+@pytest.mark.thorough
 def test_the_command_line_says_what_is_trusted_and_refuses_what_is_none(brought: Path, tmp_path: Path) -> None:
     done = run_dse(brought, "trust", cache=tmp_path / "cache")
     assert done.stdout == f"trusted as it is now: {brought}\n"

@@ -203,6 +203,7 @@ def test_init_never_overwrites(dse, example):
     assert "not empty" in done.stderr
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -257,6 +258,7 @@ def test_a_range_with_decimal_commas_is_refused_as_such(dse, example):
     assert "numbers have a decimal point, no comma" in done.stderr
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.skipif(sys.platform != "linux", reason="there is no /proc")
 @pytest.mark.parametrize(
     "command", [["explore", "small"], ["report", "STUDY"], ["figure", "STUDY"], ["build", "pd_acc"]]
@@ -285,6 +287,7 @@ def test_one_axis_alone_is_wrong_usage(dse, explored):
     assert dse("figure", str(explored), "--x", "controller.kp_speed").returncode == 2
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "command", [["build", "pd_acc"], ["init"], ["results", "STUDY"], ["report", "STUDY"], ["figure", "STUDY"]]
 )

@@ -112,7 +112,7 @@ def test_a_name_that_is_taken_elsewhere_in_the_workspace_is_refused(dse_in, tmp_
     assert not (tmp_path / "components" / "cruise").exists()
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("line", "words"),
     [

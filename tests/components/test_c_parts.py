@@ -29,6 +29,7 @@ def ports_and_code(part: Any) -> tuple[Any, ...]:
     return part.interface.name, part.source.struct, part.source.step, tuple(part.names.items())
 
 
+@pytest.mark.sampled(3)
 def test_init_of_a_zeroed_struct_does_not_crash(new_part: NewPart, c_component: str) -> None:
     part = new_part(c_component)
     ctypes.memset(part.memory, 0, ctypes.sizeof(part.memory))
@@ -36,6 +37,7 @@ def test_init_of_a_zeroed_struct_does_not_crash(new_part: NewPart, c_component: 
     part.step()
 
 
+@pytest.mark.sampled(3)
 def test_init_after_steps_equals_the_first_init(new_part: NewPart, c_component: str) -> None:
     part = new_part(c_component)
     inputs = [p for p in part.component.interface.ports if p.causality == "input"]
@@ -45,6 +47,7 @@ def test_init_after_steps_equals_the_first_init(new_part: NewPart, c_component: 
     assert trace(part) == trace(part)
 
 
+@pytest.mark.sampled(3)
 def test_two_instances_do_not_feel_each_other(new_part: NewPart, c_component: str) -> None:
     part, other, alone = new_part(c_component), new_part(c_component), new_part(c_component)
     other.init()
@@ -87,6 +90,7 @@ def of_every_library(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
     return found - own
 
 
+@pytest.mark.sampled(3)
 def test_there_is_no_writable_data(shelf: Any, c_component: str, of_every_library: set[str]) -> None:
     shelf.part(c_component)
     assert writable(shutil.which("nm") or "", shelf.folder / f"{c_component}.so") <= of_every_library

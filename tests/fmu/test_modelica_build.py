@@ -249,6 +249,7 @@ MISFITS: list[tuple[dict[str, Any], tuple[str, ...]]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("change", "expected"), MISFITS, ids=[expected[-1][:40] for _, expected in MISFITS])
 def test_what_does_not_fit_is_told_with_its_place(
     lag: Component, tmp_path: Path, change: dict[str, Any], expected: tuple[str, ...]

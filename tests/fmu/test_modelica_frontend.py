@@ -79,6 +79,7 @@ def test_the_same_files_elsewhere_give_the_same_system(tmp_path: Path) -> None:
     assert one.dae == other.dae
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
@@ -158,6 +159,7 @@ def test_the_words_of_a_comment_are_no_redeclaration(tmp_path: Path) -> None:
     assert structural(tmp_path, text) == []
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("text", "expected"),
     [

@@ -170,6 +170,7 @@ CASES = [
 ]  # fmt: skip
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("file", "old", "new", "where", "what", "hint"), [case[1:] for case in CASES], ids=[case[0] for case in CASES]
 )

@@ -197,7 +197,7 @@ def test_the_unbroken_file_has_500_lines_and_no_problem(workspace):
     assert problems(workspace, TEXT) == []
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("old", "new", "what"), CASES, ids=[new.strip() for _, new, _ in CASES])
 def test_the_character_that_is_broken_is_told(workspace, old, new, what):
     start = TEXT.index("    unit7:") if old in unit(7) else TEXT.index("  budget7:")

@@ -72,6 +72,7 @@ def read_and_keep(root, name="a.yaml"):
     return document
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("path", EVERY_YAML, ids=lambda path: str(path.relative_to(REPOSITORY)))
 def test_a_kept_document_is_the_one_that_was_read(path):
     document = read_yaml(path)

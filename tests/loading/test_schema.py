@@ -86,6 +86,7 @@ MISTAKES = [
 ]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("kind", "right", "wrong"), MISTAKES, ids=[case[2].strip() or case[1] for case in MISTAKES])
 def test_a_usual_mistake_is_found(kind, right, wrong):
     text = (ROOT / EXAMPLES[kind]).read_text(encoding="utf-8")

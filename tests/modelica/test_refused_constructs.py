@@ -14,7 +14,7 @@ FOLDER = Path(__file__).parent / "refused"
 MARK = "// refused:"
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("file", sorted(FOLDER.glob("*.mo")), ids=lambda file: file.stem)
 def test_the_construct_is_refused_by_name_where_it_stands(file: Path, tmp_path: Path) -> None:
     marked = [

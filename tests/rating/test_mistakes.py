@@ -62,6 +62,7 @@ MISTAKES = [
 ]  # fmt: skip
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("right", "wrong", "expected"), MISTAKES, ids=[wrong.strip()[:24] for _, wrong, _ in MISTAKES])
 def test_a_mistake_is_one_error_at_its_place(workspace, protocol, rating_file, right, wrong, expected):
     assert RATING.count(right) >= 1

@@ -140,6 +140,7 @@ BODIES = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("path", BODIES)
 def test_no_value_in_a_body_is_more_than_a_refusal(driven, caplog, path: str) -> None:
     async def all_of_them() -> list[int]:

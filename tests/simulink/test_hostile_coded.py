@@ -65,6 +65,7 @@ def test_check_says_what_is_wrong_and_where(name: str, tmp_path: Path, cache: Pa
     assert "1234" not in done.stderr
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", NOT_COMPILED)
 def test_what_does_not_compile_is_told_in_the_words_of_the_compiler(name: str, tmp_path: Path, cache: Path) -> None:
     code, expected = NOT_COMPILED[name]

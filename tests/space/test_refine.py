@@ -130,6 +130,7 @@ def subsets():
     return st.fixed_dictionaries(entries).map(lambda drawn: {path: made for path, made in drawn.items() if made})
 
 
+@pytest.mark.sampled(3)
 @settings(max_examples=5, deadline=None)
 @pytest.mark.parametrize("rule", RULES)
 @given(st.data())
@@ -143,6 +144,7 @@ def test_a_refined_space_has_the_configurations_that_fit_several_rules(rules, da
     assert_refined(tuple(rules), data.draw(subsets()))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("rule", RULES)
 def test_every_single_choice_can_be_taken_away(rule):
     for path, choices in decision_table(car()).items():

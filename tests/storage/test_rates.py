@@ -24,6 +24,7 @@ def test_without_a_draw_nothing_is_known_of_the_rate() -> None:
         assert (low[0], high[0]) == (0.0, 1.0)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("rate", RATES)
 def test_a_sequential_interval_covers_the_rate_whenever_it_is_looked_at(rate: float) -> None:
     # Of a coverage of 95 %, 94 % of 1,500 repetitions are 1.8 standard errors less.

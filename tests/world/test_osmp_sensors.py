@@ -174,6 +174,7 @@ def test_the_cost_of_such_a_sensor_counts_and_rules_know_its_name(root: Path) ->
     assert set(only.parts) == {"eye.writer", "eye.model", "eye.reader"}
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("old", "new", "what"),
     [

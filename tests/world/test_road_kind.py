@@ -64,6 +64,7 @@ def checked(root: Path) -> None:
     kind.check(component, component.source)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("old", "new", "line", "what"),
     [

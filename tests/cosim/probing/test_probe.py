@@ -72,6 +72,7 @@ def test_memory_that_every_run_leaves_behind_is_measured(odd):
     assert facts.run_growth == pytest.approx(20000, rel=0.05)  # malloc adds some bytes to each
 
 
+@pytest.mark.sampled(2)
 @BOTH
 def test_an_fmu_that_hangs_is_a_fact_and_not_a_hanging_probe(odd, version):
     facts = probe(odd("INITIALIZATION_HANGS", version=version), "x86_64-test", limits=ProbeLimits(time=0.5))

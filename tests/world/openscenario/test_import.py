@@ -162,6 +162,7 @@ def test_another_entity_can_be_the_host_and_without_one_there_is_no_road(tmp_pat
     assert (one.road, one.no_road) == ("", "the scenario has no host on a road")
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("distributions", "what"),
     [

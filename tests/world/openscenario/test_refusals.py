@@ -129,6 +129,7 @@ def _marked(case: str) -> object:
     return pytest.param(case, marks=pytest.mark.thorough) if case == "10^5 vertices" else case
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("case", [*map(_marked, REFUSED)])
 def test_what_is_wrong_is_one_problem_at_its_line(tmp_path: Path, case: str) -> None:
     text, what = REFUSED[case]
