@@ -53,7 +53,6 @@ def reached(sources: Sequence[SourceText], model: str) -> list[SourceText]:
     classes around it declare themselves. What cannot be read is kept whole; so is everything if *model* is not found.
     """
     found = Classes([SourceText(source.path, code(source.text)) for source in sources])
-    found = Classes([SourceText(source.path, code(source.text)) for source in sources])
     kept = zip(sources, found.pieces(found.reached(model)), strict=True)
     return [SourceText(source.path, _blanked(source.text, pieces)) for source, pieces in kept if pieces]
 
