@@ -52,7 +52,7 @@ def workspace(dse_in, tmp_path_factory):
         ("dse report ", ["acc_gains", "all"]),
         ("dse merge al", ["all"]),
         ("dse enumerate ", example_designs()),
-        ("dse space count el", ["electric_acc"]),
+        ("dse space count electric_a", ["electric_acc"]),
         ("dse space cou", ["count"]),
         ("dse build radar", ["radar_77ghz_long", "radar_77ghz_mid"]),
         ("dse build --fuse acc", ["acc_coded", "acc_following"]),
