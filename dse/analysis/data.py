@@ -178,17 +178,12 @@ class StudyData:
 
     @property
     def points(self) -> NDArray[np.intp]:
-        """The number of the point of the variables that each run is at, (n,); on a grid, and of few points, its own.
-
-        What is found of some runs says what others at the same points, of other configurations, are: these are no test.
-        """
-        alone = np.arange(len(self), dtype=np.intp)
-        variables = [k for k, factor in enumerate(self.factors) if not factor.is_choice]
-        if self.on_grid or not variables or not len(self):
-            return alone
-        places = np.nan_to_num(self.places[:, variables], nan=-1.0)
-        _, first, which = np.unique(places, axis=0, return_index=True, return_inverse=True)
-        return alone if len(first) < _FEW_POINTS else np.argsort(np.argsort(first))[which.reshape(-1)]
+        """The number of each run's point of the variables, (n,); one of its own on a grid, or if points are few."""
+        if "points" not in self.known:
+            first, which = distinct(self.places[:, [k for k, each in enumerate(self.factors) if not each.is_choice]])
+            is_alone = self.on_grid or len(first) < _FEW_POINTS
+            self.known["points"] = np.arange(len(self)) if is_alone else np.argsort(np.argsort(first))[which]
+        return np.asarray(self.known["points"], dtype=np.intp)
 
     def half(self) -> Rows:
         """The runs at every other of the points by chance, (n,): what is found by these is judged by the others."""
@@ -216,6 +211,12 @@ class StudyData:
         if key not in self.known:
             self.known[key] = self.part(there)
         return self.known[key], values[there]
+
+
+def distinct(places: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The first row of each point of *places*, (n, factors), and the number of each row's point; NaN is a value."""
+    _, first, which = np.unique(np.nan_to_num(places, nan=-1.0), axis=0, return_index=True, return_inverse=True)
+    return first, which.reshape(-1)
 
 
 def withheld(about: str, why: str, hint: str = "") -> DseError:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from dse.analysis.bins import binned
 from dse.analysis.cells import effective
-from dse.analysis.data import Floats, Rows, StudyData
+from dse.analysis.data import Floats, Rows, StudyData, distinct
 from dse.analysis.memoize import memoized
 from dse.analysis.phrases import listed
 from dse.analysis.probability import Interval
@@ -112,16 +112,14 @@ def observations(data: StudyData, k: int) -> Observations:
     Of a choice each run is one, and where variables are on a grid, or have certain values in all combinations.
     """
     rows = ~np.isnan(data.places[:, k])
-    places, weights = data.places[rows], data.weights[rows]
-    one, found = data.factors[k].variable, np.arange(len(places), dtype=np.intp)
+    places, weights, one = data.places[rows], data.weights[rows], data.factors[k].variable
     if one is not None and not data.on_grid:
-        same = [(at, each.variable) for at, each in enumerate(data.factors) if each.variable]
-        alike = [(at, variable) for at, variable in same if variable.role is one.role]
-        points = np.nan_to_num(places[:, [at for at, _ in alike]], nan=-1.0)
-        _, first, of_row = np.unique(points, axis=0, return_index=True, return_inverse=True)
-        if len(first) < math.prod(len(variable.values) or len(places) for _, variable in alike):
-            return Observations(rows, of_row.reshape(-1), places[first, k], weights)
-    return Observations(rows, found, places[:, k], weights)
+        variables = {at: each.variable for at, each in enumerate(data.factors) if each.variable}
+        alike = [at for at, variable in variables.items() if variable.role is one.role]
+        first, of_row = distinct(places[:, alike])
+        if len(first) < math.prod(len(variables[at].values) or len(places) for at in alike):
+            return Observations(rows, of_row, places[first, k], weights)
+    return Observations(rows, np.arange(len(places), dtype=np.intp), places[:, k], weights)
 
 
 def few_points(data: StudyData) -> dict[str, int]:

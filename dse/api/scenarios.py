@@ -196,8 +196,8 @@ def export_scenario(
     """Write a run of a bench as an OpenSCENARIO file, with its road beside it as OpenDRIVE.
 
     Every road user follows its driven path. Returns the id of the configuration, and how many entities there are;
-    *warn* is told what is doubtful about the size of the host. Raises DseError: the bench has no road or no chassis, or
-    the run fails.
+    *warn* receives each doubt about the size of the host. Raises DseError: the bench has no road or no chassis, or the
+    run fails.
     """
     from dse.api.studies.scenes import recording
     from dse.interchange import scenario_text

@@ -79,7 +79,7 @@ class PlacedSession(Session, ABC):
 
     @abstractmethod
     def state_of(self, packet: Packet) -> State | Users:
-        """What others see of it, as its run tells."""
+        """What others see of it, from the values of its run."""
 
     def look(self, packet: Packet, lateness: float, overruns: int) -> None:
         """See what the run shows."""

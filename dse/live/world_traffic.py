@@ -120,7 +120,7 @@ def _hosts_of(ports: Iterable[str]) -> dict[str, str]:
 
 
 def _users_of(ports: Iterable[str], sharing: Sharing) -> list[re.Match[str]]:
-    """The ports of its road users, as matches of `_USER`: all of them, if it tells all."""
+    """The ports of its road users, as matches of `_USER`: those of ``everyone``, if it has that output."""
     users = [found for port in ports if (found := _USER.fullmatch(port)) and found[3] in sharing.fields]
     return [each for each in users if each[1] == "everyone"] or users
 

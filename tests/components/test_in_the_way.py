@@ -117,9 +117,9 @@ def test_a_driver_overtakes_on_a_lane_but_not_on_a_hard_shoulder(new_part: NewPa
             for name, value in {"class": 1, "station": station, "speed": speed, "desired_speed": speed}.items():
                 part[f"{name}[{number}]"] = value
         part.init()
-        told = []
+        lanes = []
         for _ in range(300):
             part.step(0.1)
-            told.append(part["movers[2].lane"])
-        farthest.append(min(told))
+            lanes.append(part["movers[2].lane"])
+        farthest.append(min(lanes))
     assert farthest == [-1, 0]

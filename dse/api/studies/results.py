@@ -300,8 +300,8 @@ class Results:
         sensor_data, the last two of one *part*. An ``.mcap`` file contains the ground truth, the data of all sensors
         and trackers, the scene in the messages of Foxglove, and all signals. *rate* is in messages per second;
         *pictures*, in pictures per second, adds a camera to an MCAP file. *layout* is a file for the arrangement of
-        panels that Foxglove and Lichtblick import. The run is simulated again. *warn* is told what is doubtful about
-        the size of the host.
+        panels that Foxglove and Lichtblick import. The run is simulated again. *warn* receives each doubt about the
+        size of the host.
 
         Raises DseError as `write_scene` does, for another ending, and without the extra ``traces``.
         """
