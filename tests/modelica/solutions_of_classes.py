@@ -201,7 +201,7 @@ def expandable_members(t: float, given: Given) -> Values:
 
 @case("OuterParameters", given={"world.g": 10.0, "area": 4.0}, variants=({"world.g": 4.0, "area": 9.0},), error=EXACT)
 def outer_parameters(t: float, given: Given) -> Values:
-    return {"a": 3, "b": 3, "c": 6, "d": given["world.g"] / 4, "e": math.sqrt(given["area"]) * t, "f": 3}
+    return {"a": 3, "b": 3, "c": 6, "d": given["world.g"] / 4, "e": math.sqrt(given["area"]) * t, "f": 3, "g": 13}
 
 
 @case("OuterAggregates", given={"world.k": 5.0}, variants=({"world.k": -1.0},), error=EXACT)

@@ -46,17 +46,25 @@ def outer_changes(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
     for tree, at, member in outer_values(read, scope):
         name, of = tree.words[at], member.name
         if (name, of) not in made:
-            owners = [each for each in read.elements if each.name == name and "outer" not in each.prefixes]
+            named = [each for each in read.elements if each.name == name and "outer" not in each.prefixes]
+            owners = [each for each in named if "inner" in each.prefixes or "input" not in each.prefixes]
             modified = [each for each in read.elements if each.name == of and each.is_argument]
             given = [each for each in modified if _may_change(each.parent, name)]
             is_plain = all(each.prefixes & {"inner", "redeclare"} for each in owners)
             is_plain = is_plain and all(each.parent in owners for each in given)
-            values = {_value(each, scope) for each in given} or {_value(member, scope)}
-            is_one = len(values) == 1 and len(given) in (0, len(owners))
-            made[name, of] = values.pop() if is_plain and is_one else ""
-            for each in (given or [member]) if made[name, of] else ():
+            others = [each for each in owners if all(one.parent is not each for one in given)]
+            values = {_value(each, scope) for each in given}
+            values |= {_value(member, scope)} if others or not owners else set()
+            value = made[name, of] = values.pop() if is_plain and len(values) == 1 else ""
+            for each in given if owners else [member]:
                 start = each.tree.starts[each.start]
-                yield each.tree, (start, start, "final " if each.tree.words[each.start] != "final" else "")
+                if value and each.tree.words[each.start] != "final":
+                    yield each.tree, (start, start, "final ")
+            for each in others if value else ():
+                after, new = each.named + 1, f"final {of} = {value}"
+                start = each.tree.starts[after]
+                is_modified = each.tree.words[after] == "("
+                yield each.tree, (start + 1, start + 1, f"{new}, ") if is_modified else (start, start, f"({new})")
         if made[name, of]:
             yield tree, (tree.starts[at], tree.starts[at + 2] + len(of), made[name, of])
 

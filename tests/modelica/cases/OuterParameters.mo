@@ -1,10 +1,12 @@
 // Values of an outer component that decide what there is: the inner one's, not those of its class. And an outer
-// component of a partial class, and a function with an assert in the value of a parameter.
+// component of a partial class, and a function with an assert in the value of a parameter. Two inner components, of
+// which one has a value as its class does; a function with an input of the same name.
 package OuterParameters
   type Kind = enumeration(small, large);
   model World
     parameter Boolean rigid = true;
     parameter Boolean heavy = false;
+    parameter Boolean wide = true;
     parameter Integer n = 1;
     parameter Kind kind = Kind.small;
     parameter Real g = 9.81;
@@ -37,6 +39,8 @@ package OuterParameters
   model Body
     outer World world;
     outer Road road;
+    parameter Boolean is_wide = world.wide;
+    Source wide if is_wide;
     parameter Boolean is_soft(start = false) = not world.rigid;
     parameter Kind kind = world.kind;
     Source large if kind == Kind.large;
@@ -51,17 +55,28 @@ package OuterParameters
     assert(u > 0, "must be positive");
     y := sqrt(u);
   end positive;
+  function doubled
+    input Real world;
+    output Real y = 2*world;
+  algorithm
+  end doubled;
+  model Garage
+    inner World world(wide = true, rigid = false, heavy = true, n = 3, kind = Kind.large, g = 20);
+    Body body;
+  end Garage;
   model Test
     parameter Real area = 4;
     parameter Real side = positive(area);
     inner World world(rigid = false, heavy = true, n = 3, kind = Kind.large, g = 10);
     inner Hill road;
     Body body;
+    Garage garage;
     output Real a = body.part.source.p.e;
     output Real b = body.soft.source.p.e;
     output Real c = body.part.y;
     output Real d = body.weight;
     output Real e = side * time;
     output Real f = body.large.p.e;
+    output Real g = garage.body.wide.p.e + doubled(garage.body.weight);
   end Test;
 end OuterParameters;
