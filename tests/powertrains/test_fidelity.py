@@ -67,7 +67,7 @@ def test_a_shift_has_the_heat_duration_and_torque_hole_of_the_closed_form(
 @pytest.mark.thorough
 @pytest.mark.parametrize("asked", [0.0, 40.0])
 def test_a_charged_engine_with_manifold_follows_scipy_and_keeps_its_energy(asked: float, cache: Path) -> None:
-    petrol, speed = Petrol(), 157.0
+    petrol, speed = Petrol(auxiliary_power=0.0), 157.0
     natural, full, drag = 13e5 * 1.498e-3 / (4 * math.pi), petrol.highest(speed), petrol.drag(speed)
     times = np.linspace(0.0, 5.0, 101)
     names = ("boost", "torque", "burned", "lost", "work")

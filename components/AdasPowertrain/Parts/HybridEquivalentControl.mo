@@ -6,7 +6,7 @@ model HybridEquivalentControl
    Engineering Practice 19, 2011; Onori, Serrao, Rizzoni, Hybrid Electric Vehicles, 2016, ch. 6). Same ports as
    HybridControl"
   extends HybridManagement;
-  parameter Vehicles.TurboPetrol15 engine_data;
+  parameter Vehicles.TurboPetrol15 engine_data(auxiliary_power = 0);
   parameter Real engine_scale(min=0.3, max=3) = 1 "Displacement and torque against the engine's data";
   parameter Real equivalence(min=1, max=10) = 2.8 "Fuel power that one watt out of the battery is worth, at the target";
   parameter Real equivalence_gain(min=0, max=100) = 10 "More per state of charge missing";

@@ -19,6 +19,6 @@ record EngineData
   parameter Real throttling_pressure(unit = "Pa") = 0.965e5
     "Below the air's, of an intake from which nothing enters: that of the residual gas, compressed 10.5 times, after its expansion";
   parameter Real late_ignition = 0.3 "Additional fuel against knocking, for the squared part of the charge beyond natural_pressure";
-  parameter Real auxiliary_power(unit = "W") "For the alternator and pumps, while running";
+  parameter Real auxiliary_power(unit = "W") "For the alternator, while running; 0 in hybrids, where the traction battery feeds the vehicle";
   parameter Real air_lag(unit = "s") "Time constant of the manifold and the charger";
 end EngineData;

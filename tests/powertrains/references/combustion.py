@@ -39,11 +39,13 @@ class Petrol:
     idle: float = 90.0
     power: float = 110e3
     air_lag: float = 0.12
+    auxiliary_power: float = 500.0  # of the alternator
 
     def drag(self, speed: float) -> float:
-        """Friction, closed throttle and 500 W of auxiliaries, N.m."""
+        """Friction, closed throttle and alternator, N.m."""
         pressure = 0.488e5 + 103 * abs(speed) + 0.164 * speed**2
-        return _VOLUME * pressure * direction(speed, 5.0) + self.throttling(speed) + 500 * speed / (speed**2 + 400)
+        auxiliaries = self.auxiliary_power * speed / (speed**2 + 400)
+        return _VOLUME * pressure * direction(speed, 5.0) + self.throttling(speed) + auxiliaries
 
     def throttling(self, speed: float) -> float:
         """Of a closed throttle, N.m."""

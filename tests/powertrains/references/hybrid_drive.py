@@ -41,7 +41,7 @@ class HybridDrive(Stepped):
     """Mutable: the modes between events. The demand is *demand_share* of `STEPS`."""
 
     demand_share: float = 0.5
-    petrol: Petrol = field(default_factory=Petrol)
+    petrol: Petrol = field(default_factory=lambda: Petrol(auxiliary_power=0.0))
     machine: SynchronousMachine = GOLF
     battery: Battery = field(default_factory=power_cell_battery)
     request: Request = field(
