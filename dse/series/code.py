@@ -31,7 +31,7 @@ def c_files(component: Component, series: Sequence[Samples]) -> dict[str, str]:
         tables.setdefault(numbers.tobytes(), (f"{name}_table_{len(tables)}", numbers))
     declared = "\n".join(f"extern const double {table}[{len(numbers)}];" for table, numbers in tables.values())
     places: dict[tuple[str, str], int] = {}
-    lines = [_line(component, samples, *(tables[n.tobytes()][0] for n in (samples.times, samples.values)), places)
+    lines = [_line(component, samples, tables[samples.times.tobytes()][0], tables[samples.values.tobytes()][0], places)
              for samples in series]  # fmt: skip
     found = [f"    struct place p{number} = {of[0]}; p{number}.before = {of[1].format(f'p{number}')};"
              for of, number in places.items()]  # fmt: skip
