@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
@@ -9,10 +10,12 @@ from dse.domain.component import Component, Kind, Parameter
 from dse.errors import DseError, Location, fail
 from dse.modelica.emit.variables import FmuVariable, Variability, variables
 from dse.modelica.flatten.flattening import flatten
-from dse.modelica.frontend.answer_cache import AnswerCache
-from dse.modelica.frontend.literal import Value
+from dse.modelica.frontend.compile import read_answer
+from dse.modelica.frontend.literal import Value, literal
+from dse.modelica.frontend.process import VERSION
 from dse.modelica.frontend.result import FrontEndResult
-from dse.modelica.frontend.sources import ModelSources
+from dse.modelica.frontend.sources import Keep, ModelSources
+from dse.modelica.frontend.structural.probe import compile_probed
 from dse.modelica.interface import starts
 from dse.modelica.solved_model import B, EventBlock, Solved, System
 from dse.modelica.structure.solve import solve
@@ -32,13 +35,13 @@ class TranslationError(DseError):
     """The model is not wrong, as far as is known, but cannot be translated."""
 
 
-def translate(component: Component, sources: ModelSources, answers: AnswerCache) -> Translated:
-    """The model of *sources* with the values of *component*; *answers* keeps what the front-end said.
+def translate(component: Component, sources: ModelSources, keep: Keep) -> Translated:
+    """The model of *sources* with the values of *component*; *keep* keeps what the front-end answers.
 
     Raises TranslationError for what cannot be translated, and DseError for ports and parameters that do not fit.
     """
     try:
-        result = _instantiated(component, sources, answers)
+        result = _instantiated(component, sources, keep)
         flat = flatten(result)
     except DseError as error:
         raise TranslationError(*error.problems) from error
@@ -56,11 +59,11 @@ def translate(component: Component, sources: ModelSources, answers: AnswerCache)
 _MOST_ROUNDS = 10
 
 
-def _instantiated(component: Component, sources: ModelSources, answers: AnswerCache) -> FrontEndResult:
+def _instantiated(component: Component, sources: ModelSources, keep: Keep) -> FrontEndResult:
     """The flat system with the component's values for the structural parameters, of which each may bring others."""
     values: dict[str, Value] = {}
     for _ in range(_MOST_ROUNDS):
-        result = answers.compiled(sources, values)
+        result = answer(sources, values, keep)
         wanted = {
             component.variable(parameter.name): value
             for parameter in component.parameters
@@ -72,6 +75,22 @@ def _instantiated(component: Component, sources: ModelSources, answers: AnswerCa
         values = wanted
     what = f"component '{component.name}': its parameters change which parameters {sources.model} has"
     raise fail(what, component.where, "give fewer of them that are structural")
+
+
+def answer(sources: ModelSources, structural: Mapping[str, Value], keep: Keep) -> FrontEndResult:
+    """As `compile_probed`, by what was answered before to the same. Only what is right is kept. Raises DseError."""
+
+    def made() -> bytes:
+        result = compile_probed(sources, structural)
+        whole = {"dae": result.dae, "flat": result.flat, "structural": sorted(result.structural)}
+        return json.dumps(whole, separators=(",", ":")).encode()
+
+    given = [(name, literal(value)) for name, value in sorted(structural.items())]
+    asked = [("asked", json.dumps([VERSION, sources.model, given]).encode())]
+    asked += [(f"file/{name}", content) for name, content in sorted(sources.contents.items())]
+    asked += [(f"library/{name}", content) for name, content in sorted(sources.parts.items())]
+    whole = json.loads(keep(asked, made))
+    return read_answer(sources, whole, frozenset(whole["structural"]))
 
 
 def _literal(parameter: Parameter, result: FrontEndResult, name: str) -> Value | None:

@@ -10,7 +10,7 @@ from dse.fmu import Row
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.emit.events import relation_text
-from dse.modelica.emit.expressions.text import literal, quoted, table
+from dse.modelica.emit.expressions.setting import literal, quoted, table
 from dse.modelica.emit.hoist import Hoisted
 from dse.modelica.emit.memory import MemoryLayout
 from dse.modelica.emit.variables import Causality, FmuVariable, Variability

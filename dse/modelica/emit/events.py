@@ -9,8 +9,7 @@ from dse.modelica.algebra.expression import ORDERINGS, Expression, shown
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.emit.blocks import scoped
 from dse.modelica.emit.expressions.scope import Store, scope_lines
-from dse.modelica.emit.expressions.setting import Setting, locations
-from dse.modelica.emit.expressions.text import quoted
+from dse.modelica.emit.expressions.setting import Setting, locations, quoted
 from dse.modelica.flat_model import Check, FlatModel, Relation
 from dse.modelica.solved_model import Solved
 

@@ -10,8 +10,7 @@ from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import replaced
 from dse.modelica.emit.expressions.scope import Store, scope_lines
-from dse.modelica.emit.expressions.setting import Setting, locations
-from dse.modelica.emit.expressions.text import literal, table
+from dse.modelica.emit.expressions.setting import Setting, literal, locations, table
 from dse.modelica.flat_model import FlatModel
 from dse.modelica.solved_model import Explicit, System
 

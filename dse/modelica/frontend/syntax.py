@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from dse.errors import Location, fail
-from dse.modelica.frontend.source_text import CLASS_KINDS, SourceText, place
+from dse.modelica.frontend.source_text import CLASS_KINDS, SourceText, code, place
 
 _TOKEN = re.compile(r"'(?:\\.|[^'\\])*'|[A-Za-z_]\w*|\d+(?:\.\d*)?(?:[eE][+-]?\d+)?|[:<>=]=|<>|\S")
 KINDS = frozenset((*CLASS_KINDS.split("|"), "operator"))
@@ -74,7 +74,7 @@ class Tree:
     def __init__(self, source: SourceText) -> None:
         found = list(_TOKEN.finditer(source.text))
         self.source, self.words = source, [*(match[0] for match in found), "", ""]
-        self.starts = [match.start() for match in found]
+        self.starts = [*(match.start() for match in found), len(source.text), len(source.text)]
         self.closing: dict[int, int] = {}
         """The closing bracket of each opening one, and the other way round."""
         self.sizes: list[int] = []
@@ -271,6 +271,14 @@ class Tree:
             changed.end = self._at
         self._open.pop()
         self._at = end + 1
+
+
+def read_tree(text: str) -> Tree | None:
+    """The tree of *text*, but for comments and strings; None if it is not Modelica."""
+    try:
+        return Tree(SourceText("", code(text)))
+    except UNREADABLE:
+        return None
 
 
 class Forest:

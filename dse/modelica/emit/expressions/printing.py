@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from dse.errors import fail
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.emit.expressions.setting import Setting, is_truth
-from dse.modelica.emit.expressions.text import literal
+from dse.modelica.emit.expressions.setting import Setting, is_truth, literal
 
 LARGEST_POWER = 16
 """Whole constant exponents up to this are multiplied out."""
