@@ -15,7 +15,7 @@ from dse.csolve import headers
 from dse.fmu.toolchain.compilation import compile_library
 from dse.fmu.toolchain.compiler import find_compiler
 from dse.fmu.toolchain.platforms import this_platform
-from dse.modelica.algebra.tables import table1, table2
+from dse.modelica.algebra.evaluate import table1, table2
 
 _SOURCE = b"""
 #include "csolve/linear.h"

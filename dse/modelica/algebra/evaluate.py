@@ -5,13 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from dse.errors import fail
 from dse.modelica.algebra.arithmetic import FUNCTIONS
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.algebra.tables import ERROR, HOLD, table1, table2
 from dse.modelica.algebra.traversal import walk
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.interpolate import PPoly
 
 Values = Mapping[Symbol, float] | Callable[[Symbol], float]
 
@@ -62,9 +68,9 @@ def _called(node: Expression, done: Mapping[int, float]) -> float:
     if node.name == "random_start":
         return _random_start(int(scalar(0)), elements(1))
     if node.name == "table1":
-        axes = [elements(2)]
+        axes, points = [elements(2)], elements(3)
     elif node.name == "table2":
-        axes = [elements(4), elements(5)]
+        axes, points = [elements(4), elements(5)], elements(6)
     else:
         raise fail(f"'{node.name}' cannot be evaluated")
     for axis in axes:
@@ -73,11 +79,81 @@ def _called(node: Expression, done: Mapping[int, float]) -> float:
     extrapolation = scalar(len(node.operands) - 1)
     if extrapolation not in range(HOLD, ERROR + 1):
         raise fail(f"a table's extrapolation is 1, 2 or 3, not {extrapolation:g}")
+    if not all(map(math.isfinite, points)):
+        return math.nan
     is_smooth = scalar(len(node.operands) - 2) != 0
     if node.name == "table1":
-        return table1(int(scalar(0)), scalar(1), axes[0], elements(3), is_smooth, int(extrapolation))
+        return table1(int(scalar(0)), scalar(1), axes[0], points, is_smooth, int(extrapolation))
     orders, point = (int(scalar(0)), int(scalar(1))), (scalar(2), scalar(3))
-    return table2(orders, point, (axes[0], axes[1]), elements(6), is_smooth, int(extrapolation))
+    return table2(orders, point, (axes[0], axes[1]), points, is_smooth, int(extrapolation))
+
+
+# Tables, as the C runtime computes them.
+
+HOLD, LINEAR, ERROR = 1, 2, 3
+"""Outside of a table: its end value; on with the slope at the end; an error (NaN here)."""
+
+
+def table1(
+    order: int, x: float, xs: Sequence[float], ys: Sequence[float], is_smooth: bool, extrapolation: int
+) -> float:
+    """Value or derivative (*order* 1, 2) at *x* of the table of *ys* over strictly increasing *xs*, at least two.
+
+    Smooth: monotone cubic Hermite (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5(2), 1984, 300-304).
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    if _is_refused(x, xs, extrapolation):
+        return math.nan
+    is_cubic = is_smooth and len(xs) > 2
+    curve = PchipInterpolator(xs, ys) if is_cubic else _broken_line(xs, np.array(ys))
+    return float(_extended(curve, order, x, xs, extrapolation))
+
+
+def table2(
+    orders: tuple[int, int],
+    point: tuple[float, float],
+    axes: tuple[Sequence[float], Sequence[float]],
+    zs: Sequence[float],
+    is_smooth: bool,
+    extrapolation: int,
+) -> float:
+    """Value or partial derivative at *point* of *zs*, row by row: ``zs[i * len(ys) + j]`` stands at (xs[i], ys[j]).
+
+    Smooth: cubic Hermite along each axis of more than two points, with three-point parabolic slopes.
+    """
+    from scipy.interpolate import CubicHermiteSpline
+
+    if any(_is_refused(x, xs, extrapolation) for x, xs in zip(point, axes, strict=True)):
+        return math.nan
+    values = np.reshape(zs, tuple(map(len, axes)))
+    for order, x, xs in zip(orders, point, axes, strict=True):
+        is_cubic = is_smooth and len(xs) > 2
+        slopes = np.gradient(values, xs, axis=0, edge_order=2) if is_cubic else None
+        curve = _broken_line(xs, values) if slopes is None else CubicHermiteSpline(xs, values, slopes)
+        values = _extended(curve, order, x, xs, extrapolation)
+    return float(values)
+
+
+def _is_refused(x: float, xs: Sequence[float], extrapolation: int) -> bool:
+    return math.isnan(x) or (extrapolation == ERROR and not xs[0] <= x <= xs[-1])
+
+
+def _broken_line(xs: Sequence[float], values: NDArray[np.float64]) -> PPoly:
+    from scipy.interpolate import PPoly
+
+    rises = (np.diff(values.T) / np.diff(xs)).T
+    return PPoly(np.stack([rises, values[:-1]]), xs)
+
+
+def _extended(curve: PPoly, order: int, x: float, xs: Sequence[float], extrapolation: int) -> NDArray[np.float64]:
+    end = min(max(x, xs[0]), xs[-1])
+    if x == end:
+        return curve(x, order)
+    if extrapolation == HOLD:
+        return curve(end) if order == 0 else 0.0 * curve(end)
+    slope = curve(end, 1)
+    return (curve(end) + slope * (x - end), slope, 0.0 * slope)[order]
 
 
 # Random numbers by xorshift generators (S. Vigna, ACM Trans. Math. Softw. 42(4), 2016), as the C runtime computes them.

@@ -13,10 +13,9 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 from dse.errors import DseError
 from dse.modelica.algebra.arithmetic import FUNCTIONS
 from dse.modelica.algebra.derivative import partial
-from dse.modelica.algebra.evaluate import evaluate
+from dse.modelica.algebra.evaluate import evaluate, table1, table2
 from dse.modelica.algebra.expression import Expression, Graph
 from dse.modelica.algebra.symbol import Referent, Symbol
-from dse.modelica.algebra.tables import table1, table2
 from dse.modelica.flat_model import Role, ScalarType, Variable
 from dse.modelica.structure.reduction.pantelides import total
 
