@@ -7,7 +7,6 @@ from itertools import groupby
 
 from dse.modelica.emit.expressions.scope import Store, scope_lines
 from dse.modelica.emit.expressions.setting import Setting
-from dse.modelica.emit.sharing import Part
 from dse.modelica.emit.systems import explicit_store, system_lines
 from dse.modelica.flat_model import FlatModel, Trigger
 from dse.modelica.solved_model import Activation, EventBlock, Explicit, System, When
@@ -17,7 +16,7 @@ _LINES_A_FUNCTION = 200
 _ASSIGNMENTS_A_SCOPE = 150
 
 
-def pass_lines(name: str, blocks: Iterable[EventBlock | Part], flat: FlatModel, setting: Setting) -> list[str]:
+def pass_lines(name: str, blocks: Iterable[EventBlock], flat: FlatModel, setting: Setting) -> list[str]:
     """The function *name*, which makes one pass over *blocks*; where it would be long, it calls several."""
     return function_lines(name, block_pieces(blocks, flat, setting))
 
@@ -49,7 +48,7 @@ def _function(name: str, lines: list[str]) -> list[str]:
     return [head, "    double *const v = m->v;", "    (void)v;", *lines, "    return 0;", "}"]
 
 
-def block_pieces(blocks: Iterable[EventBlock | Part], flat: FlatModel, setting: Setting) -> Iterator[list[str]]:
+def block_pieces(blocks: Iterable[EventBlock], flat: FlatModel, setting: Setting) -> Iterator[list[str]]:
     """The statements of one pass over *blocks*, in pieces that may stand in functions of their own."""
     for is_explicit, run in groupby(blocks, lambda block: isinstance(block, Explicit)):
         if is_explicit:
@@ -64,16 +63,6 @@ def block_pieces(blocks: Iterable[EventBlock | Part], flat: FlatModel, setting: 
                     yield _when(block, setting)
                 case Activation(number):
                     yield activation_lines(number, flat.triggers[number], setting)
-                case Part(number):
-                    yield ["    {", f"        const int code = {part_name(number)}(m);", *_PASS_ON, "    }"]
-
-
-_PASS_ON = ("        if (code) {", "            return code;", "        }")
-
-
-def part_name(number: int) -> str:
-    """The function of the part *number*."""
-    return f"model_part_{number}"
 
 
 def scoped(stores: list[Store], setting: Setting) -> list[str]:

@@ -14,7 +14,6 @@ from dse.modelica.emit.blocks import (
     activation_lines,
     block_pieces,
     function_lines,
-    part_name,
     pass_lines,
     scoped,
     scopes,
@@ -26,7 +25,6 @@ from dse.modelica.emit.expressions.scope import Store, scope_lines
 from dse.modelica.emit.expressions.setting import Collected, Setting, comment, literal
 from dse.modelica.emit.hoist import Hoisted, hoisted
 from dse.modelica.emit.memory import MemoryLayout, memory_layout
-from dse.modelica.emit.sharing import Program, shared_passes
 from dse.modelica.emit.variables import FmuVariable
 from dse.modelica.solved_model import Activation, Solved, all_expressions
 
@@ -81,16 +79,11 @@ def _functions(solved: Solved, memory: MemoryLayout, lean: Hoisted, collected: C
     flat = lean.solved.flat
     yield from function_lines("model_parameters", _parameters(solved, lean, replace(plain, own=lean.own), hot))
     yield from pass_lines("model_guess", solved.guesses, solved.flat, plain)
-    order = shared_passes(
-        lean.solved.derivatives, lean.solved.outputs, lean.solved.event, lean.lean_initial or (), flat
-    )
-    for part in order.parts:
-        yield from pass_lines(part_name(part.number), part.blocks, flat, hot)
-    at_start = replace(plain if lean.lean_initial is None else hot, is_initial=True)
-    yield from function_lines("model_initial", _initial(solved, order.initial or solved.initial, at_start))
-    yield from pass_lines("model_derivatives", order.derivatives, flat, hot)
-    yield from pass_lines("model_outputs", order.outputs, flat, hot)
-    yield from pass_lines("model_event", order.event, flat, hot)
+    at_start = replace(hot if lean.are_all_known else plain, is_initial=True)
+    yield from function_lines("model_initial", _initial(solved, at_start))
+    yield from pass_lines("model_derivatives", lean.solved.derivatives, flat, hot)
+    yield from pass_lines("model_outputs", lean.solved.outputs, flat, hot)
+    yield from pass_lines("model_event", lean.solved.event, flat, hot)
     yield from relation_lines(flat, hot)
     yield from reinitialization_lines(lean.solved, hot)
     yield from check_lines(flat, hot)
@@ -107,9 +100,9 @@ def _parameters(solved: Solved, lean: Hoisted, setting: Setting, hot: Setting) -
     yield from axis_checks(chain(all_expressions(lean.solved), hoisted_values), hot)
 
 
-def _initial(solved: Solved, blocks: Program, setting: Setting) -> Iterator[list[str]]:
+def _initial(solved: Solved, setting: Setting) -> Iterator[list[str]]:
     """The initial blocks; then the memory of all conditions, which is set without making any when-clause active."""
-    yield from block_pieces(blocks, solved.flat, setting)
+    yield from block_pieces(solved.initial, solved.flat, setting)
     decided = {block.trigger for block in solved.initial if isinstance(block, Activation)}
     for number, trigger in enumerate(solved.flat.triggers):
         if number not in decided:
