@@ -160,7 +160,7 @@ def _contents(
 ) -> dict[str, bytes]:
     """Every file of the FMU but its library, by path; the same for the same component on every machine."""
     tolerance = source.tolerance or DEFAULT_TOLERANCE
-    generated = emit(translated.solved, translated.variables, token, source.solver, tolerance)
+    generated = emit(translated.solved, translated.variables, token, source.solver, tolerance, translated.names)
     files = (f"runtime/fmi{version}.c", "runtime/start.c")
     described = Described(
         name=component.name,

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from dse.domain.component import Component, Kind, Parameter
-from dse.errors import DseError, Location, fail
+from dse.errors import DseError, fail
 from dse.modelica.emit.variables import FmuVariable, Variability, variables
 from dse.modelica.flatten.flattening import flatten
 from dse.modelica.frontend.compile import read_answer
@@ -17,18 +17,19 @@ from dse.modelica.frontend.result import FrontEndResult
 from dse.modelica.frontend.sources import Keep, ModelSources
 from dse.modelica.frontend.structural.probe import compile_probed
 from dse.modelica.interface import starts
-from dse.modelica.solved_model import B, EventBlock, Solved, System
+from dse.modelica.solved_model import Solved
 from dse.modelica.structure.solve import solve
 
 
 @dataclass(frozen=True, slots=True)
 class Translated:
-    """A model ready to become C, with the component's values for its parameters; *files* by their own names."""
+    """A model ready to become C, with the component's values for its parameters; *files* are names, *names* by path."""
 
     solved: Solved
     variables: tuple[FmuVariable, ...]
     description: str
     files: tuple[str, ...]
+    names: Mapping[str, str]
 
 
 class TranslationError(DseError):
@@ -51,9 +52,9 @@ def translate(component: Component, sources: ModelSources, keep: Keep) -> Transl
         listed = tuple(_as_asked(component, variable) for variable in variables(solved, given))
     except DseError as error:
         raise TranslationError(*error.problems) from error
-    # What is built must not depend on where the files lie.
     names = {path: name for name, path in sources.origins.items()}
-    return Translated(_relocated(solved, names), listed, result.description, tuple(sorted(sources.contents)))
+    solved = replace(solved, notes=tuple(_renamed(note, names) for note in solved.notes))
+    return Translated(solved, listed, result.description, tuple(sorted(sources.contents)), names)
 
 
 _MOST_ROUNDS = 10
@@ -126,37 +127,6 @@ def _as_asked(component: Component, variable: FmuVariable) -> FmuVariable:
         minimum=variable.minimum if found.minimum is None else found.minimum,
         maximum=variable.maximum if found.maximum is None else found.maximum,
         description=found.title or variable.description,
-    )
-
-
-def _relocated(solved: Solved, names: Mapping[str, str]) -> Solved:
-    """*solved* with each file called by its name in *names*; blocks that are one object stay one object."""
-
-    def place(where: Location | None) -> Location | None:
-        return None if where is None else replace(where, file=names.get(where.file, where.file))
-
-    moved: dict[int, EventBlock] = {}
-
-    def blocks(found: Iterable[B]) -> tuple[B, ...]:
-        listed = tuple(found)
-        for block in listed:
-            if isinstance(block, System) and id(block) not in moved:
-                moved[id(block)] = replace(block, where=tuple(filter(None, map(place, block.where))))
-        return tuple(moved.get(id(block), block) for block in listed)  # type: ignore[misc]  # a System for a System
-
-    flat = replace(
-        solved.flat,
-        relations=tuple(replace(one, where=place(one.where)) for one in solved.flat.relations),
-        checks=tuple(replace(one, where=place(one.where)) for one in solved.flat.checks),
-    )
-    return replace(
-        solved,
-        flat=flat,
-        derivatives=blocks(solved.derivatives),
-        outputs=blocks(solved.outputs),
-        event=blocks(solved.event),
-        initial=blocks(solved.initial),
-        notes=tuple(_renamed(note, names) for note in solved.notes),
     )
 
 

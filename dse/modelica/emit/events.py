@@ -9,7 +9,7 @@ from dse.modelica.algebra.expression import ORDERINGS, Expression, shown
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.emit.blocks import scoped
 from dse.modelica.emit.expressions.scope import Store, scope_lines
-from dse.modelica.emit.expressions.setting import Setting, locations, quoted
+from dse.modelica.emit.expressions.setting import Setting, quoted
 from dse.modelica.flat_model import Check, FlatModel, Relation
 from dse.modelica.solved_model import Solved
 
@@ -20,7 +20,7 @@ def relation_lines(flat: FlatModel, setting: Setting) -> list[str]:
     """``model_relations``: difference of the sides and truth of every relation, from the current values."""
     stores = []
     for number, relation in enumerate(flat.relations):
-        subject = f"in the relation {relation_text(relation)}"
+        subject = f"in the relation {relation_text(relation, setting)}"
         stores.append(Store(f"crossing[{number}]", _difference(relation.truth), subject))
         stores.append(Store(f"truth[{number}]", relation.truth, subject, wants_truth=True))
     return [
@@ -41,14 +41,14 @@ def _difference(truth: Expression) -> Expression:
     return graph.make("if", truth, graph.constant(1.0), graph.constant(-1.0))
 
 
-def relation_text(relation: Relation) -> str:
+def relation_text(relation: Relation, setting: Setting) -> str:
     """Where *relation* stands, and how it reads."""
     truth = relation.truth
     text = shown(truth)
     if truth.operator in _SIGNS:
         left, right = truth.operands
         text = f"{shown(left)} {_SIGNS[truth.operator]} {shown(right)}"
-    return f"{locations((relation.where,))}: {text}" if relation.where else text
+    return f"{setting.locations((relation.where,))}: {text}" if relation.where else text
 
 
 def reinitialization_lines(solved: Solved, setting: Setting) -> list[str]:
@@ -98,7 +98,7 @@ def _check_function(name: str, checks: Iterable[tuple[int, Check]], setting: Set
         failure = f"tell(m, {number}, 0, dse_failure[{{code}} - 1]); return 1;"
         inside = replace(setting, on_failure=failure)
         kind = "terminate" if check.terminates else "assert"
-        at = f" at {locations((check.where,))}" if check.where else ""
+        at = f" at {setting.locations((check.where,))}" if check.where else ""
         store = Store("holds", check.condition, f"in the condition of the {kind}{at}", wants_truth=True)
         guard = "1" if check.trigger is None else f"m->is_active[{check.trigger}]"
         lines += [f"    if ({guard}) {{", "        int holds;", *scope_lines([store], inside)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain, pairwise
 
@@ -24,7 +24,7 @@ from dse.modelica.emit.expressions.printing import table_axes
 from dse.modelica.emit.expressions.scope import Store, scope_lines
 from dse.modelica.emit.expressions.setting import Collected, Setting, comment, literal
 from dse.modelica.emit.hoist import Hoisted, hoisted
-from dse.modelica.emit.memory import MemoryLayout, memory_layout
+from dse.modelica.emit.memory import memory_layout
 from dse.modelica.emit.variables import FmuVariable
 from dse.modelica.solved_model import Activation, Solved, all_expressions
 
@@ -37,17 +37,19 @@ def emit(
     token: str,
     solver: Solver = Solver.AUTO,
     tolerance: float = DEFAULT_TOLERANCE,
+    names: Mapping[str, str] | None = None,
 ) -> dict[str, bytes]:
     """``model.h`` and ``start.c``, by name. *variables* are those of `variables`, in order of their references.
 
-    *tolerance* is relative; a state's absolute one is it times the nominal value. Start values and *token* stand in
-    start.c only. Raises DseError for what cannot become C: too large a system, a clock too fine to count, a token too
+    *tolerance* is relative; a state's absolute one is it times the nominal value. *names* are those of files by their
+    paths, for messages. Start values and *token* are in start.c only. Raises DseError for what cannot become C: too large a system, a clock too fine to count, a token too
     long.
     """
     memory = memory_layout(solved)
     lean = hoisted(solved, memory)
     collected = Collected()
-    functions = list(_functions(solved, memory, lean, collected))
+    plain = Setting(memory, collected, names=names or {})
+    functions = list(_functions(solved, plain, lean))
     model = [
         comment(f"Generated from the Modelica model {solved.flat.name}."),
         "#ifndef DSE_MODEL_H",
@@ -58,7 +60,7 @@ def emit(
         f"#define DSE_DEFAULT_TOLERANCE {literal(tolerance)}",
         '#include "arithmetic.h"',
         '#include "modelica.h"',
-        *table_lines(solved, memory, list(collected.failures)),
+        *table_lines(solved, plain),
         *slot_lines(variables),
         *collected.array_lines(),
         *collected.system_lines,
@@ -73,8 +75,7 @@ def _bytes(lines: Iterable[str]) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def _functions(solved: Solved, memory: MemoryLayout, lean: Hoisted, collected: Collected) -> Iterator[str]:
-    plain = Setting(memory, collected)
+def _functions(solved: Solved, plain: Setting, lean: Hoisted) -> Iterator[str]:
     hot = replace(plain, own=lean.own, gathered={node.number: place for node, place in lean.gathered})
     flat = lean.solved.flat
     yield from function_lines("model_parameters", _parameters(solved, lean, replace(plain, own=lean.own), hot))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from dse.errors import Location
@@ -44,7 +44,8 @@ class Setting:
     """Where a function stands: *is_initial* is the value of ``initial()``, *on_failure* what it does about a code.
 
     *own* are places behind the layout's, of what is computed from parameters beforehand; *gathered* places in
-    ``m->data`` of the arrays of such values, by their nodes' numbers.
+    ``m->data`` of the arrays of such values, by their nodes' numbers. *names* are those of files by their
+    paths: what is built must not depend on where they are.
     """
 
     layout: MemoryLayout
@@ -53,6 +54,7 @@ class Setting:
     own: Mapping[Symbol, int] = field(default_factory=dict)
     gathered: Mapping[int, int] = field(default_factory=dict)
     on_failure: str = "return {code};"
+    names: Mapping[str, str] = field(default_factory=dict)
 
     def failing(self, text: str) -> str:
         """The statement that tells *text*."""
@@ -80,6 +82,12 @@ class Setting:
                 return "m->continued"
         return "1" if self.is_initial else "0"
 
+    def locations(self, where: Iterable[Location]) -> str:
+        """*where* in words, cut after four places."""
+        named = [(self.names.get(place.file, place.file), place.line) for place in where]
+        shown = [f"{name}:{line}" if line else name for name, line in dict.fromkeys(named)]
+        return ", ".join(shown[:4]) + (", …" if len(shown) > 4 else "")
+
     def array(self, node: Expression) -> str | None:
         """A pointer to the elements of *node*, if they stand in a row somewhere."""
         if all(element.is_constant for element in node.operands):
@@ -100,12 +108,6 @@ def is_truth(node: Expression) -> bool:
     if node.symbol is not None:
         return node.symbol.referent in (Referent.HELD, Referent.INITIAL)
     return node.operator in TRUTHS
-
-
-def locations(where: tuple[Location, ...]) -> str:
-    """*where* in words, cut after four places."""
-    shown = [f"{place.file}:{place.line}" if place.line else place.file for place in dict.fromkeys(where)]
-    return ", ".join(shown[:4]) + (", …" if len(shown) > 4 else "")
 
 
 def literal(value: float) -> str:
