@@ -42,8 +42,8 @@ def emit(
     """``model.h`` and ``start.c``, by name. *variables* are those of `variables`, in order of their references.
 
     *tolerance* is relative; a state's absolute one is it times the nominal value. *names* are those of files by their
-    paths, for messages. Start values and *token* are in start.c only. Raises DseError for what cannot become C: too large a system, a clock too fine to count, a token too
-    long.
+    paths, for messages. Start values and *token* are in start.c only. Raises DseError for what cannot become C: too
+    large a system, a clock too fine to count, a token too long.
     """
     memory = memory_layout(solved)
     lean = hoisted(solved, memory)
