@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from dse.domain.component import Component, Kind, Parameter
 from dse.errors import DseError, fail
@@ -96,24 +97,16 @@ def answer(sources: ModelSources, structural: Mapping[str, Value], keep: Keep) -
 
 def _literal(parameter: Parameter, result: FrontEndResult, name: str) -> Value | None:
     """The parameter's start for the front-end; None if it does not fit, which is told when all are compared."""
-    scalar = next(
-        (
-            result.dae["storage"]["value_types"][variable["value_type"]]["scalar"]
-            for variable in result.dae["storage"]["variables"]
-            if variable["name"] == name
-        ),
-        "",
-    )
-    match parameter.type.kind, scalar:
-        case Kind.REAL, "real":
-            return float(parameter.start)
-        case Kind.INTEGER, "integer":
-            return int(parameter.start)
-        case Kind.BOOLEAN, "boolean":
-            return bool(parameter.start)
-        case Kind.ENUMERATION, "enumeration":
-            return f"{result.flat['variable_type_names'][name]}.{parameter.start}"
-    return None
+    storage, kind = result.dae["storage"], parameter.type.kind
+    types = (each["value_type"] for each in storage["variables"] if each["name"] == name)
+    if kind.name.lower() not in [storage["value_types"][number]["scalar"] for number in types]:
+        return None
+    if kind is Kind.ENUMERATION:
+        return f"{result.flat['variable_type_names'][name]}.{parameter.start}"
+    return _PLAIN[kind](parameter.start)
+
+
+_PLAIN: Mapping[Kind, Callable[[Any], Value]] = {Kind.REAL: float, Kind.INTEGER: int, Kind.BOOLEAN: bool}
 
 
 def _as_asked(component: Component, variable: FmuVariable) -> FmuVariable:

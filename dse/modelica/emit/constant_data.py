@@ -9,10 +9,9 @@ from dse.errors import fail
 from dse.fmu import Row
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.emit.events import relation_text
-from dse.modelica.emit.expressions.setting import Setting, literal, quoted, table
+from dse.modelica.emit.blocks import relation_text
+from dse.modelica.emit.expressions.setting import MemoryLayout, Setting, literal, quoted, table
 from dse.modelica.emit.hoist import Hoisted
-from dse.modelica.emit.memory import MemoryLayout
 from dse.modelica.emit.variables import Causality, FmuVariable, Variability
 from dse.modelica.flat_model import Clock
 from dse.modelica.solved_model import Solved, System, targets

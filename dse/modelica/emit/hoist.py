@@ -9,7 +9,7 @@ from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import replaced, symbols, walk
 from dse.modelica.emit.expressions.regions import cost
-from dse.modelica.emit.memory import MemoryLayout
+from dse.modelica.emit.expressions.setting import MemoryLayout
 from dse.modelica.flat_model import Role
 from dse.modelica.solved_model import EventBlock, Explicit, Solved, expressions, mapped, targets
 

@@ -13,18 +13,19 @@ from dse.modelica.algebra.traversal import walk
 from dse.modelica.emit.blocks import (
     activation_lines,
     block_pieces,
+    check_lines,
     function_lines,
     pass_lines,
+    reinitialization_lines,
+    relation_lines,
     scoped,
     scopes,
 )
 from dse.modelica.emit.constant_data import size_lines, slot_lines, start_lines, table_lines
-from dse.modelica.emit.events import check_lines, reinitialization_lines, relation_lines
 from dse.modelica.emit.expressions.printing import table_axes
 from dse.modelica.emit.expressions.scope import Store, scope_lines
-from dse.modelica.emit.expressions.setting import Collected, Setting, comment, literal
+from dse.modelica.emit.expressions.setting import Collected, Setting, comment, literal, memory_layout
 from dse.modelica.emit.hoist import Hoisted, hoisted
-from dse.modelica.emit.memory import memory_layout
 from dse.modelica.emit.variables import FmuVariable
 from dse.modelica.solved_model import Activation, Solved, all_expressions
 
@@ -132,7 +133,9 @@ def axis_checks(roots: Iterable[Expression], setting: Setting) -> Iterator[list[
     axes = {axis.number: axis for node in walk(roots) for axis in table_axes(node)}
     for axis in axes.values():
         if all(element.is_constant for element in axis.operands):
-            _refuse_unordered(axis)
+            numbers = [element.value for element in axis.operands]
+            if len(numbers) < 2 or any(not left < right for left, right in pairwise(numbers)):
+                raise fail(_text(axis))
         else:
             yield _check(axis, setting)
 
@@ -140,12 +143,6 @@ def axis_checks(roots: Iterable[Expression], setting: Setting) -> Iterator[list[
 def _text(axis: Expression) -> str:
     ends = ", …, ".join(shown(element) for element in (*axis.operands[:1], *axis.operands[1:][-1:]))
     return f"the axis of a table ({ends}) must have at least two numbers, each greater than the one before"
-
-
-def _refuse_unordered(axis: Expression) -> None:
-    numbers = [element.value for element in axis.operands]
-    if len(numbers) < 2 or any(not left < right for left, right in pairwise(numbers)):
-        raise fail(_text(axis))
 
 
 def _check(axis: Expression, setting: Setting) -> list[str]:

@@ -9,6 +9,7 @@ rumoca 0.10.2 applies a redeclaration in the modifications of a component (`Car 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
@@ -171,6 +172,9 @@ def _records(read: Forest) -> Iterator[Problem]:
 def misread_modifications(read: Forest, called: Iterable[str]) -> Iterator[Problem]:
     """Each modification in what is used that the front-end takes for something else; *called* are all functions."""
     last = {name.rpartition(".")[2] for name in called}
+    written = Counter(word for tree in read.trees for word in tree.words)
+    components = [each for each in read.elements if each.kind == "component" and not each.is_argument]
+    own = {(each.parent.name, each.name) for each in components if each.parent}
     for element in read.elements:
         is_used = element.kind != "function" or not last.isdisjoint((element.name, element.last))
         if "redeclare" in element.prefixes and element.kind in KINDS and element.written and is_used:
@@ -187,7 +191,8 @@ def misread_modifications(read: Forest, called: Iterable[str]) -> Iterator[Probl
             what = f"the modification of '{element.name}', which the front-end does not see, is not supported"
             yield Problem(what, element.where, "nest it: a(b = 1) in place of a.b = 1")
         if "redeclare" in element.prefixes and element.is_argument and element.parent:
-            yield from _lost(read, element, element.parent)
+            is_named = element.parent.kind == "extends" or written[element.parent.name] > 1
+            yield from _lost(element, element.parent, is_named and (element.parent.last, element.name) not in own)
     yield from _redeclared_components(read)
 
 
@@ -223,8 +228,8 @@ def _names(element: Element) -> set[str]:
     }
 
 
-def _lost(read: Forest, element: Element, owner: Element) -> Iterator[Problem]:
-    """Redeclarations in modifications that are dropped."""
+def _lost(element: Element, owner: Element, is_inherited: bool) -> Iterator[Problem]:
+    """Redeclarations in modifications that are dropped. *is_inherited*: a class that is used inherits the component."""
     what = "the redeclaration of " + ("a class" if element.kind in KINDS else f"'{element.name}'")
     if owner.is_argument:
         what += " inside another modification, which the front-end does not see, is not supported"
@@ -232,8 +237,7 @@ def _lost(read: Forest, element: Element, owner: Element) -> Iterator[Problem]:
             what, element.tree.place(element.start), "declare a class that has the redeclaration, and use that class"
         )
         return
-    is_used = owner.kind == "extends" or (owner.kind in KINDS and read.words[owner.name] > 1)
-    if is_used and element.kind == "component" and element.name not in read.own.get(owner.last, ()):
+    if owner.kind in ("extends", *KINDS) and element.kind == "component" and is_inherited:
         what += f", which '{owner.last}' inherits, and which the front-end does not see, is not supported"
         hint = "redeclare it in `extends` of the class that declares it, or in the declaration of a component"
         yield Problem(what, element.tree.place(element.start), hint)

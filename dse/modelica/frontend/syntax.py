@@ -7,7 +7,6 @@ one.
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
@@ -287,14 +286,6 @@ class Forest:
     def __init__(self, texts: Iterable[SourceText]) -> None:
         self.trees = [_tree(text) for text in texts]
         self.elements = [element for tree in self.trees for element in tree.elements]
-        self.words = Counter(word for tree in self.trees for word in tree.words)
-        """How often each word is written."""
-        self.own: dict[str, set[str]] = {}
-        """The components that classes of one name declare themselves."""
-        for element in self.elements:
-            if element.kind in KINDS:
-                names = {inner.name for inner in element.elements if inner.kind == "component"}
-                self.own.setdefault(element.name, set()).update(names)
 
 
 def _tree(text: SourceText) -> Tree:
