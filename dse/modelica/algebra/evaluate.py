@@ -67,25 +67,20 @@ def _called(node: Expression, done: Mapping[int, float]) -> float:
         return _random(int(scalar(0)), elements(2))
     if node.name == "random_start":
         return _random_start(int(scalar(0)), elements(1))
-    if node.name == "table1":
-        axes, points = [elements(2)], elements(3)
-    elif node.name == "table2":
-        axes, points = [elements(4), elements(5)], elements(6)
-    else:
+    count = {"table1": 1, "table2": 2}.get(node.name)
+    if count is None:
         raise fail(f"'{node.name}' cannot be evaluated")
+    orders, point = [int(scalar(k)) for k in range(count)], [scalar(count + k) for k in range(count)]
+    axes, points = [elements(2 * count + k) for k in range(count)], elements(3 * count)
     for axis in axes:
         if len(axis) < 2 or any(not a < b for a, b in pairwise(axis)):
             raise fail(f"a table needs at least two points on a strictly increasing axis, not {axis}")
-    extrapolation = scalar(len(node.operands) - 1)
+    is_smooth, extrapolation = scalar(3 * count + 1) != 0, scalar(3 * count + 2)
     if extrapolation not in range(HOLD, ERROR + 1):
         raise fail(f"a table's extrapolation is 1, 2 or 3, not {extrapolation:g}")
     if not all(map(math.isfinite, points)):
         return math.nan
-    is_smooth = scalar(len(node.operands) - 2) != 0
-    if node.name == "table1":
-        return table1(int(scalar(0)), scalar(1), axes[0], points, is_smooth, int(extrapolation))
-    orders, point = (int(scalar(0)), int(scalar(1))), (scalar(2), scalar(3))
-    return table2(orders, point, (axes[0], axes[1]), points, is_smooth, int(extrapolation))
+    return table(orders, point, axes, points, is_smooth, int(extrapolation))
 
 
 # Tables, as the C runtime computes them.
@@ -94,56 +89,35 @@ HOLD, LINEAR, ERROR = 1, 2, 3
 """Outside of a table: its end value; on with the slope at the end; an error (NaN here)."""
 
 
-def table1(
-    order: int, x: float, xs: Sequence[float], ys: Sequence[float], is_smooth: bool, extrapolation: int
-) -> float:
-    """Value or derivative (*order* 1, 2) at *x* of the table of *ys* over strictly increasing *xs*, at least two.
-
-    Smooth: monotone cubic Hermite (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5(2), 1984, 300-304).
-    """
-    from scipy.interpolate import PchipInterpolator
-
-    if _is_refused(x, xs, extrapolation):
-        return math.nan
-    is_cubic = is_smooth and len(xs) > 2
-    curve = PchipInterpolator(xs, ys) if is_cubic else _broken_line(xs, np.array(ys))
-    return float(_extended(curve, order, x, xs, extrapolation))
-
-
-def table2(
-    orders: tuple[int, int],
-    point: tuple[float, float],
-    axes: tuple[Sequence[float], Sequence[float]],
-    zs: Sequence[float],
+def table(
+    orders: Sequence[int],
+    point: Sequence[float],
+    axes: Sequence[Sequence[float]],
+    points: Sequence[float],
     is_smooth: bool,
     extrapolation: int,
 ) -> float:
-    """Value or partial derivative at *point* of *zs*, row by row: ``zs[i * len(ys) + j]`` stands at (xs[i], ys[j]).
+    """Value or partial derivative (*orders* up to 2) at *point* of the table of *points*, row by row, over *axes*.
 
-    Smooth: cubic Hermite along each axis of more than two points, with three-point parabolic slopes.
+    Smooth over one axis: monotone cubic Hermite (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5(2), 1984, 300-304);
+    over several: cubic Hermite along each with three-point parabolic slopes. Two points are joined by a line.
     """
-    from scipy.interpolate import CubicHermiteSpline
+    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator, PPoly
 
-    if any(_is_refused(x, xs, extrapolation) for x, xs in zip(point, axes, strict=True)):
-        return math.nan
-    values = np.reshape(zs, tuple(map(len, axes)))
+    for x, xs in zip(point, axes, strict=True):
+        if math.isnan(x) or (extrapolation == ERROR and not xs[0] <= x <= xs[-1]):
+            return math.nan
+    values = np.reshape(points, [len(xs) for xs in axes])
     for order, x, xs in zip(orders, point, axes, strict=True):
-        is_cubic = is_smooth and len(xs) > 2
-        slopes = np.gradient(values, xs, axis=0, edge_order=2) if is_cubic else None
-        curve = _broken_line(xs, values) if slopes is None else CubicHermiteSpline(xs, values, slopes)
+        curve: PPoly
+        if not is_smooth or len(xs) == 2:
+            curve = PPoly(np.stack([(np.diff(values.T) / np.diff(xs)).T, values[:-1]]), xs)
+        elif len(axes) == 1:
+            curve = PchipInterpolator(xs, values)
+        else:
+            curve = CubicHermiteSpline(xs, values, np.gradient(values, xs, axis=0, edge_order=2))
         values = _extended(curve, order, x, xs, extrapolation)
     return float(values)
-
-
-def _is_refused(x: float, xs: Sequence[float], extrapolation: int) -> bool:
-    return math.isnan(x) or (extrapolation == ERROR and not xs[0] <= x <= xs[-1])
-
-
-def _broken_line(xs: Sequence[float], values: NDArray[np.float64]) -> PPoly:
-    from scipy.interpolate import PPoly
-
-    rises = (np.diff(values.T) / np.diff(xs)).T
-    return PPoly(np.stack([rises, values[:-1]]), xs)
 
 
 def _extended(curve: PPoly, order: int, x: float, xs: Sequence[float], extrapolation: int) -> NDArray[np.float64]:
