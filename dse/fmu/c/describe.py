@@ -44,9 +44,8 @@ def describe(subject: Subject, version: int) -> bytes:
     add_enumerations(root, {str(kind): kind.items for kind in enumerations}, 0, version)
     categories = ET.SubElement(root, "LogCategories")
     ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
-    experiment = ET.SubElement(root, "DefaultExperiment", startTime="0.0")
-    if subject.period is not None:
-        experiment.set("stepSize", repr(subject.period))
+    step = {} if subject.period is None else {"stepSize": repr(subject.period)}
+    ET.SubElement(root, "DefaultExperiment", startTime="0.0", **step)
     _add_variables(root, subject, version)
     return xml_text(root)
 
@@ -159,7 +158,9 @@ def _add_variables(root: ET.Element, subject: Subject, version: int) -> None:
             continue
         if slot.shape:
             common["name"] = slot.array
-            typed |= _of_array(subject.slots[slot.reference : slot.reference + prod(slot.shape)])
+            values = subject.slots[slot.reference : slot.reference + prod(slot.shape)]
+            starts = [number_text(one.type.kind, one.start) for one in values if one.start is not None]
+            typed |= {"start": " ".join(starts)} if starts else {}
         variable = ET.SubElement(variables, TYPES_3[slot.type.kind], {**common, **typed})
         for size in slot.shape:
             ET.SubElement(variable, "Dimension", start=str(size))
@@ -211,12 +212,6 @@ def _whole(slots: tuple[Slot, ...]) -> list[Slot]:
     return found
 
 
-def _of_array(slots: tuple[Slot, ...]) -> dict[str, str]:
-    """Attributes that hold for all values of an array: their starts."""
-    starts = [number_text(slot.type.kind, slot.start) for slot in slots if slot.start is not None]
-    return {"start": " ".join(starts)} if starts else {}
-
-
 def free_name(name: str, taken: Container[str]) -> str:
     """*name*, or one like it that is not *taken*."""
     while name in taken:
@@ -226,25 +221,14 @@ def free_name(name: str, taken: Container[str]) -> str:
 
 def add_time(variables: ET.Element, reference: int, taken: Container[str]) -> None:
     """The independent variable of FMI 3.0."""
-    ET.SubElement(
-        variables,
-        "Float64",
-        name=free_name("time", taken),
-        valueReference=str(reference),
-        causality="independent",
-        variability="continuous",
-        description="Simulation time in seconds",
-    )
+    own = {"name": free_name("time", taken), "valueReference": str(reference), "causality": "independent"}
+    own |= {"variability": "continuous", "description": "Simulation time in seconds"}
+    ET.SubElement(variables, "Float64", own)
 
 
-TYPES_2 = {
-    Kind.REAL: "Real",
-    Kind.INTEGER: "Integer",
-    Kind.BOOLEAN: "Boolean",
-    Kind.ENUMERATION: "Enumeration",
-    Kind.TEXT: "String",
-}
-TYPES_3 = {**TYPES_2, Kind.REAL: "Float64", Kind.INTEGER: "Int32", Kind.BINARY: "Binary"}
+TYPES_2 = {**{kind: kind.name.capitalize() for kind in Kind}, Kind.TEXT: "String"}
+TYPES_3 = {**TYPES_2, Kind.REAL: "Float64", Kind.INTEGER: "Int32"}
+"""What FMI 2.0 and 3.0 call the variables of a kind."""
 
 
 def _common(slot: Slot, *, is_sampled: bool) -> dict[str, str]:
