@@ -45,7 +45,7 @@ def describe(subject: Subject, version: int) -> bytes:
     categories = ET.SubElement(root, "LogCategories")
     ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
     step = {} if subject.period is None else {"stepSize": repr(subject.period)}
-    ET.SubElement(root, "DefaultExperiment", startTime="0.0", **step)
+    ET.SubElement(root, "DefaultExperiment", {"startTime": "0.0", **step})
     _add_variables(root, subject, version)
     return xml_text(root)
 
