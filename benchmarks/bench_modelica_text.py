@@ -13,12 +13,10 @@ from typing import Any
 
 from dse.errors import DseError
 from dse.modelica.frontend.buses import with_members
-from dse.modelica.frontend.derivatives import with_variables
 from dse.modelica.frontend.library_functions import with_tables
 from dse.modelica.frontend.library_names import distinct
-from dse.modelica.frontend.misreadings import mixed_up_constants
-from dse.modelica.frontend.modifications import misread_modifications
-from dse.modelica.frontend.other_words import with_equations
+from dse.modelica.frontend.misreadings import misread_modifications, mixed_up_constants
+from dse.modelica.frontend.other_words import with_equations, with_variables
 from dse.modelica.frontend.source_text import SourceText, code, declarations
 from dse.modelica.frontend.structural.shape import made_of, places
 from dse.modelica.frontend.syntax import Forest

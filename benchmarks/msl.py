@@ -114,7 +114,7 @@ def _examples(library: Path) -> list[str]:
 def _other(name: str, modelica: Path, scratch: Path, engine: str) -> dict[str, Any]:
     """A model without reference results, by dse and then by rumoca, which leaves its signals in *scratch*."""
     from dse.modelica.frontend.buses import with_members
-    from dse.modelica.frontend.derivatives import with_variables
+    from dse.modelica.frontend.other_words import with_variables
     from dse.modelica.frontend.sources import LIBRARIES, read_sources
 
     if engine == "dse":

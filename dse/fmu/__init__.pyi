@@ -1,8 +1,16 @@
 from .c.build import build_c as build_c
 from .c.describe import (
-    add_base_unit as add_base_unit,
+    TYPES_2 as TYPES_2,
+    TYPES_3 as TYPES_3,
+    add_enumerations as add_enumerations,
+    add_source_files as add_source_files,
+    add_time as add_time,
+    add_units as add_units,
     describe_sources as describe_sources,
+    description_root as description_root,
+    free_name as free_name,
     model_identifier as model_identifier,
+    number_text as number_text,
     xml_text as xml_text,
 )
 from .component_build import build as build, build_all as build_all, with_platforms as with_platforms

@@ -30,8 +30,7 @@ from dse.formats import pack_zip
 from dse.modelica.description import Described, describe_model, documentation
 from dse.modelica.emit.constant_data import slot_rows
 from dse.modelica.emit.model import DEFAULT_TOLERANCE, emit
-from dse.modelica.frontend.answer_cache import AnswerCache
-from dse.modelica.frontend.sources import ModelSources, library_contents, read_sources
+from dse.modelica.frontend.sources import Keep, ModelSources, library_contents, read_sources
 from dse.modelica.openmodelica import build_with_omc, find_omc, omc_version
 from dse.modelica.translate import Translated, TranslationError, translate
 
@@ -78,7 +77,7 @@ def check_modelica(component: Component, source: ModelicaSource, cache: Path | N
     note = cache_folder(cache) / "checked" / content_key(_identity(component, source, sources, 0))
 
     def checked() -> bytes:
-        translate(component, sources, _answers(cache))
+        translate(component, sources, _keeping(cache))
         return b""
 
     try:
@@ -131,7 +130,7 @@ def _by_dse(
         return keep_file(target, lambda: packed(compiler))
 
     def packed(compiler: Compiler) -> bytes:
-        translated = translate(component, sources, _answers(cache))
+        translated = translate(component, sources, _keeping(cache))
         contents = _contents(component, source, translated, named, token, version)
         return pack_zip({**contents, str(library): _compiled(compiler, contents, version, library.name, cache)})
 
@@ -143,15 +142,16 @@ def _by_dse(
         raise fail(what, component.where, "this is a mistake of dse: please report it with the model") from error
 
 
-def _answers(cache: Path | None) -> AnswerCache:
-    return AnswerCache(cache_folder(cache) / "modelica", _implementation())
+def _keeping(cache: Path | None) -> Keep:
+    def keep(asked: Sequence[tuple[str, bytes]], make: Callable[[], bytes]) -> bytes:
+        key = content_key([*asked, ("implementation", _implementation().encode())])
+        return keep_content(cache_folder(cache) / "modelica" / f"{key}.json", make)
+
+    return keep
 
 
 def _read(component: Component, source: ModelicaSource, cache: Path | None) -> ModelSources:
-    def keep(asked: Sequence[tuple[str, bytes]], make: Callable[[], bytes]) -> bytes:
-        key = content_key([*asked, ("implementation", _implementation().encode())])
-        return keep_content(cache_folder(cache) / "modelica" / f"parts-{key}.json", make)
-
+    keep = _keeping(cache)
     return read_sources(component.name, source.model, source.files, source.roots, component.where, keep)
 
 
@@ -160,7 +160,7 @@ def _contents(
 ) -> dict[str, bytes]:
     """Every file of the FMU but its library, by path; the same for the same component on every machine."""
     tolerance = source.tolerance or DEFAULT_TOLERANCE
-    generated = emit(translated.solved, translated.variables, token, source.solver, tolerance)
+    generated = emit(translated.solved, translated.variables, token, source.solver, tolerance, translated.names)
     files = (f"runtime/fmi{version}.c", "runtime/start.c")
     described = Described(
         name=component.name,

@@ -7,10 +7,22 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 
-from dse.fmu import add_base_unit, xml_text
+from dse.domain.component import Kind
+from dse.fmu import (
+    TYPES_2,
+    TYPES_3,
+    add_enumerations,
+    add_source_files,
+    add_time,
+    add_units,
+    description_root,
+    free_name,
+    number_text,
+    xml_text,
+)
 from dse.modelica.emit.variables import Causality, FmuVariable, Variability
 from dse.modelica.flat_model import ScalarType
-from dse.units import UnitError, parse_unit
+from dse.units import Unit, UnitError, parse_unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,22 +46,20 @@ class Described:
 
 def describe_model(described: Described, version: int) -> bytes:
     """The description for FMI *version* 2 or 3."""
-    root = ET.Element("fmiModelDescription", fmiVersion="2.0" if version == 2 else "3.0", modelName=described.name)
-    root.set("guid" if version == 2 else "instantiationToken", described.token)
-    if described.title:
-        root.set("description", described.title)
-    root.set("generationTool", "dse")
-    root.set("variableNamingConvention", "structured")
+    root = description_root(described.name, described.token, described.title, version)
     if version == 2:
         root.set("numberOfEventIndicators", str(described.indicators))
     _interfaces(root, described, version)
-    _units(root, described.variables)
-    _types(root, described.variables, version)
+    shown = described.variables
+    units = {listed.unit for listed in shown if listed.unit and listed.kind is ScalarType.REAL}
+    add_units(root, {name: _unit(name) for name in units})
+    enumerations = {listed.items for listed in shown if listed.kind is ScalarType.ENUMERATION}
+    add_enumerations(root, {_type_name(items): items for items in enumerations}, 1, version)
     categories = ET.SubElement(root, "LogCategories")
     ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
     ET.SubElement(categories, "Category", name="logStatusWarning", description="Warnings of the model")
     ET.SubElement(root, "DefaultExperiment", startTime="0.0", tolerance=repr(described.tolerance))
-    (_variables_2 if version == 2 else _variables_3)(root, described)
+    _variables(root, described, version)
     return xml_text(root)
 
 
@@ -67,99 +77,60 @@ def _interfaces(root: ET.Element, described: Described, version: int) -> None:
         for name, value in saving.items():
             interface.set(name, value)
         if version == 2:
-            sources = ET.SubElement(interface, "SourceFiles")
-            for file in described.files:
-                ET.SubElement(sources, "File", name=file)
+            add_source_files(interface, described.files)
 
 
-def _units(root: ET.Element, shown: Iterable[FmuVariable]) -> None:
-    names = sorted({listed.unit for listed in shown if listed.unit and listed.kind is ScalarType.REAL})
-    if not names:
-        return
-    definitions = ET.SubElement(root, "UnitDefinitions")
-    for name in names:
-        element = ET.SubElement(definitions, "Unit", name=name)
-        try:
-            add_base_unit(element, parse_unit(name))
-        except UnitError:
-            continue  # FMI lets a unit be a name alone
-
-
-def _types(root: ET.Element, shown: Iterable[FmuVariable], version: int) -> None:
-    types = sorted({listed.items for listed in shown if listed.kind is ScalarType.ENUMERATION})
-    if not types:
-        return
-    definitions = ET.SubElement(root, "TypeDefinitions")
-    for items in types:
-        if version == 2:
-            parent = ET.SubElement(ET.SubElement(definitions, "SimpleType", name=_type_name(items)), "Enumeration")
-        else:
-            parent = ET.SubElement(definitions, "EnumerationType", name=_type_name(items))
-        for number, item in enumerate(items, start=1):
-            ET.SubElement(parent, "Item", name=item, value=str(number))
+def _unit(name: str) -> Unit | None:
+    try:
+        return parse_unit(name)
+    except UnitError:
+        return None
 
 
 def _type_name(items: Iterable[str]) -> str:
     return f"enumeration({', '.join(items)})"
 
 
-_NUMBERS_3 = {ScalarType.REAL: "Float64", ScalarType.INTEGER: "Int32"}
+_GROUPS = {
+    2: ("Outputs", "Derivatives", "InitialUnknowns"),
+    3: ("Output", "ContinuousStateDerivative", "InitialUnknown"),
+}
 
 
-def _variables_2(root: ET.Element, described: Described) -> None:
+def _variables(root: ET.Element, described: Described, version: int) -> None:
+    """All variables, and the model's structure: FMI 2.0 counts variables from 1, FMI 3.0 has their references."""
     shown = described.variables
-    index = {listed.reference: number for number, listed in enumerate(shown, start=1)}
+    word = "index" if version == 2 else "valueReference"
+    numbers = {one.reference: number if version == 2 else one.reference for number, one in enumerate(shown, 1)}
     variables = ET.SubElement(root, "ModelVariables")
     for listed in shown:
-        typed = _typed(listed)
+        common, typed, kind = _common(listed), _typed(listed), Kind[listed.kind.name]
         if listed.derivative_of is not None:
-            typed["derivative"] = str(index[listed.derivative_of])
-        variable = ET.SubElement(variables, "ScalarVariable", _common(listed))
-        ET.SubElement(variable, listed.kind.capitalize(), typed)
-    structure = ET.SubElement(root, "ModelStructure")
-    outputs, derivatives, initial = _unknowns(shown)
-    for name, unknowns in {"Outputs": outputs, "Derivatives": derivatives, "InitialUnknowns": initial}.items():
-        group = ET.SubElement(structure, name) if unknowns else structure
-        for listed in unknowns:
-            unknown = ET.SubElement(group, "Unknown", index=str(index[listed.reference]))
-            if name != "InitialUnknowns":
-                _depend(unknown, described, listed, {other.name: index[other.reference] for other in shown})
-
-
-def _variables_3(root: ET.Element, described: Described) -> None:
-    shown = described.variables
-    variables = ET.SubElement(root, "ModelVariables")
-    for listed in shown:
-        attributes = {**_common(listed), **_typed(listed)}
-        if listed.derivative_of is not None:
-            attributes["derivative"] = str(listed.derivative_of)
-        ET.SubElement(variables, _NUMBERS_3.get(listed.kind, listed.kind.capitalize()), attributes)
-    taken = {listed.name for listed in shown}
+            typed["derivative"] = str(numbers[listed.derivative_of])
+        if version == 2:
+            ET.SubElement(ET.SubElement(variables, "ScalarVariable", common), TYPES_2[kind], typed)
+        else:
+            ET.SubElement(variables, TYPES_3[kind], {**common, **typed})
+    indicators = range(1, described.indicators + 1) if version == 3 else ()
     # The runtime's own variables come after the model's.
-    first = len(described.variables)
-    time = {"causality": "independent", "variability": "continuous", "description": "Simulation time in seconds"}
-    ET.SubElement(variables, "Float64", {"name": _free("time", taken), "valueReference": str(first), **time})
-    indicator = {"causality": "local", "variability": "continuous", "initial": "calculated"}
-    for number in range(1, described.indicators + 1):
-        named = {"name": _free(f"eventIndicator[{number}]", taken), "valueReference": str(first + number)}
+    first, taken = len(shown), {listed.name for listed in shown}
+    if version == 3:
+        add_time(variables, first, taken)
+    for number in indicators:
+        named = {"name": free_name(f"eventIndicator[{number}]", taken), "valueReference": str(first + number)}
+        indicator = {"causality": "local", "variability": "continuous", "initial": "calculated"}
         ET.SubElement(variables, "Float64", {**named, **indicator})
-    references = {listed.name: listed.reference for listed in shown}
+    by_name = {listed.name: numbers[listed.reference] for listed in shown}
     structure = ET.SubElement(root, "ModelStructure")
-    outputs, derivatives, initial = _unknowns(shown)
-    groups = {"Output": outputs, "ContinuousStateDerivative": derivatives, "InitialUnknown": initial}
-    for name, unknowns in groups.items():
+    for name, unknowns in zip(_GROUPS[version], _unknowns(shown), strict=True):
+        group = ET.SubElement(structure, name) if version == 2 and unknowns else structure
         for listed in unknowns:
-            unknown = ET.SubElement(structure, name, valueReference=str(listed.reference))
-            if name != "InitialUnknown":
-                _depend(unknown, described, listed, references)
-    for number in range(1, described.indicators + 1):
+            own = {word: str(numbers[listed.reference])}
+            unknown = ET.SubElement(group, "Unknown" if version == 2 else name, own)
+            if not name.startswith("Initial"):
+                _depend(unknown, described, listed, by_name)
+    for number in indicators:
         ET.SubElement(structure, "EventIndicator", valueReference=str(first + number))
-
-
-def _free(name: str, taken: set[str]) -> str:
-    while name in taken:
-        name += "_"
-    return name
 
 
 def _unknowns(shown: Sequence[FmuVariable]) -> tuple[list[FmuVariable], list[FmuVariable], list[FmuVariable]]:
@@ -214,20 +185,12 @@ def _typed(listed: FmuVariable) -> dict[str, str]:
     if listed.kind in (ScalarType.REAL, ScalarType.INTEGER):
         for name, number in (("min", listed.minimum), ("max", listed.maximum)):
             if number is not None:
-                attributes[name] = _number(listed.kind, number)
+                attributes[name] = number_text(Kind[listed.kind.name], number)
     if listed.kind is ScalarType.REAL and listed.nominal is not None and listed.nominal > 0:
         attributes["nominal"] = repr(listed.nominal)
     if listed.start is not None:
-        attributes["start"] = _number(listed.kind, listed.start)
+        attributes["start"] = number_text(Kind[listed.kind.name], listed.start)
     return attributes
-
-
-def _number(kind: ScalarType, number: float) -> str:
-    if kind is ScalarType.REAL:
-        return repr(float(number))
-    if kind is ScalarType.BOOLEAN:
-        return "true" if number else "false"
-    return str(int(number))
 
 
 def documentation(title: str, model: str, files: Iterable[str], settings: str, notes: Iterable[str]) -> bytes:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from itertools import combinations
 from typing import Any
 
 from dse.domain.component import Component, ModelicaSource
 from dse.domain.diagram import Diagram, Link
+from dse.modelica.flatten.document import records
 from dse.modelica.frontend.compile import compile_model
 from dse.modelica.frontend.sources import read_sources
 
@@ -68,15 +69,8 @@ def _bridge(links: dict[tuple[str, str], bool], hidden: set[str], ports: set[str
 
 
 def _references(tree: object) -> Iterator[str]:
-    pending: list[object] = [tree]
-    while pending:
-        node = pending.pop()
-        if isinstance(node, Mapping):
-            if "VarRef" in node:
-                yield re.sub(r"\[[^]]*\]$", "", str(node["VarRef"]["name"]["name"]))
-            pending += node.values()
-        elif isinstance(node, Iterable) and not isinstance(node, str):
-            pending += node
+    """The names of variables in an expression."""
+    return (re.sub(r"\[[^]]*\]$", "", one["VarRef"]["name"]["name"]) for one in records(tree) if "VarRef" in one)
 
 
 def _first(name: str) -> str:

@@ -23,16 +23,10 @@ def starts(component: Component, model: FlatModel) -> dict[str, float]:
         for one in _problems(component, model)
     )
     return {
-        component.variable(parameter.name): _model_value(parameter)
-        for parameter in component.parameters
-        if not model.variables[component.variable(parameter.name)].is_structural
+        component.variable(one.name): as_number(one.start, one.type) + (one.type.kind is Kind.ENUMERATION)
+        for one in component.parameters
+        if not model.variables[component.variable(one.name)].is_structural
     }
-
-
-def _model_value(parameter: Parameter) -> float:
-    """The parameter's start as the model has it."""
-    number = as_number(parameter.start, parameter.type)
-    return number + 1 if parameter.type.kind is Kind.ENUMERATION else number
 
 
 def _problems(component: Component, model: FlatModel) -> Iterator[Problem]:
@@ -90,11 +84,7 @@ def _parameter(component: Component, model: FlatModel, parameter: Parameter) -> 
     variable = model.variables.get(name)
     where = parameter.where
     word = f"parameter '{parameter.name}'"
-    settable = [
-        v.name
-        for v in model.variables.values()
-        if v.role is Role.PARAMETER and not v.is_final and not v.is_protected and v.is_fixed and _is_free(v)
-    ]
+    settable = [v.name for v in model.variables.values() if not _why_not(v)]
     if variable is None:
         what = f"{model.name} has no variable '{name}' for {word}"
         yield Problem(what, where, _hint(parameter.name, name, settable))
@@ -119,26 +109,28 @@ def _limits(model: FlatModel, parameter: Parameter, variable: Variable, where: L
     """Limits wider than those the model was made for."""
     shown = f"'{variable.name}' of {model.name}"
     low, high = variable.minimum, variable.maximum
+    beyond = []
     if low is not None and low.is_constant and parameter.minimum is not None and parameter.minimum < low.value:
-        what = f"parameter '{parameter.name}' goes down to {parameter.minimum:g}, {shown} to {low.value:g}"
-        yield Problem(what, where, f"narrow it; {_seen(variable.where)}")
+        beyond.append(("down", parameter.minimum, low.value))
     if high is not None and high.is_constant and parameter.maximum is not None and parameter.maximum > high.value:
-        what = f"parameter '{parameter.name}' goes up to {parameter.maximum:g}, {shown} to {high.value:g}"
+        beyond.append(("up", parameter.maximum, high.value))
+    for way, own, limit in beyond:
+        what = f"parameter '{parameter.name}' goes {way} to {own:g}, {shown} to {limit:g}"
         yield Problem(what, where, f"narrow it; {_seen(variable.where)}")
-
-
-def _is_free(variable: Variable) -> bool:
-    return variable.binding is None or variable.binding.is_constant
 
 
 def _why_not(variable: Variable) -> str:
+    """Why the variable cannot be set from outside; nothing if it can."""
     if variable.role is not Role.PARAMETER:
         return "is not a parameter"
     if variable.is_final:
         return "is final"
     if variable.is_protected:
         return "is protected"
-    return "is computed from other parameters" if variable.is_fixed else "is solved for at the start"
+    if not variable.is_fixed:
+        return "is solved for at the start"
+    is_free = variable.binding is None or variable.binding.is_constant
+    return "" if is_free else "is computed from other parameters"
 
 
 def _type(

@@ -58,7 +58,7 @@ def build_with_omc(component: Component, source: ModelicaSource, sources: ModelS
         said = _run(component, omc, folder)
         product = folder / f"{_PRODUCT}.fmu"
         if not product.is_file():
-            raise DseError(*(_problems(component, sources, said) or [_unknown(component, said)]))
+            raise DseError(*_problems(component, sources, said))
         _require_variables(component, product, folder / "description")
         return product.read_bytes()
 
@@ -82,7 +82,8 @@ def _wrapper(component: Component, source: ModelicaSource) -> str:
 
 def _script(sources: ModelSources) -> str:
     path = os.pathsep.join([FILES, *(str(root.resolve()) for root in sources.roots)])
-    files = [name for name in sorted(sources.contents) if name.endswith(".mo") and _is_top(name)]
+    names = sorted(name for name in sources.contents if name.endswith(".mo"))
+    files = [name for name in names if "/" not in name.removesuffix("/package.mo")]
     loads = [f"loadFile({_text(f'{FILES}/{name}')}); getErrorString();" for name in files]
     return "\n".join(
         [
@@ -94,11 +95,6 @@ def _script(sources: ModelSources) -> str:
             "",
         ]
     )
-
-
-def _is_top(name: str) -> bool:
-    folder, _, file = name.rpartition("/")
-    return not folder or (file == "package.mo" and "/" not in folder)
 
 
 def _text(text: str) -> str:
@@ -140,16 +136,10 @@ def _problems(component: Component, sources: ModelSources, said: str) -> list[Pr
         where = Location(file, int(match["line"]), int(match["column"]))
         is_own = relative in sources.origins
         found.append(Problem(f"omc: {match['message']}", where if is_own else component.where))
-    return found or [
-        Problem(f"component '{component.name}': omc: {match['message']}", component.where)
-        for match in _PLAIN.finditer(said)
-    ]
-
-
-def _unknown(component: Component, said: str) -> Problem:
     lines = [line.strip() for line in said.splitlines() if line.strip(' "')]
-    shown = "; ".join(lines[-3:]) or "it printed nothing"
-    return Problem(f"component '{component.name}': omc made no FMU: {shown}", component.where)
+    unknown = f"omc made no FMU: {'; '.join(lines[-3:]) or 'it printed nothing'}"
+    plain = [f"omc: {match['message']}" for match in _PLAIN.finditer(said)]
+    return found or [Problem(f"component '{component.name}': {what}", component.where) for what in plain or [unknown]]
 
 
 def _require_variables(component: Component, product: Path, folder: Path) -> None:

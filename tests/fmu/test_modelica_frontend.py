@@ -14,8 +14,7 @@ from dse.errors import DseError, Location
 from dse.modelica.frontend import process
 from dse.modelica.frontend.compile import compile_model
 from dse.modelica.frontend.literal import literal, wrapper
-from dse.modelica.frontend.misreadings import mixed_up_constants
-from dse.modelica.frontend.modifications import misread_modifications
+from dse.modelica.frontend.misreadings import misread_modifications, mixed_up_constants
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied
 from dse.modelica.frontend.source_text import SourceText, place
 from dse.modelica.frontend.sources import read_sources

@@ -1,20 +1,23 @@
-"""The front-end's answers are kept, and never given for other files, other parameters or another program."""
+"""The front-end's answers are kept, and never given for other files or other parameters."""
 
 from __future__ import annotations
 
 import subprocess
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from dse.cache import content_key, keep_content
 from dse.domain.component import NO_INTERFACE, Component, Kind, ModelicaSource, Parameter, Type
 from dse.fmu.component_build import build
 from dse.fmu.unpack import open_fmu
 from dse.modelica.frontend import process
-from dse.modelica.frontend.answer_cache import AnswerCache
+from dse.modelica.frontend.result import FrontEndResult
 from dse.modelica.frontend.sources import ModelSources, read_sources
+from dse.modelica.translate import answer
 
 LAG = """within Lib;
 model Lag
@@ -117,8 +120,11 @@ def test_another_text_of_any_file_is_another_answer(
     assert "front-end" in started
 
 
-def memory(tmp_path: Path, program: str = "one") -> AnswerCache:
-    return AnswerCache(tmp_path / "kept", program)
+def answered(tmp_path: Path, asked_for: ModelSources) -> FrontEndResult:
+    def keep(asked: Sequence[tuple[str, bytes]], make: Callable[[], bytes]) -> bytes:
+        return keep_content(tmp_path / "kept" / content_key(asked), make)
+
+    return answer(asked_for, {}, keep)
 
 
 def sources(library: Path, *, as_library: bool) -> ModelSources:
@@ -129,12 +135,12 @@ def sources(library: Path, *, as_library: bool) -> ModelSources:
 def test_what_is_recalled_is_what_was_said_wherever_the_files_lie_now(
     library: Path, tmp_path: Path, started: list[str], as_library: bool
 ) -> None:
-    first = memory(tmp_path).compiled(sources(library, as_library=as_library), {})
-    again = memory(tmp_path).compiled(sources(library, as_library=as_library), {})
+    first = answered(tmp_path, sources(library, as_library=as_library))
+    again = answered(tmp_path, sources(library, as_library=as_library))
     assert started.count("front-end") == 1
     assert again == first
     moved = library.parent.rename(tmp_path / "there") / "Lib"
-    other = memory(tmp_path).compiled(sources(moved, as_library=as_library), {})
+    other = answered(tmp_path, sources(moved, as_library=as_library))
     assert started.count("front-end") == 1
     places = {Path(source.path) for source in other.sources.values()}
     assert places <= {moved / name for name in ("Lag.mo", "Data.mo", "package.mo")}
@@ -142,15 +148,15 @@ def test_what_is_recalled_is_what_was_said_wherever_the_files_lie_now(
     assert replace(other, sources={}, dae={}) == replace(first, sources={}, dae={})
 
 
-def test_a_file_of_a_library_that_changed_another_program_and_a_damaged_answer_are_asked_anew(
+def test_a_file_of_a_library_that_changed_and_a_damaged_answer_are_asked_anew(
     library: Path, tmp_path: Path, started: list[str]
 ) -> None:
-    def asked(program: str = "one") -> int:
+    def asked() -> int:
         started.clear()
-        memory(tmp_path, program).compiled(sources(library, as_library=True), {})
+        answered(tmp_path, sources(library, as_library=True))
         return started.count("front-end")
 
-    assert [asked(), asked(), asked("other"), asked("other")] == [1, 0, 1, 0]
+    assert [asked(), asked()] == [1, 0]
     (library / "Data.mo").write_text(DATA.replace("0.5", "7.0"), encoding="utf-8")
     assert [asked(), asked()] == [1, 0]
     for kept in (tmp_path / "kept").iterdir():

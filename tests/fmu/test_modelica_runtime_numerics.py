@@ -15,7 +15,7 @@ from dse.csolve import headers
 from dse.fmu.toolchain.compilation import compile_library
 from dse.fmu.toolchain.compiler import find_compiler
 from dse.fmu.toolchain.platforms import this_platform
-from dse.modelica.algebra.tables import table1, table2
+from dse.modelica.algebra.evaluate import table
 
 _SOURCE = b"""
 #include "csolve/linear.h"
@@ -94,7 +94,7 @@ def test_a_smooth_table_is_scipys_monotone_interpolation(numerics, count):
 def test_a_table_over_one_axis_agrees_with_python_inside_and_outside(numerics, smooth, extrapolation, order, count):
     xs, ys = _XS[:count], _YS[:count]
     for x in [*np.linspace(xs[0] - 1.5, xs[-1] + 1.5, 61), *xs]:
-        expected = table1(order, float(x), xs, ys, smooth, extrapolation)
+        expected = table((order,), (float(x),), (xs,), ys, smooth, extrapolation)
         assert _one(numerics, order, x, xs, ys, smooth, extrapolation) == pytest.approx(
             expected, abs=1e-11, nan_ok=True
         )
@@ -109,7 +109,7 @@ def test_a_table_over_two_axes_agrees_with_python_inside_and_outside(numerics, s
     for orders in itertools.product((0, 1, 2), repeat=2):
         for x in np.linspace(axes[0][0] - 1.0, axes[0][-1] + 1.0, 9):
             for y in np.linspace(axes[1][0] - 1.0, axes[1][-1] + 1.0, 9):
-                expected = table2(orders, (float(x), float(y)), axes, zs, smooth, extrapolation)
+                expected = table(orders, (float(x), float(y)), axes, zs, smooth, extrapolation)
                 found = _two(numerics, orders, (x, y), axes, zs, smooth, extrapolation)
                 assert found == pytest.approx(expected, abs=1e-10, nan_ok=True)
 

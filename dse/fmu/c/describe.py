@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate, pairwise
 from math import prod
 
-from dse.domain.component import Kind, Type
+from dse.domain.component import Kind
 from dse.fmu.c.slots import Role, Slot
 from dse.units import SI_SYMBOLS, Unit
 
@@ -37,22 +37,28 @@ def describe(subject: Subject, version: int) -> bytes:
     Outputs are computed by the step, so between two steps they depend on nothing; what they depend on initially is left
     out, which says: on everything.
     """
-    root = ET.Element("fmiModelDescription", fmiVersion="2.0" if version == 2 else "3.0", modelName=subject.name)
-    root.set("guid" if version == 2 else "instantiationToken", subject.token)
-    if subject.title:
-        root.set("description", subject.title)
-    root.set("generationTool", "dse")
-    root.set("variableNamingConvention", "structured")
+    root = description_root(subject.name, subject.token, subject.title, version)
     _add_interface(root, subject, version)
-    _add_units(root, subject.slots)
-    _add_types(root, subject.slots, version)
+    add_units(root, {slot.type.unit.symbol: slot.type.unit for slot in subject.slots if _has_unit(slot)})
+    enumerations = {slot.type for slot in subject.slots if slot.type.kind is Kind.ENUMERATION}
+    add_enumerations(root, {str(kind): kind.items for kind in enumerations}, 0, version)
     categories = ET.SubElement(root, "LogCategories")
     ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
-    experiment = ET.SubElement(root, "DefaultExperiment", startTime="0.0")
-    if subject.period is not None:
-        experiment.set("stepSize", repr(subject.period))
+    step = {} if subject.period is None else {"stepSize": repr(subject.period)}
+    ET.SubElement(root, "DefaultExperiment", {"startTime": "0.0", **step})
     _add_variables(root, subject, version)
     return xml_text(root)
+
+
+def description_root(name: str, token: str, title: str, version: int) -> ET.Element:
+    """What every modelDescription.xml of dse begins with."""
+    root = ET.Element("fmiModelDescription", fmiVersion="2.0" if version == 2 else "3.0", modelName=name)
+    root.set("guid" if version == 2 else "instantiationToken", token)
+    if title:
+        root.set("description", title)
+    root.set("generationTool", "dse")
+    root.set("variableNamingConvention", "structured")
+    return root
 
 
 def describe_sources(identifier: str, files: Iterable[str], include_folder: str, options: Iterable[str]) -> bytes:
@@ -88,25 +94,30 @@ def _add_interface(root: ET.Element, subject: Subject, version: int) -> None:
     told = {"modelIdentifier": subject.identifier, **dict.fromkeys(able, "true")}
     interface = ET.SubElement(root, "CoSimulation", told)
     if version == 2:
-        sources = ET.SubElement(interface, "SourceFiles")
-        for name in subject.files:
-            ET.SubElement(sources, "File", name=name)
+        add_source_files(interface, subject.files)
 
 
-def _add_units(root: ET.Element, slots: tuple[Slot, ...]) -> None:
-    units = {slot.type.unit.symbol: slot.type.unit for slot in slots if _has_unit(slot)}
-    if not units:
-        return
-    definitions = ET.SubElement(root, "UnitDefinitions")
-    for symbol, unit in sorted(units.items()):
-        add_base_unit(ET.SubElement(definitions, "Unit", name=symbol), unit)
+def add_source_files(interface: ET.Element, files: Iterable[str]) -> None:
+    """The *files* in ``sources/``, as FMI 2.0 lists them."""
+    sources = ET.SubElement(interface, "SourceFiles")
+    for name in files:
+        ET.SubElement(sources, "File", name=name)
+
+
+def add_units(root: ET.Element, units: Mapping[str, Unit | None]) -> None:
+    """The definitions of *units* by name; FMI lets a unit be a name alone."""
+    definitions = ET.SubElement(root, "UnitDefinitions") if units else root
+    for name, unit in sorted(units.items(), key=lambda item: item[0]):
+        element = ET.SubElement(definitions, "Unit", name=name)
+        if unit is not None:
+            _add_base_unit(element, unit)
 
 
 def _has_unit(slot: Slot) -> bool:
     return slot.type.kind is Kind.REAL and bool(slot.type.unit.symbol)
 
 
-def add_base_unit(parent: ET.Element, unit: Unit) -> None:
+def _add_base_unit(parent: ET.Element, unit: Unit) -> None:
     """Exponents, factor and offset to SI; nothing if FMI's base units cannot say the dimension, as for EUR."""
     if any(name not in SI_SYMBOLS or exponent.denominator != 1 for name, exponent in unit.dimension):
         return
@@ -121,17 +132,15 @@ def add_base_unit(parent: ET.Element, unit: Unit) -> None:
         base.set("offset", repr(float(unit.offset)))
 
 
-def _add_types(root: ET.Element, slots: tuple[Slot, ...], version: int) -> None:
-    types = {str(slot.type): slot.type for slot in slots if slot.type.kind is Kind.ENUMERATION}
-    if not types:
-        return
-    definitions = ET.SubElement(root, "TypeDefinitions")
-    for name, kind in sorted(types.items()):
+def add_enumerations(root: ET.Element, types: Mapping[str, tuple[str, ...]], first: int, version: int) -> None:
+    """The definitions of enumerations by name, whose items count from *first*."""
+    definitions = ET.SubElement(root, "TypeDefinitions") if types else root
+    for name, items in sorted(types.items()):
         if version == 2:
             parent = ET.SubElement(ET.SubElement(definitions, "SimpleType", name=name), "Enumeration")
         else:
             parent = ET.SubElement(definitions, "EnumerationType", name=name)
-        for number, item in enumerate(kind.items):
+        for number, item in enumerate(items, first):
             ET.SubElement(parent, "Item", name=item, value=str(number))
 
 
@@ -145,18 +154,20 @@ def _add_variables(root: ET.Element, subject: Subject, version: int) -> None:
             continue
         if version == 2:
             typed |= {"start": ""} if slot.type.kind is Kind.TEXT and slot.start is not None else {}
-            ET.SubElement(ET.SubElement(variables, "ScalarVariable", common), _TYPES_2[slot.type.kind], typed)
+            ET.SubElement(ET.SubElement(variables, "ScalarVariable", common), TYPES_2[slot.type.kind], typed)
             continue
         if slot.shape:
             common["name"] = slot.array
-            typed |= _of_array(subject.slots[slot.reference : slot.reference + prod(slot.shape)])
-        variable = ET.SubElement(variables, _TYPES_3[slot.type.kind], {**common, **typed})
+            values = subject.slots[slot.reference : slot.reference + prod(slot.shape)]
+            starts = [number_text(one.type.kind, one.start) for one in values if one.start is not None]
+            typed |= {"start": " ".join(starts)} if starts else {}
+        variable = ET.SubElement(variables, TYPES_3[slot.type.kind], {**common, **typed})
         for size in slot.shape:
             ET.SubElement(variable, "Dimension", start=str(size))
         if not slot.type.kind.is_number and slot.start is not None:
             ET.SubElement(variable, "Start", value="")
     if version == 3:
-        _add_time(variables, subject.slots)
+        add_time(variables, len(subject.slots), {slot.name for slot in subject.slots})
     structure = ET.SubElement(root, "ModelStructure")
     outputs = [slot for slot in slots if slot.role is Role.OUTPUT]
     ends = list(accumulate(len(OSMP) if slot.type.kind is Kind.BINARY else 1 for slot in slots))
@@ -201,35 +212,23 @@ def _whole(slots: tuple[Slot, ...]) -> list[Slot]:
     return found
 
 
-def _of_array(slots: tuple[Slot, ...]) -> dict[str, str]:
-    """Attributes that hold for all values of an array: their starts."""
-    starts = [_number(slot.type, slot.start) for slot in slots if slot.start is not None]
-    return {"start": " ".join(starts)} if starts else {}
-
-
-def _add_time(variables: ET.Element, slots: tuple[Slot, ...]) -> None:
-    name = "time"
-    while any(slot.name == name for slot in slots):
+def free_name(name: str, taken: Container[str]) -> str:
+    """*name*, or one like it that is not *taken*."""
+    while name in taken:
         name += "_"
-    ET.SubElement(
-        variables,
-        "Float64",
-        name=name,
-        valueReference=str(len(slots)),
-        causality="independent",
-        variability="continuous",
-        description="Simulation time in seconds",
-    )
+    return name
 
 
-_TYPES_2 = {
-    Kind.REAL: "Real",
-    Kind.INTEGER: "Integer",
-    Kind.BOOLEAN: "Boolean",
-    Kind.ENUMERATION: "Enumeration",
-    Kind.TEXT: "String",
-}
-_TYPES_3 = {**_TYPES_2, Kind.REAL: "Float64", Kind.INTEGER: "Int32", Kind.BINARY: "Binary"}
+def add_time(variables: ET.Element, reference: int, taken: Container[str]) -> None:
+    """The independent variable of FMI 3.0."""
+    own = {"name": free_name("time", taken), "valueReference": str(reference), "causality": "independent"}
+    own |= {"variability": "continuous", "description": "Simulation time in seconds"}
+    ET.SubElement(variables, "Float64", own)
+
+
+TYPES_2 = {**{kind: kind.name.capitalize() for kind in Kind}, Kind.TEXT: "String"}
+TYPES_3 = {**TYPES_2, Kind.REAL: "Float64", Kind.INTEGER: "Int32"}
+"""What FMI 2.0 and 3.0 call the variables of a kind."""
 
 
 def _common(slot: Slot, *, is_sampled: bool) -> dict[str, str]:
@@ -258,13 +257,14 @@ def _typed(slot: Slot) -> dict[str, str]:
         attributes["unit"] = slot.type.unit.symbol
     for name, number in (("min", slot.minimum), ("max", slot.maximum), ("start", slot.start)):
         if number is not None and (name == "start" or slot.type.kind in (Kind.REAL, Kind.INTEGER)):
-            attributes[name] = _number(slot.type, number)
+            attributes[name] = number_text(slot.type.kind, number)
     return attributes
 
 
-def _number(kind: Type, number: float | bool) -> str:
-    if kind.kind is Kind.REAL:
+def number_text(kind: Kind, number: float | bool) -> str:
+    """*number* as a variable of this kind has it in XML."""
+    if kind is Kind.REAL:
         return repr(float(number))
-    if kind.kind is Kind.BOOLEAN:
+    if kind is Kind.BOOLEAN:
         return "true" if number else "false"
     return str(int(number))

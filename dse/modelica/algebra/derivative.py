@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 
 from dse.errors import fail
-from dse.modelica.algebra.expression import STEPS, Expression, Graph, shown
+from dse.modelica.algebra.expression import STEPS, Expression, Operands, shown
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import walk
 
@@ -46,53 +46,52 @@ def derived(roots: Iterable[Expression], rate: Rate) -> list[Expression]:
             is_still = all(element.is_number(0) for element in elements)
             done[node.number] = graph.constant(0.0) if is_still else graph.array(elements, node.shape)
         elif node.operator == "call":
-            done[node.number] = _of_call(graph, node, [done[operand.number] for operand in node.operands])
+            done[node.number] = _of_call(node, [done[operand.number] for operand in node.operands])
         else:
             rates = [done[operand.number] for operand in node.operands]
             is_still = node.is_constant or node.operator in STEPS or all(one.is_number(0) for one in rates)
-            done[node.number] = graph.constant(0.0) if is_still else _of_operator(graph, node, rates)
+            done[node.number] = graph.constant(0.0) if is_still else _of_operator(node, rates)
     return [done[root.number] for root in listed]
 
 
-def _of_operator(graph: Graph, node: Expression, rates: list[Expression]) -> Expression:
-    match node.operator:
-        case "add":
-            return rates[0] + rates[1]
-        case "subtract":
-            return rates[0] - rates[1]
-        case "negate":
-            return -rates[0]
-        case "multiply":
-            return rates[0] * node.operands[1] + node.operands[0] * rates[1]
-        case "divide":
-            return (rates[0] - node * rates[1]) / node.operands[1]
-        case "power":
-            return _of_power(graph, node, rates)
-        case "if":
-            return graph.make("if", node.operands[0], rates[1], rates[2])
-        case "minimum" | "maximum":
-            comparison = "less" if node.operator == "minimum" else "greater"
-            return graph.make("if", graph.make(comparison, node.operands[1], node.operands[0]), rates[1], rates[0])
-        case "select":
-            if rates[0].is_number(0):
-                return rates[0]
-            return graph.make("select", rates[0], *node.operands[1:])
-        case "atan2":
-            y, x = node.operands
-            return (x * rates[0] - y * rates[1]) / (x * x + y * y)
-    if node.operator not in _OUTER:
+def _of_operator(node: Expression, rates: list[Expression]) -> Expression:
+    if node.operator in _OUTER:
+        return _OUTER[node.operator](node, node.operands[0]) * rates[0]
+    if node.operator not in _RATES:
         raise fail(f"'{node.operator}' has no derivative here")
-    return _OUTER[node.operator](node, node.operands[0]) * rates[0]
+    return _RATES[node.operator](node, node.operands, rates)
 
 
-def _of_power(graph: Graph, node: Expression, rates: list[Expression]) -> Expression:
-    base, exponent = node.operands
-    by_base = exponent * graph.make("power", base, exponent - 1.0) * rates[0]
+def _of_power(node: Expression, operands: Operands, rates: list[Expression]) -> Expression:
+    base, exponent = operands
+    by_base = exponent * node.graph.make("power", base, exponent - 1.0) * rates[0]
     if rates[1].is_number(0):
         return by_base
-    return by_base + node * graph.make("log", base) * rates[1]
+    return by_base + node * node.graph.make("log", base) * rates[1]
 
 
+def _of_extreme(comparison: str) -> _Rule:
+    def rule(node: Expression, x: Operands, rates: list[Expression]) -> Expression:
+        return node.graph.make("if", node.graph.make(comparison, x[1], x[0]), rates[1], rates[0])
+
+    return rule
+
+
+_Rule = Callable[[Expression, Operands, list[Expression]], Expression]
+_RATES: Mapping[str, _Rule] = {
+    "add": lambda _, _x, rates: rates[0] + rates[1],
+    "subtract": lambda _, _x, rates: rates[0] - rates[1],
+    "negate": lambda _, _x, rates: -rates[0],
+    "multiply": lambda _, x, rates: rates[0] * x[1] + x[0] * rates[1],
+    "divide": lambda y, x, rates: (rates[0] - y * rates[1]) / x[1],
+    "power": _of_power,
+    "if": lambda y, x, rates: y.graph.make("if", x[0], rates[1], rates[2]),
+    "minimum": _of_extreme("less"),
+    "maximum": _of_extreme("greater"),
+    "select": lambda y, x, rates: rates[0] if rates[0].is_number(0) else y.graph.make("select", rates[0], *x[1:]),
+    "atan2": lambda _, x, rates: (x[1] * rates[0] - x[0] * rates[1]) / (x[1] * x[1] + x[0] * x[0]),
+}
+"""Derivative of a function of operands x by their rates; y is its value."""
 # fmt: off
 _OUTER: Mapping[str, Callable[[Expression, Expression], Expression]] = {
     "abs": lambda _, x: x.graph.make("if", x.graph.make("less", x, x.graph.of(0.0)), x.graph.of(-1.0), x.graph.of(1.0)),
@@ -108,13 +107,14 @@ _OUTER: Mapping[str, Callable[[Expression, Expression], Expression]] = {
 """Derivative of a function y of one operand x by that operand."""
 
 
-def _of_call(graph: Graph, node: Expression, rates: list[Expression]) -> Expression:
+def _of_call(node: Expression, rates: list[Expression]) -> Expression:
     counts = {"table1": 1, "table2": 2}
     if node.name not in counts:
         raise fail(f"'{node.name}' has no derivative here")
     count = counts[node.name]
     if any(not rate.is_number(0) for rate in rates[2 * count :]):
         raise fail(f"the points of the table in {shown(node)} would have to be solved for", hint="make them parameters")
+    graph = node.graph
     sum_ = graph.constant(0.0)
     for axis in range(count):
         rate = rates[count + axis]

@@ -5,13 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from dse.errors import fail
 from dse.modelica.algebra.arithmetic import FUNCTIONS
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.algebra.tables import ERROR, HOLD, table1, table2
 from dse.modelica.algebra.traversal import walk
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.interpolate import PPoly
 
 Values = Mapping[Symbol, float] | Callable[[Symbol], float]
 
@@ -61,23 +67,67 @@ def _called(node: Expression, done: Mapping[int, float]) -> float:
         return _random(int(scalar(0)), elements(2))
     if node.name == "random_start":
         return _random_start(int(scalar(0)), elements(1))
-    if node.name == "table1":
-        axes = [elements(2)]
-    elif node.name == "table2":
-        axes = [elements(4), elements(5)]
-    else:
+    count = {"table1": 1, "table2": 2}.get(node.name)
+    if count is None:
         raise fail(f"'{node.name}' cannot be evaluated")
+    orders, point = [int(scalar(k)) for k in range(count)], [scalar(count + k) for k in range(count)]
+    axes, points = [elements(2 * count + k) for k in range(count)], elements(3 * count)
     for axis in axes:
         if len(axis) < 2 or any(not a < b for a, b in pairwise(axis)):
             raise fail(f"a table needs at least two points on a strictly increasing axis, not {axis}")
-    extrapolation = scalar(len(node.operands) - 1)
+    is_smooth, extrapolation = scalar(3 * count + 1) != 0, scalar(3 * count + 2)
     if extrapolation not in range(HOLD, ERROR + 1):
         raise fail(f"a table's extrapolation is 1, 2 or 3, not {extrapolation:g}")
-    is_smooth = scalar(len(node.operands) - 2) != 0
-    if node.name == "table1":
-        return table1(int(scalar(0)), scalar(1), axes[0], elements(3), is_smooth, int(extrapolation))
-    orders, point = (int(scalar(0)), int(scalar(1))), (scalar(2), scalar(3))
-    return table2(orders, point, (axes[0], axes[1]), elements(6), is_smooth, int(extrapolation))
+    if not all(map(math.isfinite, points)):
+        return math.nan
+    return table(orders, point, axes, points, is_smooth, int(extrapolation))
+
+
+# Tables, as the C runtime computes them.
+
+HOLD, LINEAR, ERROR = 1, 2, 3
+"""Outside of a table: its end value; on with the slope at the end; an error (NaN here)."""
+
+
+def table(
+    orders: Sequence[int],
+    point: Sequence[float],
+    axes: Sequence[Sequence[float]],
+    points: Sequence[float],
+    is_smooth: bool,
+    extrapolation: int,
+) -> float:
+    """Value or partial derivative (*orders* up to 2) at *point* of the table of *points*, row by row, over *axes*.
+
+    Smooth over one axis: monotone cubic Hermite (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5(2), 1984, 300-304);
+    over several: cubic Hermite along each with three-point parabolic slopes. Two points are joined by a line.
+    """
+    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator, PPoly
+
+    for x, xs in zip(point, axes, strict=True):
+        if math.isnan(x) or (extrapolation == ERROR and not xs[0] <= x <= xs[-1]):
+            return math.nan
+    values = np.reshape(points, [len(xs) for xs in axes])
+    for order, x, xs in zip(orders, point, axes, strict=True):
+        curve: PPoly
+        if not is_smooth or len(xs) == 2:
+            curve = PPoly(np.stack([(np.diff(values.T) / np.diff(xs)).T, values[:-1]]), xs)
+        elif len(axes) == 1:
+            curve = PchipInterpolator(xs, values)
+        else:
+            curve = CubicHermiteSpline(xs, values, np.gradient(values, xs, axis=0, edge_order=2))
+        values = _extended(curve, order, x, xs, extrapolation)
+    return float(values)
+
+
+def _extended(curve: PPoly, order: int, x: float, xs: Sequence[float], extrapolation: int) -> NDArray[np.float64]:
+    end = min(max(x, xs[0]), xs[-1])
+    if x == end:
+        return curve(x, order)
+    if extrapolation == HOLD:
+        return curve(end) if order == 0 else 0.0 * curve(end)
+    slope = curve(end, 1)
+    return (curve(end) + slope * (x - end), slope, 0.0 * slope)[order]
 
 
 # Random numbers by xorshift generators (S. Vigna, ACM Trans. Math. Softw. 42(4), 2016), as the C runtime computes them.

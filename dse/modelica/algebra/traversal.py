@@ -56,11 +56,7 @@ def actual(root: Expression) -> Expression:
     if not root.graph.knows(share):
         return root
     one = root.graph.constant(1.0)
-
-    def new(node: Expression) -> Expression | None:
-        return one if node.symbol == share else None
-
-    return replaced((root,), new)[0]
+    return replaced((root,), lambda node: one if node.symbol == share else None)[0]
 
 
 def without_rates(root: Expression) -> Expression:

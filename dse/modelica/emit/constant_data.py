@@ -9,10 +9,9 @@ from dse.errors import fail
 from dse.fmu import Row
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.emit.events import relation_text
-from dse.modelica.emit.expressions.text import literal, quoted, table
+from dse.modelica.emit.blocks import relation_text
+from dse.modelica.emit.expressions.setting import MemoryLayout, Setting, literal, quoted, table
 from dse.modelica.emit.hoist import Hoisted
-from dse.modelica.emit.memory import MemoryLayout
 from dse.modelica.emit.variables import Causality, FmuVariable, Variability
 from dse.modelica.flat_model import Clock
 from dse.modelica.solved_model import Solved, System, targets
@@ -42,11 +41,11 @@ def size_lines(solved: Solved, memory: MemoryLayout, lean: Hoisted, largest_syst
     return [f"#define DSE_{name} {size}" for name, size in sizes.items()]
 
 
-def table_lines(solved: Solved, memory: MemoryLayout, failures: Sequence[str]) -> Iterator[str]:
+def table_lines(solved: Solved, setting: Setting) -> Iterator[str]:
     """Places of states, derivatives and discrete variables; clocks; what is told of relations and failures."""
-    derivatives = [state.derivative for state in solved.states]
+    memory, derivatives = setting.layout, [state.derivative for state in solved.states]
     clocks = [_clock(clock) for clock in solved.flat.clocks]
-    relations = [quoted(relation_text(relation)) for relation in solved.flat.relations]
+    relations = [quoted(relation_text(relation, setting)) for relation in solved.flat.relations]
     yield from table("static const uint32_t dse_state[]", [str(memory.places[state]) for state in solved.states])
     yield from table("static const uint32_t dse_derivative[]", [str(memory.places[symbol]) for symbol in derivatives])
     yield from table("static const uint32_t dse_root[]", [str(memory.places[root]) for root in _roots(solved)])
@@ -54,7 +53,7 @@ def table_lines(solved: Solved, memory: MemoryLayout, failures: Sequence[str]) -
     yield from table("static const uint32_t dse_discrete[]", [str(memory.of(name)) for name in memory.pre])
     yield from table("static const char *const dse_relations[]", relations)
     yield from table("static const struct dse_clock dse_clocks[]", clocks, "{0, 0, 1, 0}")
-    yield from table("static const char *const dse_failure[]", [quoted(text) for text in failures])
+    yield from table("static const char *const dse_failure[]", [quoted(text) for text in setting.collected.failures])
 
 
 def _roots(solved: Solved) -> tuple[Symbol, ...]:

@@ -9,8 +9,7 @@ from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import replaced, symbols, walk
 from dse.modelica.emit.expressions.regions import cost
-from dse.modelica.emit.memory import MemoryLayout
-from dse.modelica.emit.sharing import key
+from dse.modelica.emit.expressions.setting import MemoryLayout
 from dse.modelica.flat_model import Role
 from dse.modelica.solved_model import EventBlock, Explicit, Solved, expressions, mapped, targets
 
@@ -24,8 +23,7 @@ class Hoisted:
 
     *own* are the new symbols' places in ``v``. *gathered* are the arrays of parameter-only elements that do not stand
     in a row in ``v``, with the places in ``m->data`` where a copy does; *data_size* is their length together.
-    *initial* and *guesses* are as before: parameters may be unknown there. But where all parameters are known
-    before, *lean_initial* is the same with the blocks of the hot functions in their place; else it is absent.
+    *initial* and *guesses* are as before: parameters may be unknown there. *are_all_known* says that none is.
     """
 
     solved: Solved
@@ -33,7 +31,7 @@ class Hoisted:
     own: Mapping[Symbol, int]
     gathered: tuple[tuple[Expression, int], ...]
     data_size: int
-    lean_initial: tuple[EventBlock, ...] | None
+    are_all_known: bool
 
 
 def hoisted(solved: Solved, layout: MemoryLayout) -> Hoisted:
@@ -52,12 +50,7 @@ def hoisted(solved: Solved, layout: MemoryLayout) -> Hoisted:
     places = {symbol: layout.size + number for number, symbol in enumerate(own)}
     assignments = (*moved, *(Explicit(symbol, node) for symbol, node in zip(own, found, strict=True)))
     gathered, size = _gathered(_hot(lean), {**layout.places, **places}, fixed | set(own))
-    lean = replace(lean, event=_with_same(kept.event, lean.event, kept, lean))
-    initial = None
-    if len(known) == len(_parameters(solved)):
-        still = [block for block in solved.initial if not (isinstance(block, Explicit) and block in moved)]
-        initial = _with_same(still, still, kept, lean)
-    return Hoisted(lean, assignments, places, gathered, size, initial)
+    return Hoisted(lean, assignments, places, gathered, size, len(known) == len(_parameters(solved)))
 
 
 def _swapped(solved: Solved, roots: Sequence[Expression], new: Mapping[int, Expression]) -> Solved:
@@ -76,15 +69,6 @@ def _swapped(solved: Solved, roots: Sequence[Expression], new: Mapping[int, Expr
         outputs=tuple(mapped(block, swap) for block in solved.outputs),
         event=tuple(mapped(block, swap) for block in solved.event),
     )
-
-
-def _with_same(
-    blocks: Sequence[EventBlock], others: Sequence[EventBlock], kept: Solved, lean: Solved
-) -> tuple[EventBlock, ...]:
-    """*others*, with the lean continuous blocks themselves where *blocks* compute the same as these did before."""
-    before, after = (*kept.derivatives, *kept.outputs), (*lean.derivatives, *lean.outputs)
-    same = {key(old): new for old, new in zip(before, after, strict=True)}
-    return tuple(same.get(key(block), other) for block, other in zip(blocks, others, strict=True))
 
 
 def _known_parameters(solved: Solved) -> frozenset[Symbol]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain, pairwise
 
@@ -13,21 +13,19 @@ from dse.modelica.algebra.traversal import walk
 from dse.modelica.emit.blocks import (
     activation_lines,
     block_pieces,
+    check_lines,
     function_lines,
-    part_name,
     pass_lines,
+    reinitialization_lines,
+    relation_lines,
     scoped,
     scopes,
 )
 from dse.modelica.emit.constant_data import size_lines, slot_lines, start_lines, table_lines
-from dse.modelica.emit.events import check_lines, reinitialization_lines, relation_lines
 from dse.modelica.emit.expressions.printing import table_axes
 from dse.modelica.emit.expressions.scope import Store, scope_lines
-from dse.modelica.emit.expressions.setting import Collected, Setting
-from dse.modelica.emit.expressions.text import comment, literal
+from dse.modelica.emit.expressions.setting import Collected, Setting, comment, literal, memory_layout
 from dse.modelica.emit.hoist import Hoisted, hoisted
-from dse.modelica.emit.memory import MemoryLayout, memory_layout
-from dse.modelica.emit.sharing import Program, shared_passes
 from dse.modelica.emit.variables import FmuVariable
 from dse.modelica.solved_model import Activation, Solved, all_expressions
 
@@ -40,17 +38,19 @@ def emit(
     token: str,
     solver: Solver = Solver.AUTO,
     tolerance: float = DEFAULT_TOLERANCE,
+    names: Mapping[str, str] | None = None,
 ) -> dict[str, bytes]:
     """``model.h`` and ``start.c``, by name. *variables* are those of `variables`, in order of their references.
 
-    *tolerance* is relative; a state's absolute one is it times the nominal value. Start values and *token* stand in
-    start.c only. Raises DseError for what cannot become C: too large a system, a clock too fine to count, a token too
-    long.
+    *tolerance* is relative; a state's absolute one is it times the nominal value. *names* are those of files by their
+    paths, for messages. Start values and *token* are in start.c only. Raises DseError for what cannot become C: too
+    large a system, a clock too fine to count, a token too long.
     """
     memory = memory_layout(solved)
     lean = hoisted(solved, memory)
     collected = Collected()
-    functions = list(_functions(solved, memory, lean, collected))
+    plain = Setting(memory, collected, names=names or {})
+    functions = list(_functions(solved, plain, lean))
     model = [
         comment(f"Generated from the Modelica model {solved.flat.name}."),
         "#ifndef DSE_MODEL_H",
@@ -61,7 +61,7 @@ def emit(
         f"#define DSE_DEFAULT_TOLERANCE {literal(tolerance)}",
         '#include "arithmetic.h"',
         '#include "modelica.h"',
-        *table_lines(solved, memory, list(collected.failures)),
+        *table_lines(solved, plain),
         *slot_lines(variables),
         *collected.array_lines(),
         *collected.system_lines,
@@ -76,22 +76,16 @@ def _bytes(lines: Iterable[str]) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def _functions(solved: Solved, memory: MemoryLayout, lean: Hoisted, collected: Collected) -> Iterator[str]:
-    plain = Setting(memory, collected)
+def _functions(solved: Solved, plain: Setting, lean: Hoisted) -> Iterator[str]:
     hot = replace(plain, own=lean.own, gathered={node.number: place for node, place in lean.gathered})
     flat = lean.solved.flat
     yield from function_lines("model_parameters", _parameters(solved, lean, replace(plain, own=lean.own), hot))
     yield from pass_lines("model_guess", solved.guesses, solved.flat, plain)
-    order = shared_passes(
-        lean.solved.derivatives, lean.solved.outputs, lean.solved.event, lean.lean_initial or (), flat
-    )
-    for part in order.parts:
-        yield from pass_lines(part_name(part.number), part.blocks, flat, hot)
-    at_start = replace(plain if lean.lean_initial is None else hot, is_initial=True)
-    yield from function_lines("model_initial", _initial(solved, order.initial or solved.initial, at_start))
-    yield from pass_lines("model_derivatives", order.derivatives, flat, hot)
-    yield from pass_lines("model_outputs", order.outputs, flat, hot)
-    yield from pass_lines("model_event", order.event, flat, hot)
+    at_start = replace(hot if lean.are_all_known else plain, is_initial=True)
+    yield from function_lines("model_initial", _initial(solved, at_start))
+    yield from pass_lines("model_derivatives", lean.solved.derivatives, flat, hot)
+    yield from pass_lines("model_outputs", lean.solved.outputs, flat, hot)
+    yield from pass_lines("model_event", lean.solved.event, flat, hot)
     yield from relation_lines(flat, hot)
     yield from reinitialization_lines(lean.solved, hot)
     yield from check_lines(flat, hot)
@@ -108,9 +102,9 @@ def _parameters(solved: Solved, lean: Hoisted, setting: Setting, hot: Setting) -
     yield from axis_checks(chain(all_expressions(lean.solved), hoisted_values), hot)
 
 
-def _initial(solved: Solved, blocks: Program, setting: Setting) -> Iterator[list[str]]:
+def _initial(solved: Solved, setting: Setting) -> Iterator[list[str]]:
     """The initial blocks; then the memory of all conditions, which is set without making any when-clause active."""
-    yield from block_pieces(blocks, solved.flat, setting)
+    yield from block_pieces(solved.initial, solved.flat, setting)
     decided = {block.trigger for block in solved.initial if isinstance(block, Activation)}
     for number, trigger in enumerate(solved.flat.triggers):
         if number not in decided:
@@ -139,7 +133,9 @@ def axis_checks(roots: Iterable[Expression], setting: Setting) -> Iterator[list[
     axes = {axis.number: axis for node in walk(roots) for axis in table_axes(node)}
     for axis in axes.values():
         if all(element.is_constant for element in axis.operands):
-            _refuse_unordered(axis)
+            numbers = [element.value for element in axis.operands]
+            if len(numbers) < 2 or any(not left < right for left, right in pairwise(numbers)):
+                raise fail(_text(axis))
         else:
             yield _check(axis, setting)
 
@@ -147,12 +143,6 @@ def axis_checks(roots: Iterable[Expression], setting: Setting) -> Iterator[list[
 def _text(axis: Expression) -> str:
     ends = ", …, ".join(shown(element) for element in (*axis.operands[:1], *axis.operands[1:][-1:]))
     return f"the axis of a table ({ends}) must have at least two numbers, each greater than the one before"
-
-
-def _refuse_unordered(axis: Expression) -> None:
-    numbers = [element.value for element in axis.operands]
-    if len(numbers) < 2 or any(not left < right for left, right in pairwise(numbers)):
-        raise fail(_text(axis))
 
 
 def _check(axis: Expression, setting: Setting) -> list[str]:

@@ -10,8 +10,7 @@ from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import replaced
 from dse.modelica.emit.expressions.scope import Store, scope_lines
-from dse.modelica.emit.expressions.setting import Setting, locations
-from dse.modelica.emit.expressions.text import literal, table
+from dse.modelica.emit.expressions.setting import Setting, literal, table
 from dse.modelica.flat_model import FlatModel
 from dse.modelica.solved_model import Explicit, System
 
@@ -38,17 +37,17 @@ def explicit_store(block: Explicit, setting: Setting) -> Store:
     return Store(setting.symbol(block.unknown), block.value, f"in the equation for {block.unknown}")
 
 
-def _subject(system: System) -> str:
+def _subject(system: System, setting: Setting) -> str:
     """Which equations, and what they are to be solved for."""
     names = [str(unknown) for unknown in system.unknowns]
     shown = ", ".join(names[:6]) + (", …" if len(names) > 6 else "")
-    at = locations(system.where)
+    at = setting.locations(system.where)
     return f"the equations{' at ' + at if at else ''} for {shown}"
 
 
 def _linear(system: System, setting: Setting) -> list[str]:
     size = len(system.unknowns)
-    subject = _subject(system)
+    subject = _subject(system, setting)
     graph = system.residuals[0].graph
     right = [graph.make("negate", residual) for residual in _at_zero(system)]
     entries = [
@@ -93,7 +92,7 @@ def _at_zero(system: System) -> list[Expression]:
 def _newton(system: System, flat: FlatModel, setting: Setting) -> list[str]:
     size = len(system.unknowns)
     number = _function(system, flat, setting)
-    subject = _subject(system)
+    subject = _subject(system, setting)
     way = ", continued from the simplified expressions of homotopy" if system.is_continued else ""
     failure = setting.collected.failure(f"{subject} cannot be solved: Newton's method finds no solution{way}")
     arguments = f"m, {size}, dse_unknowns_{number}, dse_scales_{number}, dse_system_{number}"
@@ -126,7 +125,7 @@ def _function(system: System, flat: FlatModel, setting: Setting) -> int:
 
 
 def _definition(number: int, system: System, flat: FlatModel, setting: Setting) -> list[str]:
-    subject = _subject(system)
+    subject = _subject(system, setting)
     inside = replace(setting, on_failure="return {code};")
     values = [explicit_store(assignment, inside) for assignment in system.inner]
     values += [Store(f"residual[{k}]", entry, f"in {subject}") for k, entry in enumerate(system.residuals)]

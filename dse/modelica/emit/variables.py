@@ -11,7 +11,7 @@ from dse.errors import DseError, Location, Problem, closest, fail
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.emit.memory import MemoryLayout, memory_layout
+from dse.modelica.emit.expressions.setting import MemoryLayout, memory_layout
 from dse.modelica.flat_model import Role, ScalarType, Variable
 from dse.modelica.solved_model import Solved, targets
 

@@ -11,12 +11,11 @@ from typing import Any
 
 from dse.errors import DseError, Problem, fail
 from dse.modelica.frontend.buses import REFUSED, with_members
-from dse.modelica.frontend.derivatives import OF_EXPRESSION, with_variables
 from dse.modelica.frontend.jumps import OPEN_LOOP, without_open_loops
 from dse.modelica.frontend.literal import WRAPPER, is_class_name, wrapper
 from dse.modelica.frontend.messages import found_problems, refusal
 from dse.modelica.frontend.misreadings import misread
-from dse.modelica.frontend.other_words import ELEMENTS, with_equations
+from dse.modelica.frontend.other_words import ELEMENTS, OF_EXPRESSION, with_equations, with_variables
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import SCHEMA, FrontEndResult
 from dse.modelica.frontend.source_text import SourceText, declarations

@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
-from dse.modelica.frontend.source_text import Change, SourceText, changed, code, edited
-from dse.modelica.frontend.syntax import KINDS, UNREADABLE, Tree
+from dse.modelica.frontend.source_text import Change, changed, edited
+from dse.modelica.frontend.syntax import KINDS, UNREADABLE, Tree, read_tree
 
 _RETURNED = "dse_returned"
 _MOST_TURNS = 100
@@ -33,11 +33,8 @@ def without_open_loops(files: Mapping[str, bytes]) -> dict[str, bytes]:
 
 def _changed(whiles: bool, text: str) -> str:
     wanted = {"while"} if whiles else {"return", "break"}
-    if not any(word in text for word in wanted):
-        return text
-    try:
-        tree = Tree(SourceText("", code(text)))
-    except UNREADABLE:
+    tree = read_tree(text) if any(word in text for word in wanted) else None
+    if tree is None:
         return text
     changes: list[Change] = []
     for own in tree.elements:

@@ -12,8 +12,8 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from dse.modelica.frontend.source_text import Change, SourceText, code, edited
-from dse.modelica.frontend.used_classes import Class, Classes
+from dse.modelica.frontend.source_text import Change, SourceText, edited
+from dse.modelica.frontend.syntax import Element, Tree, read_tree
 
 _MODELS = ("model", "block")
 
@@ -24,97 +24,84 @@ def distinct(texts: Sequence[SourceText], own: Sequence[SourceText]) -> Iterator
     With each the path of the file it is from. What the model's *own* texts name keeps its name. Lines stay where they
     are; a new text has its class in the lines where it was, and is called after both classes.
     """
-    found = Classes([SourceText(text.path, code(text.text)) for text in (*texts, *own)])
-    changes: list[list[Change]] = [[] for _ in texts]
-    for owner, new in _functions(found):
-        if found.classes[owner].source < len(texts):
-            changes[found.classes[owner].source] += new
-    for number, text in enumerate(texts):
-        apart = list(_bases(found, number))
-        for base, name in apart:
-            base_class = found.classes[base]
-            short = base_class.name.rpartition(".")[2]
-            content = text.text[base_class.start : base_class.end]
-            content = re.sub(rf"\b{re.escape(short)}\b", name, content)
-            within = f"within {base_class.name.rpartition('.')[0].rpartition('.')[0]};"
-            before = "\n" * text.text.count("\n", 0, base_class.start)
+    trees = [read_tree(text.text) for text in (*texts, *own)]
+    read = [tree for tree in trees if tree]
+    renamed = list(_functions(read))
+    for text, tree in zip(texts, trees, strict=False):
+        changes = [change for of, change in renamed if of is tree]
+        for base, name in _bases(tree, read) if tree else ():
+            start, end = base.tree.starts[base.start], base.tree.starts[base.end] + 1
+            content = re.sub(rf"\b{re.escape(base.name)}\b", name, text.text[start:end])
+            before = "\n" * text.text.count("\n", 0, start)
             path = f"{text.path.rpartition('/')[0]}/{name}.mo"
-            yield SourceText(path, f"{within}{before}{content}\n"), text.path
-            changes[number].append((base_class.start, base_class.end, "\n" * content.count("\n")))
-            uses = re.compile(rf"\bextends\s+({re.escape(short)})\b").finditer(found.texts[number].text)
-            changes[number] += [(*use.span(1), name) for use in uses]
-        yield replace(text, text=edited(text.text, changes[number])), text.path
+            yield SourceText(path, f"within {base.tree.within};{before}{content}\n"), text.path
+            changes.append((start, end, "\n" * content.count("\n")))
+            changes += [_change(base.tree, at, name) for at in _uses(base)]
+        yield replace(text, text=edited(text.text, changes)), text.path
 
 
-def _bases(found: Classes, source: int) -> Iterator[tuple[int, str]]:
+def _change(tree: Tree, at: int, new: str) -> Change:
+    return tree.starts[at], tree.starts[at] + len(tree.words[at]), new
+
+
+def _is_short(own: Element) -> bool:
+    return own.tree.words[own.named + 1] == "="
+
+
+def _bases(tree: Tree, read: Sequence[Tree]) -> Iterator[tuple[Element, str]]:
     """The encapsulated classes that the one class of a file declares and extends, and new names for them."""
-    (top, *more) = [own for own in found.classes if own.source == source and not own.kind]
-    outermost = top.inside
-    if more or len(outermost) != 1 or found.classes[outermost[0]].kind not in _MODELS:
+    outermost = [own for own in tree.elements if own.parent is None]
+    if len(outermost) != 1 or outermost[0].kind not in _MODELS:
         return
-    outer = found.classes[outermost[0]]
-    text = found.texts[source].text
-    for number in outer.inside:
-        own = found.classes[number]
-        short = own.name.rpartition(".")[2]
-        is_apart = re.match(r"encapsulated\b", text[own.start : own.end]) is not None
-        is_extended = re.search(rf"\bextends\s+{re.escape(short)}\b", text) is not None
-        elsewhere = any(
-            number != source and re.search(rf"\b{re.escape(short)}\b", each.text)
-            for number, each in enumerate(found.texts)
-        )
-        if own.kind in _MODELS and is_apart and is_extended and not elsewhere:
-            yield number, f"{outer.name.rpartition('.')[2]}_{short}"
+    for own in outermost[0].elements:
+        is_apart = own.kind in _MODELS and "encapsulated" in own.prefixes and not _is_short(own)
+        elsewhere = any(own.name in other.words for other in read if other is not tree)
+        if is_apart and _uses(own) and not elsewhere:
+            yield own, f"{outermost[0].name}_{own.name}"
 
 
-def _functions(found: Classes) -> Iterator[tuple[int, list[Change]]]:
-    """The models with functions of names that others have too, and the changes of text that rename them."""
-    named: dict[str, list[int]] = {}
-    for number, own in enumerate(found.classes):
-        if own.kind == "function":
-            named.setdefault(own.name.rpartition(".")[2], []).append(number)
-    used = _used_elsewhere(found)
-    for short, numbers in named.items():
-        owners = {found.classes[number].around for number in numbers}
-        texts = [found.texts[found.classes[number].source].text for number in numbers]
-        heads = [
-            text[found.classes[one].start : found.classes[one].body] for text, one in zip(texts, numbers, strict=True)
-        ]
-        is_redeclared = any(re.search(r"\b(?:redeclare|replaceable|extends)\b", head) for head in heads)
-        if len(numbers) == 1 or len(owners) < len(numbers) or is_redeclared:
+def _uses(base: Element) -> list[int]:
+    """Where the text of *base* extends it."""
+    words = base.tree.words
+    return [at + 1 for at, word in enumerate(words) if word == "extends" and words[at + 1] == base.name]
+
+
+def _functions(read: Sequence[Tree]) -> Iterator[tuple[Tree, Change]]:
+    """The changes of text that rename functions of models that have the names of others."""
+    named: dict[str, list[Element]] = {}
+    for own in (own for tree in read for own in tree.elements):
+        if own.kind == "function" and not own.is_argument and not _is_short(own):
+            named.setdefault(own.name, []).append(own)
+    used = {name for tree in read for name in _used_elsewhere(tree)}
+    for name, functions in named.items():
+        owners = {own.parent or own for own in functions}
+        is_redeclared = any(own.prefixes & {"redeclare", "replaceable"} or own.type for own in functions)
+        if len(functions) == 1 or len(owners) < len(functions) or is_redeclared:
             continue
-        for around in owners:
-            outer = found.classes[around]
-            last = outer.name.rpartition(".")[2]
-            if outer.kind in _MODELS and last not in used:
-                text = found.texts[outer.source].text
-                changes = list(_renamed(text, outer, short, f"{short}_of_{last}"))
-                if all(changes):
-                    yield around, [change for change in changes if change is not None]
+        for owner in owners:
+            if owner.kind in _MODELS and owner.name not in used:
+                places = [at for at in range(owner.start, owner.end) if owner.tree.words[at] == name]
+                if all(_is_function(owner.tree, at) for at in places):
+                    yield from ((owner.tree, _change(owner.tree, at, f"{name}_of_{owner.name}")) for at in places)
 
 
-_USES = re.compile(r"\bextends\s+((?:\w+\s*\.\s*)*)(\w+)|=\s*((?:\w+\s*\.\s*)*)(\w+)\b|\b(\w+)\s*\.")
-
-
-def _used_elsewhere(found: Classes) -> set[str]:
+def _used_elsewhere(tree: Tree) -> Iterator[str]:
     """The last names of what is extended, or given in a redeclaration, and all names before a dot."""
-    names: set[str] = set()
-    for text in found.texts:
-        for match in _USES.finditer(text.text):
-            path = f"{match[1] or ''}{match[3] or ''}"
-            names.update(re.findall(r"\w+", path), (match[2] or match[4] or match[5],))
-    return names
+    for at, word in enumerate(tree.words[:-1]):
+        start = at
+        while tree.words[start - 1] == ".":
+            start -= 2
+        before = tree.words[start - 1]
+        if tree.words[at + 1] == "." or before == "extends" or before.endswith("="):
+            yield word
 
 
-def _renamed(text: str, outer: Class, name: str, new: str) -> Iterator[Change | None]:
-    """The places of *name* in a class; None for one that may be anything but the function."""
-    for match in re.compile(rf"\b{re.escape(name)}\b").finditer(text, outer.start, outer.end):
-        start, end = match.span()
-        before, after = text[max(start - 240, 0) : start].rstrip(), text[end : end + 40].lstrip()
-        is_declared = re.search(r"\b(?:function|end)$", before) is not None
-        is_derivative = before.endswith("=") and re.search(r"\bderivative\b[^;]{0,200}=$", before) is not None
-        is_called = (
-            after.startswith("(") and re.search(r"(?:[-+*/^=(,{\[]|\b(?:then|else|and|or|not))$", before) is not None
-        )
-        is_ok = is_declared or is_derivative or (is_called and not before.endswith("."))
-        yield (start, end, new) if is_ok else None
+def _is_function(tree: Tree, at: int) -> bool:
+    """Whether a name can be nothing but a function's: declared, called, or given as a derivative."""
+    words, before = tree.words, tree.words[at - 1]
+    if before == "=":
+        what = at - 2 if words[at - 2] != ")" else tree.closing[at - 2] - 1
+        if words[what] == "derivative":
+            return True
+    is_operand = before[-1] in "-+*/^=(,{[" or before in ("then", "else", "and", "or", "not")
+    return before in ("function", "end") or (is_operand and words[at + 1] == "(")

@@ -1,13 +1,20 @@
-"""What the front-end is known to flatten wrongly without a word: found in the sources the model uses, and refused."""
+"""What the front-end is known to flatten wrongly without a word: found in the sources the model uses, and refused.
+
+rumoca 0.10.2 applies a redeclaration in the modifications of a component (`Car a(redeclare Fast engine)`). It drops one
+
+- two modifications deep: `Car a(chassis(redeclare Soft spring))`, of a class, too;
+- of a component that the class in `extends` or behind `=` inherits: `extends Car(redeclare Fast engine)`, where `Car`
+  has `engine` from a class that it extends itself, or is only another name of one.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 from dse.errors import Location, Problem
 from dse.modelica.frontend.buses import flows, is_expandable
-from dse.modelica.frontend.modifications import misread_modifications
 from dse.modelica.frontend.outer import outer_values
 from dse.modelica.frontend.result import FrontEndResult
 from dse.modelica.frontend.scope import Scope
@@ -160,3 +167,77 @@ def _records(read: Forest) -> Iterator[Problem]:
         if in_package and _is_constant(element) and element.last in records and element.name in based:
             what = f"reading fields of the package's constant '{element.name}', a record, is not supported"
             yield Problem(what, element.where, "let a record in the model be it as a whole, and read that one")
+
+
+def misread_modifications(read: Forest, called: Iterable[str]) -> Iterator[Problem]:
+    """Each modification in what is used that the front-end takes for something else; *called* are all functions."""
+    last = {name.rpartition(".")[2] for name in called}
+    written = Counter(word for tree in read.trees for word in tree.words)
+    components = [each for each in read.elements if each.kind == "component" and not each.is_argument]
+    own = {(each.parent.name, each.name) for each in components if each.parent}
+    for element in read.elements:
+        is_used = element.kind != "function" or not last.isdisjoint((element.name, element.last))
+        if "redeclare" in element.prefixes and element.kind in KINDS and element.written and is_used:
+            what = (
+                f"the redeclaration of class '{element.name}' modifies what it takes, which the front-end does not see"
+            )
+            hint = "declare a class that extends it with these modifications, and redeclare to that"
+            yield Problem(what, element.where, hint)
+        limit = element.constraint
+        if limit and limit.written and (element.kind in KINDS or element.written != limit.written):
+            what = "'constrainedby' with modifications, which the front-end does not see, is not supported"
+            yield Problem(what, limit.where, "constrain by a class that extends it with these modifications")
+        if element.kind == "modifier" and "." in element.name and (element.is_given or element.written):
+            what = f"the modification of '{element.name}', which the front-end does not see, is not supported"
+            yield Problem(what, element.where, "nest it: a(b = 1) in place of a.b = 1")
+        if "redeclare" in element.prefixes and element.is_argument and element.parent:
+            is_named = element.parent.kind == "extends" or written[element.parent.name] > 1
+            yield from _lost(element, element.parent, is_named and (element.parent.last, element.name) not in own)
+    yield from _redeclared_components(read)
+
+
+def _redeclared_components(read: Forest) -> Iterator[Problem]:
+    """A component redeclared in a modification keeps the modifications of the declaration before, even where a class
+    constrains it; one redeclared as an element loses them."""
+    again: dict[str, list[Element]] = {}
+    for element in read.elements:
+        if element.kind == "component" and "redeclare" in element.prefixes:
+            again.setdefault(element.name, []).append(element)
+    for element in read.elements:
+        is_replaceable = element.kind == "component" and "replaceable" in element.prefixes
+        if not element.written or not (is_replaceable or element.kind == "modifier"):
+            continue
+        is_kept = is_replaceable and element.constraint is not None
+        for new in again.get(element.name, ()):
+            missing = sorted(_names(element) - _names(new))
+            if missing and is_kept == new.is_argument and new is not element:
+                how = "keeps" if is_kept else "drops"
+                what = (
+                    f"the redeclaration of '{new.name}', for which the front-end {how} the modifications made before,"
+                )
+                yield Problem(
+                    f"{what} is not supported", new.where, f"modify the same again here: {', '.join(missing)}"
+                )
+
+
+def _names(element: Element) -> set[str]:
+    """What its modifications give values to; of nested ones the text."""
+    return {
+        one.name if one.is_given and not one.written else "".join(one.tree.words[one.named : one.end])
+        for one in element.arguments
+    }
+
+
+def _lost(element: Element, owner: Element, is_inherited: bool) -> Iterator[Problem]:
+    """Redeclarations in modifications that are dropped. *is_inherited*: a class that is used inherits the component."""
+    what = "the redeclaration of " + ("a class" if element.kind in KINDS else f"'{element.name}'")
+    if owner.is_argument:
+        what += " inside another modification, which the front-end does not see, is not supported"
+        yield Problem(
+            what, element.tree.place(element.start), "declare a class that has the redeclaration, and use that class"
+        )
+        return
+    if owner.kind in ("extends", *KINDS) and element.kind == "component" and is_inherited:
+        what += f", which '{owner.last}' inherits, and which the front-end does not see, is not supported"
+        hint = "redeclare it in `extends` of the class that declares it, or in the declaration of a component"
+        yield Problem(what, element.tree.place(element.start), hint)

@@ -10,8 +10,7 @@ import sys
 import threading
 from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 VERSION = "0.10.2"
 """The version of rumoca whose output the reader knows. Another may mean something else by the same words."""
@@ -27,7 +26,7 @@ class FrontEndRefusal(Exception):  # noqa: N818  # it says what happened
     """The front-end refused the model; the text is its message."""
 
 
-class FrontEnd:
+class FrontEnd(contextlib.AbstractContextManager["FrontEnd"]):
     """A running front-end that sees the files in *folder* and the libraries in *roots*.
 
     A request that fails by `FrontEndDied` leaves a new process behind, so that the next may succeed.
@@ -37,12 +36,7 @@ class FrontEnd:
         self._folder, self._roots, self._cache, self._seconds = folder, roots, cache, seconds
         self._process: subprocess.Popen[str] | None = None
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._end()
 
     def ask(self, request: Mapping[str, object]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ CLASS_KINDS = "class|model|block|record|connector|type|package|function"
 # Quoted names are not hidden, but what looks like a comment or a string in them begins none.
 _HIDDEN = re.compile(r"""'(?:\\.|[^'\\\n])*'|"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/""", re.DOTALL)
 _LINE_END = re.compile("\n")
+_DESCRIPTION = re.compile(r'\s*"((?:\\.|[^"\\])*)"')
 _BLANK = re.compile(r"[^\n]")
 
 
@@ -82,7 +83,8 @@ def declarations(sources: Iterable[SourceText], name: str) -> list[tuple[Locatio
     word = re.escape(name.rpartition(".")[2])
     pattern = re.compile(rf"^[ \t]*(?:\w+[ \t]+)*?(?:{CLASS_KINDS}|operator)\s+({word})\b", re.MULTILINE)
     listed = found(sources, pattern)
-    return [(place, _description(source.text[match.end() :])) for source, match, place in listed]
+    described = ((place, _DESCRIPTION.match(source.text, match.end())) for source, match, place in listed)
+    return [(place, re.sub(r"\\(.)", r"\1", text[1]) if text else "") for place, text in described]
 
 
 def found(
@@ -99,11 +101,6 @@ def place(source: SourceText, start: int) -> Location:
     starts = _line_starts(source.text)
     line = bisect(starts, start)
     return Location(source.path, line, start - starts[line - 1] + 1)
-
-
-def _description(following: str) -> str:
-    match = re.match(r'\s*"((?:\\.|[^"\\])*)"', following)
-    return re.sub(r"\\(.)", r"\1", match[1]) if match else ""
 
 
 BRACKET = re.compile(r"[()\[\]{},;]")

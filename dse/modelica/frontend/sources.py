@@ -98,16 +98,9 @@ def read_sources(
                     problems.append(Problem(what, where, "put them into packages of different names"))
                 continue
             try:
-                content = path.read_bytes() if path.stat().st_size <= _MAX_BYTES else None
-                content = content.removeprefix(_BYTE_ORDER_MARK) if content is not None else None
-            except OSError as error:
-                problems.append(_unreadable(component, path, error, where))
-                continue
-            problem = _unfit(component, path, content)
-            if problem is None and content is not None:
-                contents[relative], origins[relative] = content, _shown(path)
-            elif problem is not None:
-                problems.append(problem)
+                contents[relative], origins[relative] = _content(component, path, where), _shown(path)
+            except DseError as error:
+                problems += error.problems
     for root in roots:
         if not root.is_dir():
             what = f"component '{component}': there is no folder {_shown(root)} for Modelica libraries"
@@ -201,17 +194,21 @@ def _package(folder: Path) -> Iterator[tuple[str, Path]]:
                 yield (Path(folder.resolve().name) / path.relative_to(folder)).as_posix(), path
 
 
-def _unfit(component: str, path: Path, content: bytes | None) -> Problem | None:
-    if content is None:
-        return Problem(
-            f"component '{component}': {_shown(path)} is larger than {_MAX_BYTES // 1_000_000} million bytes"
-        )
+def _content(component: str, path: Path, where: Location | None) -> bytes:
+    """What is in the file. Raises DseError: it is too large, is no UTF-8, or cannot be read."""
     try:
+        if path.stat().st_size > _MAX_BYTES:
+            raise fail(
+                f"component '{component}': {_shown(path)} is larger than {_MAX_BYTES // 1_000_000} million bytes"
+            )
+        content = path.read_bytes().removeprefix(_BYTE_ORDER_MARK)
         content.decode("utf-8")
+    except OSError as error:
+        raise DseError(_unreadable(component, path, error, where)) from error
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
-        return Problem("this is not UTF-8 text", Location(_shown(path), line, 1), "save the file as UTF-8")
-    return None
+        raise fail("this is not UTF-8 text", Location(_shown(path), line, 1), "save the file as UTF-8") from error
+    return content
 
 
 def _unreadable(component: str, path: Path, error: OSError, where: Location | None) -> Problem:

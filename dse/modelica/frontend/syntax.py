@@ -7,12 +7,11 @@ one.
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from dse.errors import Location, fail
-from dse.modelica.frontend.source_text import CLASS_KINDS, SourceText, place
+from dse.modelica.frontend.source_text import CLASS_KINDS, SourceText, code, place
 
 _TOKEN = re.compile(r"'(?:\\.|[^'\\])*'|[A-Za-z_]\w*|\d+(?:\.\d*)?(?:[eE][+-]?\d+)?|[:<>=]=|<>|\S")
 KINDS = frozenset((*CLASS_KINDS.split("|"), "operator"))
@@ -74,7 +73,7 @@ class Tree:
     def __init__(self, source: SourceText) -> None:
         found = list(_TOKEN.finditer(source.text))
         self.source, self.words = source, [*(match[0] for match in found), "", ""]
-        self.starts = [match.start() for match in found]
+        self.starts = [*(match.start() for match in found), len(source.text), len(source.text)]
         self.closing: dict[int, int] = {}
         """The closing bracket of each opening one, and the other way round."""
         self.sizes: list[int] = []
@@ -273,20 +272,20 @@ class Tree:
         self._at = end + 1
 
 
+def read_tree(text: str) -> Tree | None:
+    """The tree of *text*, but for comments and strings; None if it is not Modelica."""
+    try:
+        return Tree(SourceText("", code(text)))
+    except UNREADABLE:
+        return None
+
+
 class Forest:
     """The trees of *texts*. Raises DseError for one that cannot be read."""
 
     def __init__(self, texts: Iterable[SourceText]) -> None:
         self.trees = [_tree(text) for text in texts]
         self.elements = [element for tree in self.trees for element in tree.elements]
-        self.words = Counter(word for tree in self.trees for word in tree.words)
-        """How often each word is written."""
-        self.own: dict[str, set[str]] = {}
-        """The components that classes of one name declare themselves."""
-        for element in self.elements:
-            if element.kind in KINDS:
-                names = {inner.name for inner in element.elements if inner.kind == "component"}
-                self.own.setdefault(element.name, set()).update(names)
 
 
 def _tree(text: SourceText) -> Tree:

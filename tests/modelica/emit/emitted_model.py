@@ -13,7 +13,7 @@ from dse import csolve
 from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS
 from dse.fmu.toolchain.compiler import environment, find_compiler
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.emit.memory import memory_layout
+from dse.modelica.emit.expressions.setting import memory_layout
 from dse.modelica.emit.model import emit
 from dse.modelica.emit.variables import FmuVariable, variables
 from dse.modelica.solved_model import Solved

@@ -13,10 +13,9 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 from dse.errors import DseError
 from dse.modelica.algebra.arithmetic import FUNCTIONS
 from dse.modelica.algebra.derivative import partial
-from dse.modelica.algebra.evaluate import evaluate
+from dse.modelica.algebra.evaluate import evaluate, table
 from dse.modelica.algebra.expression import Expression, Graph
 from dse.modelica.algebra.symbol import Referent, Symbol
-from dse.modelica.algebra.tables import table1, table2
 from dse.modelica.flat_model import Role, ScalarType, Variable
 from dse.modelica.structure.reduction.pantelides import total
 
@@ -145,27 +144,15 @@ def test_time_derivatives_raise_the_order_and_leave_parameters() -> None:
         total(u * x, variables)
 
 
-@settings(max_examples=50, deadline=None)
-@given(st.data())
-def test_smooth_tables_of_one_axis_are_those_of_scipy(data: st.DataObject) -> None:
-    count = data.draw(st.integers(2, 7))
-    xs = np.cumsum(data.draw(st.lists(st.floats(0.1, 3), min_size=count, max_size=count)))
-    ys = data.draw(st.lists(st.floats(-5, 5).map(lambda v: round(v, 3)), min_size=count, max_size=count))
-    x = data.draw(st.floats(float(xs[0]), float(xs[-1])))
-    expected = PchipInterpolator(xs, ys)
-    for order in (0, 1):
-        assert table1(order, x, list(xs), ys, True, 1) == pytest.approx(float(expected(x, order)), rel=1e-7, abs=1e-7)
-
-
 def test_outside_a_table_holds_continues_or_is_not_a_number() -> None:
     xs, ys = [0.0, 1.0, 3.0], [1.0, 2.0, 0.0]
     slope = float(PchipInterpolator(xs, ys)(3.0, 1))
-    assert table1(0, 5.0, xs, ys, True, 1) == 0.0
-    assert table1(1, 5.0, xs, ys, True, 1) == 0.0
-    assert table1(0, 5.0, xs, ys, True, 2) == pytest.approx(2 * slope, rel=1e-14)
-    assert table1(1, 5.0, xs, ys, True, 2) == pytest.approx(slope, rel=1e-14)
-    assert math.isnan(table1(0, 5.0, xs, ys, True, 3))
-    assert table1(0, -1.0, xs, ys, False, 2) == pytest.approx(0.0, abs=1e-15)
+    assert table((0,), (5.0,), (xs,), ys, True, 1) == 0.0
+    assert table((1,), (5.0,), (xs,), ys, True, 1) == 0.0
+    assert table((0,), (5.0,), (xs,), ys, True, 2) == pytest.approx(2 * slope, rel=1e-14)
+    assert table((1,), (5.0,), (xs,), ys, True, 2) == pytest.approx(slope, rel=1e-14)
+    assert math.isnan(table((0,), (5.0,), (xs,), ys, True, 3))
+    assert table((0,), (-1.0,), (xs,), ys, False, 2) == pytest.approx(0.0, abs=1e-15)
 
 
 def test_smooth_tables_of_two_axes_are_hermite_along_both() -> None:
@@ -182,9 +169,9 @@ def test_smooth_tables_of_two_axes_are_hermite_along_both() -> None:
 
     for x, y in ((0.3, -0.2), (2.0, 1.5), (3.9, -1.0), (2.5, 0.0)):
         by_y = np.array([curve(ys, row)(y) for row in zs])
-        found = table2((0, 0), (x, y), (xs, ys), list(zs.ravel()), True, 1)
+        found = table((0, 0), (x, y), (xs, ys), list(zs.ravel()), True, 1)
         assert found == pytest.approx(float(curve(xs, by_y)(x)), rel=1e-12)
-        slope = table2((1, 0), (x, y), (xs, ys), list(zs.ravel()), True, 1)
+        slope = table((1, 0), (x, y), (xs, ys), list(zs.ravel()), True, 1)
         assert slope == pytest.approx(float(curve(xs, by_y)(x, 1)), rel=1e-11, abs=1e-12)
 
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from dse.errors import fail
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.emit.expressions.setting import Setting, is_truth
-from dse.modelica.emit.expressions.text import literal
+from dse.modelica.emit.expressions.setting import Setting, is_truth, literal
 
 LARGEST_POWER = 16
 """Whole constant exponents up to this are multiplied out."""
@@ -36,16 +35,12 @@ class Printed:
     @property
     def bare_value(self) -> str:
         """As a double, where a whole expression is wanted."""
-        return self._bare
+        return self.text[1:-1] if self.is_wrapped else self.text
 
     @property
     def bare_truth(self) -> str:
         """As 0 or 1, where a whole expression is wanted."""
-        return self._bare if self.is_truth else f"{self.text} != 0.0"
-
-    @property
-    def _bare(self) -> str:
-        return self.text[1:-1] if self.is_wrapped else self.text
+        return self.bare_value if self.is_truth else f"{self.text} != 0.0"
 
 
 def cheap(node: Expression) -> bool:

@@ -140,20 +140,15 @@ class _Scope:
         return self.names[operand.number] if operand.operator == "array" else self.texts[operand.number].value
 
     def _branches(self, node: Expression, name: str, branches: tuple[int, ...], indent: str) -> Iterator[str | _Branch]:
-        condition = self.texts[node.operands[0].number]
+        condition = self.texts[node.operands[0].number].bare_truth
         inside = indent + "    "
-        if node.operator == "if":
-            yield f"{indent}double {name};"
-            yield f"{indent}if ({condition.bare_truth}) {{"
-            yield _Branch(branches[0], inside)
-            yield f"{inside}{name} = {self.texts[node.operands[1].number].bare_value};"
-            yield f"{indent}}} else {{"
-            yield _Branch(branches[1], inside)
-            yield f"{inside}{name} = {self.texts[node.operands[2].number].bare_value};"
-            yield f"{indent}}}"
-            return
-        yield f"{indent}int {name} = {condition.bare_truth};"
-        yield f"{indent}if ({'' if node.operator == 'and' else '!'}{name}) {{"
-        yield _Branch(branches[0], inside)
-        yield f"{inside}{name} = {self.texts[node.operands[1].number].bare_truth};"
+        is_if = node.operator == "if"
+        yield f"{indent}double {name};" if is_if else f"{indent}int {name} = {condition};"
+        yield f"{indent}if ({condition if is_if else name if node.operator == 'and' else f'!{name}'}) {{"
+        for number, (branch, operand) in enumerate(zip(branches, node.operands[1:], strict=True)):
+            if number:
+                yield f"{indent}}} else {{"
+            yield _Branch(branch, inside)
+            text = self.texts[operand.number]
+            yield f"{inside}{name} = {text.bare_value if is_if else text.bare_truth};"
         yield f"{indent}}}"

@@ -1,15 +1,86 @@
-"""What a symbol, an array and a failure are called in the C code of one model."""
+"""Where the values of one model are in the memory of its C code, and what symbols, arrays and failures are called."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from dse.errors import Location
+from dse.errors import Location, fail
 from dse.modelica.algebra.expression import TRUTHS, Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
-from dse.modelica.emit.expressions.text import literal, table
-from dse.modelica.emit.memory import MemoryLayout
+from dse.modelica.algebra.traversal import symbols
+from dse.modelica.flat_model import Role
+from dse.modelica.solved_model import Solved, When, all_expressions, targets
+
+
+@dataclass(frozen=True, slots=True)
+class MemoryLayout:
+    """*places* of variables and derivatives in ``v``: parameters (in the order of the flat model, so that an array is
+    in a row), inputs, states, their derivatives in the same order, everything else that is computed.
+
+    *own* are the places of eliminated variables that cannot share one: negated ones and those that equal time.
+    *pre* gives the place in ``pre[]`` of a variable's pre-value, *conditions* the first number of each trigger's
+    conditions. *size* is the count of places so far; the code may add more behind them.
+    """
+
+    places: Mapping[Symbol, int]
+    own: Mapping[str, int]
+    pre: Mapping[str, int]
+    conditions: tuple[int, ...]
+    condition_count: int
+    size: int
+
+    def of(self, name: str) -> int:
+        """Referent of the value of the flat variable *name*."""
+        return self.own[name] if name in self.own else self.places[Symbol(name)]
+
+
+def memory_layout(solved: Solved) -> MemoryLayout:
+    """The layout of *solved*. Raises DseError for a variable that no equation computes."""
+    places: dict[Symbol, int] = {}
+    for symbol in _in_order(solved):
+        places.setdefault(symbol, len(places))
+    size = len(places)
+    own: dict[str, int] = {}
+    for name in solved.flat.variables:
+        if name in solved.aliases:
+            kept, sign = solved.aliases[name]
+            if sign > 0 and kept in places:
+                places[Symbol(name)] = places[kept]
+            else:
+                own[name] = size
+                size += 1
+        elif Symbol(name) not in places:
+            where = solved.flat.variables[name].where
+            raise fail(f"nothing computes the variable '{name}'", where, "give it an equation, or make it an input")
+    conditions, count = [], 0
+    for trigger in solved.flat.triggers:
+        conditions.append(count)
+        count += len(trigger.conditions)
+    return MemoryLayout(places, own, _pre(solved, places), tuple(conditions), count, size)
+
+
+def _in_order(solved: Solved) -> Iterator[Symbol]:
+    flat = solved.flat
+    for role in (Role.PARAMETER, Role.INPUT):
+        for name, declared in flat.variables.items():
+            if declared.role is role and name not in solved.aliases:
+                yield Symbol(name)
+    yield from solved.states
+    yield from (state.derivative for state in solved.states)
+    for blocks in (solved.parameters, solved.derivatives, solved.outputs, solved.event, solved.initial, solved.guesses):
+        yield from targets(blocks)
+
+
+def _pre(solved: Solved, places: Mapping[Symbol, int]) -> dict[str, int]:
+    """Numbers of the variables whose value just before is kept: whoever asks for it, and whoever falls back on it."""
+    wanted = {symbol.name for symbol in symbols(*all_expressions(solved)) if symbol.referent is Referent.PRE}
+    for block in (*solved.event, *solved.initial):
+        if isinstance(block, When) and all(trigger is not None for trigger, _ in block.branches):
+            wanted.add(block.target.name)
+    wanted -= {state.name for state in solved.states if state.order == 0}
+    return {name: number for number, name in enumerate(sorted(wanted, key=lambda name: places[Symbol(name)]))}
 
 
 @dataclass(slots=True)
@@ -44,7 +115,8 @@ class Setting:
     """Where a function stands: *is_initial* is the value of ``initial()``, *on_failure* what it does about a code.
 
     *own* are places behind the layout's, of what is computed from parameters beforehand; *gathered* places in
-    ``m->data`` of the arrays of such values, by their nodes' numbers.
+    ``m->data`` of the arrays of such values, by their nodes' numbers. *names* are those of files by their
+    paths: what is built must not depend on where they are.
     """
 
     layout: MemoryLayout
@@ -53,6 +125,7 @@ class Setting:
     own: Mapping[Symbol, int] = field(default_factory=dict)
     gathered: Mapping[int, int] = field(default_factory=dict)
     on_failure: str = "return {code};"
+    names: Mapping[str, str] = field(default_factory=dict)
 
     def failing(self, text: str) -> str:
         """The statement that tells *text*."""
@@ -80,6 +153,12 @@ class Setting:
                 return "m->continued"
         return "1" if self.is_initial else "0"
 
+    def locations(self, where: Iterable[Location]) -> str:
+        """*where* in words, cut after four places."""
+        named = [(self.names.get(place.file, place.file), place.line) for place in where]
+        shown = [f"{name}:{line}" if line else name for name, line in dict.fromkeys(named)]
+        return ", ".join(shown[:4]) + (", …" if len(shown) > 4 else "")
+
     def array(self, node: Expression) -> str | None:
         """A pointer to the elements of *node*, if they stand in a row somewhere."""
         if all(element.is_constant for element in node.operands):
@@ -102,7 +181,45 @@ def is_truth(node: Expression) -> bool:
     return node.operator in TRUTHS
 
 
-def locations(where: tuple[Location, ...]) -> str:
-    """*where* in words, cut after four places."""
-    shown = [f"{place.file}:{place.line}" if place.line else place.file for place in dict.fromkeys(where)]
-    return ", ".join(shown[:4]) + (", …" if len(shown) > 4 else "")
+def literal(value: float) -> str:
+    """*value* to the last bit, as an operand: ``2.5``, ``(-1e-09)``, ``NAN``."""
+    if math.isnan(value):
+        return "NAN"
+    if math.isinf(value):
+        return "INFINITY" if value > 0 else "(-INFINITY)"
+    shown = repr(value)
+    return f"({shown})" if shown.startswith("-") else shown
+
+
+def quoted(text: str) -> str:
+    """*text* as a C string in plain ASCII; everything else in UTF-8, as octal escapes."""
+    return '"' + "".join(_ESCAPES.get(byte) or _plain(byte) for byte in text.encode("utf-8")) + '"'
+
+
+# A question mark is escaped because of trigraphs.
+_ESCAPES = {ord('"'): '\\"', ord("\\"): "\\\\", ord("\n"): "\\n", ord("\t"): "\\t", ord("?"): "\\?"}
+
+
+def _plain(byte: int) -> str:
+    return chr(byte) if 32 <= byte < 127 else f"\\{byte:03o}"
+
+
+def comment(text: str) -> str:
+    """*text* as a comment of one line, whatever it contains."""
+    plain = text.encode("ascii", "replace").decode().replace("\n", " ").replace("\\", "/")
+    return f"/* {plain.replace('*/', '* /').replace('/*', '/ *')} */"
+
+
+_WIDTH = 110
+
+
+def table(declaration: str, items: list[str], empty: str = "0") -> list[str]:
+    """An array's definition; C knows no empty array, so that one gets an element nobody reads."""
+    lines = [f"{declaration} = {{"]
+    line = ""
+    for item in items or [empty]:
+        if line and len(line) + len(item) + 6 > _WIDTH:
+            lines.append(f"    {line.rstrip()}")
+            line = ""
+        line += f"{item}, "
+    return [*lines, f"    {line.rstrip()}", "};"]
