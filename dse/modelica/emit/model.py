@@ -27,6 +27,7 @@ from dse.modelica.emit.expressions.setting import Collected, Setting
 from dse.modelica.emit.expressions.text import comment, literal
 from dse.modelica.emit.hoist import Hoisted, hoisted
 from dse.modelica.emit.memory import MemoryLayout, memory_layout
+from dse.modelica.emit.selections import selection_lines
 from dse.modelica.emit.sharing import Program, shared_passes
 from dse.modelica.emit.variables import FmuVariable
 from dse.modelica.solved_model import Activation, Solved, all_expressions
@@ -51,17 +52,20 @@ def emit(
     lean = hoisted(solved, memory)
     collected = Collected()
     functions = list(_functions(solved, memory, lean, collected))
+    selections = selection_lines(solved, memory, collected)
     model = [
         comment(f"Generated from the Modelica model {solved.flat.name}."),
         "#ifndef DSE_MODEL_H",
         "#define DSE_MODEL_H",
         *size_lines(solved, memory, lean, collected.largest_system),
         f"#define DSE_BRANCHES {int(solved.flat.graph.uses('if'))}",
+        *([f"#define DSE_SELECTIONS {len(solved.selections)}"] if selections else []),
         f"#define DSE_SOLVER DSE_{solver.name}_SOLVER",
         f"#define DSE_DEFAULT_TOLERANCE {literal(tolerance)}",
         '#include "arithmetic.h"',
         '#include "modelica.h"',
         *table_lines(solved, memory, list(collected.failures)),
+        *selections,
         *slot_lines(variables),
         *collected.array_lines(),
         *collected.system_lines,

@@ -1,8 +1,8 @@
 """Which variables are states: the method of dummy derivatives.
 
 Mattsson and Söderlind, SIAM J. Sci. Comput. 14(3), 1993, 677-692: for every differentiated equation one derivative
-among its block's becomes an ordinary unknown; what it would have been the derivative of is no state. The choice is
-made once. Where it depends on coefficients that vary, a guard makes the run fail before the choice becomes singular.
+among its block's becomes an ordinary unknown; what it would have been the derivative of is no state. Where that depends
+on coefficients that vary, the states are selected during the run instead (`selection`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dse.modelica.algebra.evaluate import Values, evaluate
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import smooth, symbols
-from dse.modelica.flat_model import Variable
+from dse.modelica.flat_model import FlatModel, Variable
 from dse.modelica.structure.known import Known
 from dse.modelica.structure.reduction.pantelides import Reduced
 from dse.modelica.structure.rows import Row, listed, told
@@ -33,44 +33,47 @@ Line = Mapping[int, Expression]
 
 
 @dataclass(frozen=True, slots=True)
-class Guard:
-    """The choice of *dummies* among *candidates* by *rows* is good as long as *matrix*, of the entries of the
-    candidates, keeps well-conditioned columns for the dummies."""
-
-    rows: tuple[int, ...]
-    candidates: tuple[Symbol, ...]
-    dummies: tuple[Symbol, ...]
-    matrix: tuple[Line, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class Choice:
-    """*dummies*: derivatives that are ordinary unknowns. *guards*: where that depends on values at run time."""
+    """*dummies*: derivatives that are ordinary unknowns. *undone*: why that is not what was asked for, if it is not.
+
+    *matrix* has the coefficients of *candidates* in the differentiated equations if the choice would depend on values
+    at run time; else it is empty.
+    """
 
     dummies: frozenset[Symbol]
-    guards: tuple[Guard, ...]
+    candidates: tuple[Symbol, ...]
+    matrix: tuple[Line, ...]
+    undone: Problem | None
 
 
 def chosen(found: Reduced, variables: Mapping[str, Variable], known: Known) -> Choice:
     """The dummy derivatives of *found*.
 
     They are taken by stateSelect, then where coefficients are numbers, then parameters, then by the size of the pivot
-    at the start. Raises DseError if the differentiated equations are singular there or want stateSelect.always undone.
+    at the start. Raises DseError if the differentiated equations are singular there.
     """
     local = _local(found)
-    candidates = [Symbol(name, order) for name, order in found.highest.items() if order]
+    every = candidates = [Symbol(name, order) for name, order in found.highest.items() if order]
     dummies: list[Symbol] = []
-    guards: list[Guard] = []
+    matrix: tuple[Line, ...] = ()
+    undone: Problem | None = None
+    varies = False
     stage = 1
     while rows := [row for row, chain in enumerate(found.chains) if len(chain) > stage]:
         selection = _Selection(found, rows, candidates, variables, known, local)
         picked = selection.done()
         dummies.extend(picked)
-        if selection.varies(picked):
-            guards.append(Guard(tuple(rows), tuple(candidates), tuple(picked), selection.matrix))
+        varies = varies or selection.varies(picked)
+        matrix = matrix or selection.matrix
+        undone = undone or selection.undone(picked)
         candidates = [Symbol(one.name, one.order - 1) for one in picked if one.order > 1]
         stage += 1
-    return Choice(frozenset(dummies), tuple(guards))
+    return Choice(frozenset(dummies), tuple(every), matrix if varies else (), undone)
+
+
+def is_wanted(name: str, flat: FlatModel) -> bool:
+    """Whether *name* has to be a state: by stateSelect.always, or since it is set anew at events."""
+    return flat.variables[name].prefers_state >= ALWAYS or any(one.state == name for one in flat.reinitializations)
 
 
 def _local(found: Reduced) -> frozenset[str]:
@@ -127,13 +130,14 @@ class _Selection:
             picked = self._independent(nothing_special)
         if picked is None:
             raise DseError(*told(self._rows, "equations that were differentiated contradict or repeat each other"))
-        symbols_picked = [self._candidates[column] for column in sorted(picked)]
-        wrong = [one for one in symbols_picked if one.order == 1 and self._preference(one) == ALWAYS]
-        if wrong:
-            problem = "not all variables with stateSelect.always can be states"
-            states = listed(Symbol(one.name, one.order - 1) for one in wrong)
-            raise DseError(Problem(f"{problem}: {states}", self._rows[0].where))
-        return symbols_picked
+        return [self._candidates[column] for column in sorted(picked)]
+
+    def undone(self, picked: Sequence[Symbol]) -> Problem | None:
+        """What is wrong if a variable with stateSelect.always is *picked*."""
+        wrong = [one for one in picked if one.order == 1 and self._preference(one) == ALWAYS]
+        states = listed(Symbol(one.name, one.order - 1) for one in wrong)
+        what = f"not all variables with stateSelect.always can be states: {states}"
+        return Problem(what, self._rows[0].where) if wrong else None
 
     def varies(self, picked: Sequence[Symbol]) -> bool:
         """Whether the chosen columns have entries that change during a run."""

@@ -1,0 +1,178 @@
+"""States that are selected during the run, where no choice of dummy derivatives is good for all of it.
+
+Mattsson, Olsson and Elmqvist, Dynamic selection of states in Dymola, Modelica Workshop 2000, 61-67. Of a pendulum in
+Cartesian coordinates, ``x^2 + y^2 = L^2``, neither x nor y is a good state all the way round. The model gets a variable
+``z = s1*x + s2*y`` with discrete s1 and s2, one of which is 0, and z and its derivative become the states. After each
+step the runtime looks at the coefficients of the differentiated constraint, here (x, y). If those of what is no state
+are far from the best ones, it sets s1 and s2 and then z and its derivative anew; x and y keep their values.
+
+What is eliminated by a coefficient that is never 0 needs no selection. This is done first, symbolically, so that of a
+mechanism with one loop two equations are left, with the angles of its joints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from dse.errors import DseError, some_of
+from dse.graphs import components
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.flat_model import Equation, FlatModel, Role, ScalarType, Variable
+from dse.modelica.solved_model import Selection
+from dse.modelica.structure.known import Known
+from dse.modelica.structure.reduction.dummies import ALWAYS, Line, is_wanted
+from dse.modelica.structure.reduction.pantelides import Reduced
+from dse.modelica.structure.rows import listed, told
+
+SELECTED = ALWAYS + 1
+"""What is selected is a state before all others."""
+NEVER = -2
+PREFERENCE = 4.0
+"""How many times larger the coefficient of a variable has to be than that of one with the next lower stateSelect,
+until the former becomes no state rather than the latter."""
+
+
+class Elimination:
+    """The differentiated equations of *found*, with *matrix* of their *candidates*, the highest derivatives.
+
+    *dummies*: derivatives with coefficients that are never 0. *flat*: with the variables and equations for what is
+    left, by independent parts; these are *selections*.
+    """
+
+    def __init__(self, candidates: Sequence[Symbol], matrix: Sequence[Line], found: Reduced, known: Known) -> None:
+        chains = [chain for chain in found.chains if len(chain) > 1]
+        self._known = known
+        self._columns = candidates
+        self._rows = [chain[0] for chain in chains]
+        self._times = [len(chain) - 1 for chain in chains]
+        self._lines = [dict(line) for line in matrix]
+        self._open = dict.fromkeys(range(len(chains)))
+        self._taken: set[int] = set()
+        self.flat = known.flat
+        self.dummies: set[Symbol] = set()
+        self.selections: list[Selection] = []
+        for times in sorted(set(self._times), reverse=True):
+            while (pivot := self._constant_pivot(times)) is not None:
+                self._eliminate(*pivot)
+            self._select(times)
+
+    def _constant_pivot(self, times: int) -> tuple[int, int] | None:
+        found = [
+            (self._key(column), row, column)
+            for row in self._open
+            if self._times[row] == times
+            for column, entry in self._lines[row].items()
+            if self._may_be_dummy(column, times) and column not in self._taken
+            if self._known.of_parameters(entry) and self._known.is_never_zero(entry)
+        ]
+        return min(found)[1:] if found else None
+
+    def _variable(self, column: int) -> Variable:
+        return self._known.flat.variables[self._columns[column].name]
+
+    def _key(self, column: int) -> tuple[int, bool, int]:
+        variable = self._variable(column)
+        return variable.prefers_state, variable.is_fixed, -self._columns[column].order
+
+    def _may_be_dummy(self, column: int, times: int) -> bool:
+        return self._columns[column].order > times or not is_wanted(self._columns[column].name, self._known.flat)
+
+    def _become_dummies(self, column: int, times: int) -> None:
+        name, order = self._columns[column].name, self._columns[column].order
+        self.dummies.update(Symbol(name, order - k) for k in range(times))
+
+    def _eliminate(self, row: int, column: int) -> None:
+        del self._open[row]
+        self._become_dummies(column, self._times[row])
+        line = self._lines[row]
+        for other in self._open:
+            own = self._lines[other]
+            if column not in own:
+                continue
+            factor = own.pop(column) / line[column]
+            for place, entry in line.items():
+                if place != column:
+                    zero = entry.graph.constant(0.0)
+                    own[place] = own.get(place, zero) - factor * entry
+                    if own[place].is_number(0):
+                        del own[place]
+
+    def _select(self, times: int) -> None:
+        """The parts of the equations that are left, with those differentiated *times* times."""
+        rows = [row for row in self._open if self._times[row] == times]
+        users: dict[int, list[int]] = {}
+        for place, row in enumerate(rows):
+            for column in self._lines[row]:
+                users.setdefault(column, []).append(place)
+        needs = [sorted({place for column in self._lines[row] for place in users[column]}) for row in rows]
+        for part in components(needs):
+            self._add([rows[place] for place in part], times)
+        self._taken.update(column for column in users if self._may_be_dummy(column, times))
+
+    def _add(self, rows: Sequence[int], times: int) -> None:
+        every = sorted({column for row in rows for column in self._lines[row]}, key=lambda one: (self._key(one), one))
+        free = [column for column in every if self._may_be_dummy(column, times) and column not in self._taken]
+        never = sum(self._variable(column).prefers_state == NEVER for column in free)
+        if len(free) < len(rows) or never > len(rows):
+            what = f"there are no states that could be selected among {listed(self._lowest(every, times))}"
+            raise DseError(*told((self._rows[row] for row in rows), what))
+        for column in free:
+            self._become_dummies(column, times)
+        number = len(self.selections) + 1
+        while any(name.startswith(f"stateSelect.set{number}.") for name in self.flat.variables):
+            number += 1
+        columns = [*free, *(column for column in every if column not in free)]
+        zero = self.flat.graph.constant(0.0)
+        entries = [[self._lines[row].get(column, zero) for column in columns] for row in rows]
+        units = [self._unit(column) for column in columns]
+        weights = [PREFERENCE ** -self._variable(column).prefers_state for column in columns]
+        lowest = self._lowest(columns, times)
+        found = Selection(
+            number=number,
+            candidates=tuple(lowest[: len(free)]),
+            levels=times,
+            rows=len(rows),
+            never=never,
+            units=tuple(units),
+            weights=tuple(unit * weight for unit, weight in zip(units, weights, strict=True)),
+            subject=some_of([str(self._rows[row]) for row in rows], 4),
+            where=tuple(where for row in rows if (where := self._rows[row].where) is not None),
+        )
+        self.selections.append(found)
+        self.flat = _extended(self.flat, found, entries)
+
+    def _lowest(self, columns: Sequence[int], times: int) -> list[Symbol]:
+        return [Symbol(self._columns[column].name, self._columns[column].order - times) for column in columns]
+
+    def _unit(self, column: int) -> float:
+        nominal = self._variable(column).nominal
+        return abs(nominal.value) if nominal is not None and nominal.is_constant and nominal.value else 1.0
+
+
+def _extended(flat: FlatModel, selection: Selection, entries: Sequence[Sequence[Expression]]) -> FlatModel:
+    """*flat* with the states of *selection*, the shares of the candidates in them, and the coefficients."""
+    graph = flat.graph
+    variables, equations = dict(flat.variables), list(flat.equations)
+    where = selection.where[0] if selection.where else None
+
+    def add(name: str, role: Role, **more: object) -> Expression:
+        own = Variable(name, ScalarType.REAL, role, is_protected=True, where=where)
+        variables[name] = replace(own, **more)  # type: ignore[arg-type]  # fields of Variable
+        return graph.variable(name)
+
+    for name, entry in zip(selection.matrix, (one for line in entries for one in line), strict=True):
+        equations.append(Equation(add(name, Role.CONTINUOUS) - entry, where))
+    names = ", ".join(map(str, selection.candidates))
+    for row, name in enumerate(selection.states):
+        state = add(name, Role.CONTINUOUS, prefers_state=SELECTED, description=f"selected among {names}")
+        total = graph.constant(0.0)
+        for column, share in enumerate(selection.shares[row]):
+            candidate = selection.candidates[selection.never + column]
+            start = graph.constant(1.0 / selection.units[selection.never + column] if row == column else 0.0)
+            total = total + add(share, Role.DISCRETE, start=start) * graph.symbol(candidate)
+        equations.append(Equation(state - total, where))
+        highest = graph.variable(name, selection.levels)
+        equations.append(Equation(add(f"${name}", Role.CONTINUOUS) - highest, where))
+    return replace(flat, variables=variables, equations=tuple(equations))
