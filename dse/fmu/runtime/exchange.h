@@ -120,15 +120,15 @@ static bool dse_exchange_get_indicators(
     struct dse_instance *instance, const char *function, double indicators[], size_t count) {
     dse_component *m = &instance->at.now;
     double look[DSE_LOOK];
-    if (!dse_is_readable(instance, function, count, DSE_RELATIONS)
+    if (!dse_is_readable(instance, function, count, DSE_INDICATORS)
         || !dse_derive(instance, function)) {
         return false;
     }
     if (!dse_see(m, look)) {
         return dse_discard(instance, function);
     }
-    for (int k = 0; k < DSE_RELATIONS; k++) {
-        indicators[k] = dse_indicator(m, (uint32_t)k, look);
+    for (uint32_t k = 0; k < DSE_INDICATORS; k++) {
+        indicators[k] = dse_event_indicator(m, k, look);
     }
     return true;
 }

@@ -69,7 +69,7 @@ DSE_EXPORT fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Floa
 }
 
 DSE_EXPORT fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *count) {
-    *count = DSE_RELATIONS;
+    *count = DSE_INDICATORS;
     return STATUS(dse_is_exchange(c, DSE_HERE, DSE_ANY_STATE));
 }
 

@@ -76,6 +76,7 @@ static const uint32_t dse_root[] = {0};
 #ifndef DSE_SELECTIONS
 #define DSE_SELECTIONS 0
 #endif
+#define DSE_INDICATORS (DSE_RELATIONS + DSE_SELECTIONS)
 
 #define DSE_AUTO_SOLVER 0
 #define DSE_EXPLICIT_SOLVER 1

@@ -9,6 +9,7 @@
 #include "model.h"
 
 #define DSE_SELECT_BELOW 0.5 /* of the best choice */
+#define DSE_EVENT_BELOW 0.4  /* the same for importers, some of which look at event indicators only */
 #define DSE_REFUSE_BELOW 0.1 /* of the best choice; for the best, of the product of the rows' largest entries, a row */
 
 #if DSE_SELECTIONS > 0
@@ -75,6 +76,13 @@ static double dse_share_of_best(
     return states == 0 || !(*best > 0.0) ? 1.0 : dse_select(m, s, barred, is_picked + s->count) / *best;
 }
 
+/* Negative where the states of selection *number* have to be selected anew. */
+static double dse_selection_indicator(const dse_component *m, uint32_t number) {
+    uint8_t is_picked[2 * dse_selections[number].count];
+    double best;
+    return dse_share_of_best(m, dse_selections + number, &best, is_picked) - DSE_EVENT_BELOW;
+}
+
 /* 0 if the states are well chosen for the values in v, else the failure. */
 static int dse_selection_failure(const dse_component *m) {
     for (const struct dse_selection *s = dse_selections; s < dse_selections + DSE_SELECTIONS; s++) {
@@ -115,6 +123,11 @@ static bool dse_is_selection_due(dse_component *m, bool is_made) {
     return is_due;
 }
 #else
+static inline double dse_selection_indicator(const dse_component *m, uint32_t number) {
+    (void)m, (void)number;
+    return 1.0;
+}
+
 static inline int dse_selection_failure(const dse_component *m) {
     (void)m;
     return 0;

@@ -19,6 +19,7 @@ from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import smooth, symbols
 from dse.modelica.flat_model import FlatModel, Variable
+from dse.modelica.structure.graphs import Matching
 from dse.modelica.structure.known import Known
 from dse.modelica.structure.reduction.pantelides import Reduced
 from dse.modelica.structure.rows import Row, listed, told
@@ -76,6 +77,11 @@ def is_wanted(name: str, flat: FlatModel) -> bool:
     return flat.variables[name].prefers_state >= ALWAYS or any(one.state == name for one in flat.reinitializations)
 
 
+def is_fixed(entry: Expression, known: Known) -> bool:
+    """Whether *entry* keeps its value during a run, and is not 0."""
+    return known.of_parameters(entry) and known.is_never_zero(entry)
+
+
 def _local(found: Reduced) -> frozenset[str]:
     """Unknowns whose highest derivatives are solved for in the blocks of the differentiated equations.
 
@@ -111,7 +117,7 @@ class _Selection:
         self._candidates = list(candidates)
         self._variables = variables
         self._set_anew = frozenset(one.state for one in known.flat.reinitializations)
-        self._starts = known.starts
+        self._known = known
         self._local = local
         numbers = {symbol.name: column for column, symbol in enumerate(candidates)}
         self.matrix = tuple(_coefficients(found.chains[row], numbers, found.highest) for row in rows)
@@ -122,7 +128,7 @@ class _Selection:
                 self._grades[column] = max(grade, self._grades.get(column, 0))
 
     def done(self) -> list[Symbol]:
-        picked = self._independent(self._starts.of)
+        picked = self._independent(self._known.starts.of)
         if picked is None:
             # The starting values may be all 0, where any constraint is flat: look at a point that is nothing special.
             at = symbols(*(entry for line in self.matrix for entry in line.values()))
@@ -140,9 +146,19 @@ class _Selection:
         return Problem(what, self._rows[0].where) if wrong else None
 
     def varies(self, picked: Sequence[Symbol]) -> bool:
-        """Whether the chosen columns have entries that change during a run."""
-        chosen_ones = frozenset(picked)
-        return any(grade == 2 and self._candidates[column] in chosen_ones for column, grade in self._grades.items())
+        """Whether the *picked* columns may become dependent during a run: in a block that they have with some rows."""
+        columns = list(map(self._candidates.index, picked))
+        pattern = [[k for k, column in enumerate(columns) if column in line] for line in self.matrix]
+        matching = Matching()
+        for row in range(len(pattern)):
+            matching.match(row, pattern)
+        needs = [sorted(matching.row_of[k] for k in line if k in matching.row_of) for line in pattern]
+        for part in components(needs):
+            own = [columns[matching.column_of[row]] for row in part]
+            entries = [self.matrix[row][column] for row in part for column in own if column in self.matrix[row]]
+            if not all(is_fixed(entry, self._known) for entry in entries):
+                return True
+        return False
 
     def _independent(self, values: Values) -> list[int] | None:
         """Columns that are independent at *values*, the ones to be preferred as dummies first; by elimination."""

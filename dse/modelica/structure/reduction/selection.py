@@ -22,7 +22,7 @@ from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.flat_model import Equation, FlatModel, Role, ScalarType, Variable
 from dse.modelica.solved_model import Selection
 from dse.modelica.structure.known import Known
-from dse.modelica.structure.reduction.dummies import ALWAYS, Line, is_wanted
+from dse.modelica.structure.reduction.dummies import ALWAYS, Choice, is_fixed, is_wanted
 from dse.modelica.structure.reduction.pantelides import Reduced
 from dse.modelica.structure.rows import listed, told
 
@@ -35,19 +35,19 @@ until the former becomes no state rather than the latter."""
 
 
 class Elimination:
-    """The differentiated equations of *found*, with *matrix* of their *candidates*, the highest derivatives.
+    """The differentiated equations of *found* with the coefficients of *choice*.
 
     *dummies*: derivatives with coefficients that are never 0. *flat*: with the variables and equations for what is
     left, by independent parts; these are *selections*.
     """
 
-    def __init__(self, candidates: Sequence[Symbol], matrix: Sequence[Line], found: Reduced, known: Known) -> None:
+    def __init__(self, choice: Choice, found: Reduced, known: Known) -> None:
         chains = [chain for chain in found.chains if len(chain) > 1]
         self._known = known
-        self._columns = candidates
+        self._columns = choice.candidates
         self._rows = [chain[0] for chain in chains]
         self._times = [len(chain) - 1 for chain in chains]
-        self._lines = [dict(line) for line in matrix]
+        self._lines = [dict(line) for line in choice.matrix]
         self._open = dict.fromkeys(range(len(chains)))
         self._taken: set[int] = set()
         self.flat = known.flat
@@ -65,7 +65,7 @@ class Elimination:
             if self._times[row] == times
             for column, entry in self._lines[row].items()
             if self._may_be_dummy(column, times) and column not in self._taken
-            if self._known.of_parameters(entry) and self._known.is_never_zero(entry)
+            if is_fixed(entry, self._known)
         ]
         return min(found)[1:] if found else None
 
@@ -79,13 +79,14 @@ class Elimination:
     def _may_be_dummy(self, column: int, times: int) -> bool:
         return self._columns[column].order > times or not is_wanted(self._columns[column].name, self._known.flat)
 
-    def _become_dummies(self, column: int, times: int) -> None:
+    def _derivatives(self, column: int, times: int) -> list[Symbol]:
+        """What becomes dummies if *column* is eliminated by an equation differentiated *times* times."""
         name, order = self._columns[column].name, self._columns[column].order
-        self.dummies.update(Symbol(name, order - k) for k in range(times))
+        return [Symbol(name, order - k) for k in range(times)]
 
     def _eliminate(self, row: int, column: int) -> None:
         del self._open[row]
-        self._become_dummies(column, self._times[row])
+        self.dummies.update(self._derivatives(column, self._times[row]))
         line = self._lines[row]
         for other in self._open:
             own = self._lines[other]
@@ -119,7 +120,7 @@ class Elimination:
             what = f"there are no states that could be selected among {listed(self._lowest(every, times))}"
             raise DseError(*told((self._rows[row] for row in rows), what))
         for column in free:
-            self._become_dummies(column, times)
+            self.dummies.update(self._derivatives(column, times))
         number = len(self.selections) + 1
         while any(name.startswith(f"stateSelect.set{number}.") for name in self.flat.variables):
             number += 1

@@ -46,7 +46,7 @@ def with_states(flat: FlatModel, names: Sequence[str], parameters: list[Explicit
     dummies, undone = choice.dummies, choice.undone
     selections: tuple[Selection, ...] = ()
     if choice.matrix:
-        elimination = Elimination(choice.candidates, choice.matrix, found, known)
+        elimination = Elimination(choice, found, known)
         dummies, undone, selections = frozenset(elimination.dummies), None, tuple(elimination.selections)
         names = [*names, *(name for name in elimination.flat.variables if name not in flat.variables)]
         flat = elimination.flat
