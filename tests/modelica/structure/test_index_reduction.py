@@ -6,6 +6,7 @@ from modelica.structure.interpreter import Building, Machine, check_order, symbo
 from scipy.integrate import solve_ivp
 
 from dse.errors import DseError
+from dse.modelica.flat_model import Reinitialization, Trigger
 from dse.modelica.structure.solve import solve
 
 
@@ -139,6 +140,15 @@ def test_a_state_that_must_be_one_and_one_that_must_not_are_not_selected() -> No
         assert selection.candidates[: selection.rows] == ((symbol("y"),) if is_state else (symbol("x"),))
         assert selection.never == (0 if is_state else 1)
         assert len(selection.candidates) == (1 if is_state else 2)
+
+
+def test_a_rate_that_is_set_anew_keeps_its_variable_as_a_state() -> None:
+    b = cartesian_pendulum()
+    b.more["triggers"] = (Trigger(at_start=True),)
+    b.more["reinitializations"] = (Reinitialization("vx", b.graph.constant(1.0), 0),)
+    solved = solve(b.flat())
+    assert {symbol("x"), symbol("vx")} == set(solved.states)
+    assert solved.selections[0].candidates == (symbol("y"),)
 
 
 def test_what_never_vanishes_is_eliminated_before_states_are_selected() -> None:

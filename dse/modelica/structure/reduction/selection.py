@@ -34,14 +34,25 @@ PREFERENCE = 4.0
 until the former becomes no state rather than the latter."""
 
 
+def eliminated(choice: Choice, found: Reduced, known: Known) -> Elimination:
+    """What is known of the states of *found*. Raises DseError if there are none that could be selected."""
+    made = Elimination(choice, found, known)
+    wanted: frozenset[str] = frozenset()
+    while made.lacking:
+        wanted |= made.lacking
+        made = Elimination(choice, found, known, wanted)
+    return made
+
+
 class Elimination:
     """The differentiated equations of *found* with the coefficients of *choice*.
 
-    *dummies*: derivatives with coefficients that are never 0. *flat*: with the variables and equations for what is
-    left, by independent parts; these are *selections*.
+    *dummies*: derivatives that are ordinary unknowns. *flat*: with the variables and equations for what does not follow
+    from coefficients that are never 0, by independent parts; these are *selections*. *lacking*: what has to be a state,
+    besides *wanted*, so that the others that have to be can.
     """
 
-    def __init__(self, choice: Choice, found: Reduced, known: Known) -> None:
+    def __init__(self, choice: Choice, found: Reduced, known: Known, wanted: frozenset[str] = frozenset()) -> None:
         chains = [chain for chain in found.chains if len(chain) > 1]
         self._known = known
         self._columns = choice.candidates
@@ -49,9 +60,11 @@ class Elimination:
         self._times = [len(chain) - 1 for chain in chains]
         self._lines = [dict(line) for line in choice.matrix]
         self._open = dict.fromkeys(range(len(chains)))
+        self._wanted = wanted
         self._taken: set[int] = set()
         self.flat = known.flat
         self.dummies: set[Symbol] = set()
+        self.lacking: set[str] = set()
         self.selections: list[Selection] = []
         for times in sorted(set(self._times), reverse=True):
             while (pivot := self._constant_pivot(times)) is not None:
@@ -77,7 +90,8 @@ class Elimination:
         return variable.prefers_state, variable.is_fixed, -self._columns[column].order
 
     def _may_be_dummy(self, column: int, times: int) -> bool:
-        return self._columns[column].order > times or not is_wanted(self._columns[column].name, self._known.flat)
+        name = self._columns[column].name
+        return self._columns[column].order > times or not (name in self._wanted or is_wanted(name, self._known.flat))
 
     def _derivatives(self, column: int, times: int) -> list[Symbol]:
         """What becomes dummies if *column* is eliminated by an equation differentiated *times* times."""
@@ -115,12 +129,16 @@ class Elimination:
     def _add(self, rows: Sequence[int], times: int) -> None:
         every = sorted({column for row in rows for column in self._lines[row]}, key=lambda one: (self._key(one), one))
         free = [column for column in every if self._may_be_dummy(column, times) and column not in self._taken]
-        never = sum(self._variable(column).prefers_state == NEVER for column in free)
-        if len(free) < len(rows) or never > len(rows):
+        if len(free) < len(rows):
+            taken = {self._columns[column].name for column in every if column in self._taken} - self._wanted
+            self.lacking |= taken
+            if taken:
+                return
             what = f"there are no states that could be selected among {listed(self._lowest(every, times))}"
             raise DseError(*told((self._rows[row] for row in rows), what))
         for column in free:
             self.dummies.update(self._derivatives(column, times))
+        never = sum(self._variable(column).prefers_state == NEVER for column in free)
         number = len(self.selections) + 1
         while any(name.startswith(f"stateSelect.set{number}.") for name in self.flat.variables):
             number += 1
@@ -128,16 +146,17 @@ class Elimination:
         zero = self.flat.graph.constant(0.0)
         entries = [[self._lines[row].get(column, zero) for column in columns] for row in rows]
         units = [self._unit(column) for column in columns]
-        weights = [PREFERENCE ** -self._variable(column).prefers_state for column in columns]
+        wishes = [self._variable(column).prefers_state for column in free]
+        wishes += [max(wishes)] * (len(columns) - len(free))
         lowest = self._lowest(columns, times)
         found = Selection(
             number=number,
             candidates=tuple(lowest[: len(free)]),
             levels=times,
             rows=len(rows),
-            never=never,
+            never=never if never <= len(rows) else 0,
             units=tuple(units),
-            weights=tuple(unit * weight for unit, weight in zip(units, weights, strict=True)),
+            weights=tuple(unit * PREFERENCE**-wish for unit, wish in zip(units, wishes, strict=True)),
             subject=some_of([str(self._rows[row]) for row in rows], 4),
             where=tuple(where for row in rows if (where := self._rows[row].where) is not None),
         )

@@ -14,7 +14,7 @@ from dse.modelica.structure.known import Known, Starts
 from dse.modelica.structure.preparation import with_initial
 from dse.modelica.structure.reduction.dummies import chosen
 from dse.modelica.structure.reduction.pantelides import Reduced, reduced
-from dse.modelica.structure.reduction.selection import Elimination
+from dse.modelica.structure.reduction.selection import eliminated
 from dse.modelica.structure.rows import Row
 
 
@@ -23,7 +23,8 @@ class States:
     """*flat*, whose equations each begin one of *chains*, followed by its derivatives.
 
     *symbols*: all variables and derivatives that are computed. *states*: those that are integrated. *started*: those
-    whose starts count where nothing else determines the start: the states, and the candidates of *selections*.
+    whose starts count where nothing else determines the start: the states, and the candidates of *selections*, those
+    first that are independent at the start.
     """
 
     flat: FlatModel
@@ -46,7 +47,7 @@ def with_states(flat: FlatModel, names: Sequence[str], parameters: list[Explicit
     dummies, undone = choice.dummies, choice.undone
     selections: tuple[Selection, ...] = ()
     if choice.matrix:
-        elimination = Elimination(choice, found, known)
+        elimination = eliminated(choice, found, known)
         dummies, undone, selections = frozenset(elimination.dummies), None, tuple(elimination.selections)
         names = [*names, *(name for name in elimination.flat.variables if name not in flat.variables)]
         flat = elimination.flat
@@ -60,8 +61,13 @@ def with_states(flat: FlatModel, names: Sequence[str], parameters: list[Explicit
     states = [one for one in every if one.order < found.highest[one.name] and one.derivative not in dummies]
     selected = {name for one in selections for name in one.states}
     started = [one for one in states if one.name not in selected]
-    for one in selections:
-        started += [Symbol(own.name, own.order + level) for own in one.candidates for level in range(one.levels)]
+    candidates = [
+        Symbol(own.name, own.order + level)
+        for one in selections
+        for own in one.candidates
+        for level in range(one.levels)
+    ]
+    started += sorted(candidates, key=lambda one: one.derivative in choice.dummies)
     known = Known(flat, Starts(flat, parameters))
     return States(flat, known, found.chains, tuple(every), tuple(states), tuple(started), selections)
 
