@@ -86,6 +86,11 @@ class Selection:
     where: tuple[Location, ...] = ()
 
     @property
+    def every(self) -> list[Symbol]:
+        """The candidates, then their derivatives, as far as they may be states."""
+        return [Symbol(one.name, one.order + level) for level in range(self.levels) for one in self.candidates]
+
+    @property
     def states(self) -> list[str]:
         """Names of the variables that become states."""
         return [f"stateSelect.set{self.number}.x[{k + 1}]" for k in range(len(self.candidates) - self.rows)]

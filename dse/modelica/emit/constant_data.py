@@ -10,6 +10,7 @@ from dse.fmu import Row
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.emit.events import relation_text
+from dse.modelica.emit.expressions.setting import Collected, locations
 from dse.modelica.emit.expressions.text import literal, quoted, table
 from dse.modelica.emit.hoist import Hoisted
 from dse.modelica.emit.memory import MemoryLayout
@@ -55,6 +56,30 @@ def table_lines(solved: Solved, memory: MemoryLayout, failures: Sequence[str]) -
     yield from table("static const char *const dse_relations[]", relations)
     yield from table("static const struct dse_clock dse_clocks[]", clocks, "{0, 0, 1, 0}")
     yield from table("static const char *const dse_failure[]", [quoted(text) for text in failures])
+
+
+def selection_lines(solved: Solved, memory: MemoryLayout, collected: Collected) -> list[str]:
+    """``dse_selections`` and what it points to; nothing for a model without."""
+    lines: list[str] = []
+    entries = []
+    for number, one in enumerate(solved.selections):
+        at = f" at {locations(one.where)}" if one.where else ""
+        what = f"the equations{at}, {one.subject}, are singular: there are no states that could be selected"
+        failure = collected.failure(what)
+        places = {
+            "matrix": [memory.of(name) for name in one.matrix],
+            "candidates": [memory.places[symbol] for symbol in one.every],
+            "states": [memory.places[Symbol(name, level)] for level in range(one.levels) for name in one.states],
+            "shares": [memory.of(name) for row in one.shares for name in row],
+        }
+        for name, found in places.items():
+            lines += table(f"static const uint32_t dse_{name}_{number}[]", [str(place) for place in found])
+        for name, values in {"units": one.units, "weights": one.weights}.items():
+            lines += table(f"static const double dse_{name}_{number}[]", [literal(value) for value in values])
+        sizes = (one.rows, len(one.weights), len(one.candidates), one.never, one.levels, failure)
+        names = (*places, "units", "weights")
+        entries.append(f"{{{', '.join(map(str, sizes))}, {', '.join(f'dse_{name}_{number}' for name in names)}}}")
+    return [*lines, *table("static const struct dse_selection dse_selections[]", entries)] if entries else []
 
 
 def _roots(solved: Solved) -> tuple[Symbol, ...]:

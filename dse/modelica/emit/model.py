@@ -19,7 +19,7 @@ from dse.modelica.emit.blocks import (
     scoped,
     scopes,
 )
-from dse.modelica.emit.constant_data import size_lines, slot_lines, start_lines, table_lines
+from dse.modelica.emit.constant_data import selection_lines, size_lines, slot_lines, start_lines, table_lines
 from dse.modelica.emit.events import check_lines, reinitialization_lines, relation_lines
 from dse.modelica.emit.expressions.printing import table_axes
 from dse.modelica.emit.expressions.scope import Store, scope_lines
@@ -27,7 +27,6 @@ from dse.modelica.emit.expressions.setting import Collected, Setting
 from dse.modelica.emit.expressions.text import comment, literal
 from dse.modelica.emit.hoist import Hoisted, hoisted
 from dse.modelica.emit.memory import MemoryLayout, memory_layout
-from dse.modelica.emit.selections import selection_lines
 from dse.modelica.emit.sharing import Program, shared_passes
 from dse.modelica.emit.variables import FmuVariable
 from dse.modelica.solved_model import Activation, Solved, all_expressions

@@ -21,7 +21,7 @@ from dse.modelica.structure.events import discrete_steps, ordered
 from dse.modelica.structure.initialization import checked, start, values_before, without_values_before
 from dse.modelica.structure.known import default, dependent_parameters, is_free
 from dse.modelica.structure.preparation import with_initial, with_preferred_rates, without_zeros
-from dse.modelica.structure.reduction.states import with_states
+from dse.modelica.structure.reduction.selection import with_states
 from dse.modelica.structure.rows import Row, listed
 
 
@@ -68,8 +68,7 @@ def _sorted(flat: FlatModel) -> Solved:
     reach = Reach([*stages, *steps], [*inputs, *states], flat.relations)
     wanted = [one.derivative for one in states]
     for selection in made.selections:
-        wanted += [Symbol(one.name, one.order + k) for one in selection.candidates for k in range(selection.levels)]
-        wanted += map(Symbol, selection.matrix)
+        wanted += [*selection.every, *map(Symbol, selection.matrix)]
     wanted += symbols(*(relation.truth for relation in flat.relations))
     hot, cold = partitioned(stages, wanted)
     aliases = {name: (Symbol(kept), sign) for name, (kept, sign) in eliminated.aliases.items()}

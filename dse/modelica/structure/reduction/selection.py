@@ -1,4 +1,4 @@
-"""States that are selected during the run, where no choice of dummy derivatives is good for all of it.
+"""The states, some of them selected during the run: where no choice of dummy derivatives is good for all of it.
 
 Mattsson, Olsson and Elmqvist, Dynamic selection of states in Dymola, Modelica Workshop 2000, 61-67. Of a pendulum in
 Cartesian coordinates, ``x^2 + y^2 = L^2``, neither x nor y is a good state all the way round. The model gets a variable
@@ -13,18 +13,20 @@ mechanism with one loop two equations are left, with the angles of its joints.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from dse.errors import DseError, some_of
+from dse.errors import DseError, Problem, some_of
 from dse.graphs import components
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.algebra.traversal import actual, without_rates
 from dse.modelica.flat_model import Equation, FlatModel, Role, ScalarType, Variable
-from dse.modelica.solved_model import Selection
-from dse.modelica.structure.known import Known
-from dse.modelica.structure.reduction.dummies import ALWAYS, Choice, is_fixed, is_wanted
-from dse.modelica.structure.reduction.pantelides import Reduced
-from dse.modelica.structure.rows import listed, told
+from dse.modelica.solved_model import Explicit, Selection
+from dse.modelica.structure.known import Known, Starts
+from dse.modelica.structure.preparation import with_initial
+from dse.modelica.structure.reduction.dummies import ALWAYS, Choice, chosen, is_fixed, is_wanted
+from dse.modelica.structure.reduction.pantelides import Reduced, reduced
+from dse.modelica.structure.rows import Row, listed, told
 
 SELECTED = ALWAYS + 1
 """What is selected is a state before all others."""
@@ -34,14 +36,66 @@ PREFERENCE = 4.0
 until the former becomes no state rather than the latter."""
 
 
-def eliminated(choice: Choice, found: Reduced, known: Known) -> Elimination:
-    """What is known of the states of *found*. Raises DseError if there are none that could be selected."""
-    made = Elimination(choice, found, known)
-    wanted: frozenset[str] = frozenset()
-    while made.lacking:
-        wanted |= made.lacking
-        made = Elimination(choice, found, known, wanted)
-    return made
+@dataclass(frozen=True, slots=True)
+class States:
+    """*flat*, whose equations each begin one of *chains*, followed by its derivatives.
+
+    *symbols*: all variables and derivatives that are computed. *states*: those that are integrated. *started*: those
+    whose starts count where nothing else determines the start: the states, and the candidates of *selections*, those
+    first that are independent at the start.
+    """
+
+    flat: FlatModel
+    known: Known
+    chains: tuple[tuple[Row, ...], ...]
+    symbols: tuple[Symbol, ...]
+    states: tuple[Symbol, ...]
+    started: tuple[Symbol, ...]
+    selections: tuple[Selection, ...]
+
+
+def with_states(flat: FlatModel, names: Sequence[str], parameters: list[Explicit]) -> States:
+    """*flat*, with its equations differentiated and the states of *names* chosen; *parameters* are dependent ones.
+
+    Raises DseError for what `reduced` and `chosen` refuse, and for states that cannot be selected.
+    """
+    found = _reduced(flat, names)
+    known = Known(flat, Starts(flat, parameters))
+    choice = chosen(found, known)
+    dummies, selections = choice.dummies, list[Selection]()
+    wrong = [one for one in dummies if one.order == 1 and flat.variables[one.name].prefers_state == ALWAYS]
+    if choice.matrix:
+        elimination = Elimination(choice, found, known)
+        while elimination.lacking:
+            elimination = Elimination(choice, found, known, elimination.wanted | elimination.lacking)
+        dummies, selections = frozenset(elimination.dummies), elimination.selections
+        names = [*names, *(name for name in elimination.flat.variables if name not in flat.variables)]
+        flat = elimination.flat
+        names = [name for name in names if flat.variables[name].role is Role.CONTINUOUS]
+        found = _reduced(flat, names)
+    elif wrong:
+        names = sorted(one.name for one in wrong)
+        what = f"not all variables with stateSelect.always can be states: {some_of(names, 8)}"
+        raise DseError(Problem(what, flat.variables[names[0]].where))
+    if flat.graph.uses("prescribed"):
+        flat = flat.mapped(without_rates)
+    every = [Symbol(name, order) for name in names for order in range(found.highest[name] + 1)]
+    states = [one for one in every if one.order < found.highest[one.name] and one.derivative not in dummies]
+    selected = {name for one in selections for name in one.states}
+    started = [one for one in states if one.name not in selected]
+    candidates = [own for one in selections for own in one.every]
+    started += sorted(candidates, key=lambda one: one.derivative in choice.dummies)
+    known = Known(flat, Starts(flat, parameters))
+    return States(flat, known, found.chains, tuple(every), tuple(states), tuple(started), tuple(selections))
+
+
+def _reduced(flat: FlatModel, names: Sequence[str]) -> Reduced:
+    rows = [Row(actual(with_initial(one.residual, 0.0)), one.where) for one in flat.equations]
+    found = reduced(rows, names, flat.variables)
+    if not flat.graph.uses("prescribed"):
+        return found
+    cleared = [[replace(row, residual=without_rates(row.residual)) for row in chain] for chain in found.chains]
+    return replace(found, chains=tuple(map(tuple, cleared)))
 
 
 class Elimination:
@@ -56,11 +110,12 @@ class Elimination:
         chains = [chain for chain in found.chains if len(chain) > 1]
         self._known = known
         self._columns = choice.candidates
+        self._variables = [known.flat.variables[one.name] for one in choice.candidates]
         self._rows = [chain[0] for chain in chains]
         self._times = [len(chain) - 1 for chain in chains]
         self._lines = [dict(line) for line in choice.matrix]
         self._open = dict.fromkeys(range(len(chains)))
-        self._wanted = wanted
+        self.wanted = wanted
         self._taken: set[int] = set()
         self.flat = known.flat
         self.dummies: set[Symbol] = set()
@@ -82,16 +137,13 @@ class Elimination:
         ]
         return min(found)[1:] if found else None
 
-    def _variable(self, column: int) -> Variable:
-        return self._known.flat.variables[self._columns[column].name]
-
     def _key(self, column: int) -> tuple[int, bool, int]:
-        variable = self._variable(column)
+        variable = self._variables[column]
         return variable.prefers_state, variable.is_fixed, -self._columns[column].order
 
     def _may_be_dummy(self, column: int, times: int) -> bool:
         name = self._columns[column].name
-        return self._columns[column].order > times or not (name in self._wanted or is_wanted(name, self._known.flat))
+        return self._columns[column].order > times or not (name in self.wanted or is_wanted(name, self._known.flat))
 
     def _derivatives(self, column: int, times: int) -> list[Symbol]:
         """What becomes dummies if *column* is eliminated by an equation differentiated *times* times."""
@@ -130,28 +182,28 @@ class Elimination:
         every = sorted({column for row in rows for column in self._lines[row]}, key=lambda one: (self._key(one), one))
         free = [column for column in every if self._may_be_dummy(column, times) and column not in self._taken]
         if len(free) < len(rows):
-            taken = {self._columns[column].name for column in every if column in self._taken} - self._wanted
+            taken = {self._columns[column].name for column in every if column in self._taken} - self.wanted
             self.lacking |= taken
             if taken:
                 return
-            what = f"there are no states that could be selected among {listed(self._lowest(every, times))}"
+            what = f"there are no states that could be selected among {listed(self._columns[one] for one in every)}"
             raise DseError(*told((self._rows[row] for row in rows), what))
         for column in free:
             self.dummies.update(self._derivatives(column, times))
-        never = sum(self._variable(column).prefers_state == NEVER for column in free)
+        never = sum(self._variables[column].prefers_state == NEVER for column in free)
         number = len(self.selections) + 1
         while any(name.startswith(f"stateSelect.set{number}.") for name in self.flat.variables):
             number += 1
         columns = [*free, *(column for column in every if column not in free)]
         zero = self.flat.graph.constant(0.0)
         entries = [[self._lines[row].get(column, zero) for column in columns] for row in rows]
-        units = [self._unit(column) for column in columns]
-        wishes = [self._variable(column).prefers_state for column in free]
+        nominals = [self._variables[column].nominal for column in columns]
+        units = [abs(one.value) if one is not None and one.is_constant and one.value else 1.0 for one in nominals]
+        wishes = [self._variables[column].prefers_state for column in free]
         wishes += [max(wishes)] * (len(columns) - len(free))
-        lowest = self._lowest(columns, times)
         found = Selection(
             number=number,
-            candidates=tuple(lowest[: len(free)]),
+            candidates=tuple(self._derivatives(column, times + 1)[-1] for column in free),
             levels=times,
             rows=len(rows),
             never=never if never <= len(rows) else 0,
@@ -162,13 +214,6 @@ class Elimination:
         )
         self.selections.append(found)
         self.flat = _extended(self.flat, found, entries)
-
-    def _lowest(self, columns: Sequence[int], times: int) -> list[Symbol]:
-        return [Symbol(self._columns[column].name, self._columns[column].order - times) for column in columns]
-
-    def _unit(self, column: int) -> float:
-        nominal = self._variable(column).nominal
-        return abs(nominal.value) if nominal is not None and nominal.is_constant and nominal.value else 1.0
 
 
 def _extended(flat: FlatModel, selection: Selection, entries: Sequence[Sequence[Expression]]) -> FlatModel:
