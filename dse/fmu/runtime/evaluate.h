@@ -46,6 +46,7 @@ static inline void dse_take_roots(dse_component *m) {
 /* The values in v are accepted. */
 static inline void dse_keep_roots(dse_component *m) {
     dse_take_roots(m);
+    dse_keep_sides(m);
     if (fabs(m->time - m->settled) >= m->refused) {
         m->refused = 0.0;
     }

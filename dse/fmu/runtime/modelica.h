@@ -154,6 +154,7 @@ typedef struct {
     double pre[DSE_ROOM(DSE_PRE)];
     double data[DSE_ROOM(DSE_DATA)];
     double root[DSE_ROOM(DSE_ROOTS)]; /* of the last accepted point */
+    double side[DSE_ROOM(DSE_SELECTIONS)]; /* the sign of the determinants of the selections there */
     double settled;                   /* its time */
     double refused;                   /* its distance from a point without values; 0 once a step has covered it */
     double time;

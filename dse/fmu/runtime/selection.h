@@ -13,8 +13,8 @@
 #define DSE_REFUSE_BELOW 0.1 /* of the best choice; for the best, of the product of the rows' largest entries, a row */
 
 #if DSE_SELECTIONS > 0
-/* Size of the determinant of *s*, relative to the rows' largest entries, without the columns *barred*; *is_picked*:
- * its columns. */
+/* The determinant of *s*, relative to the rows' largest entries, without the columns *barred*; *is_picked*: its columns.
+ */
 static double dse_select(
     const dse_component *m, const struct dse_selection *s, const uint8_t barred[], uint8_t is_picked[]) {
     double a[s->rows * s->columns], product = 1.0;
@@ -45,7 +45,10 @@ static double dse_select(
         if (!(largest > 0.0 && largest <= DBL_MAX)) {
             return 0.0;
         }
-        product *= largest;
+        product *= a[pivot * s->columns + best] * (pivot == done ? 1.0 : -1.0);
+        for (uint32_t k = best; k < s->count; k++) {
+            product = is_picked[k] ? -product : product; /* the columns change places too */
+        }
         is_picked[best] = 1;
         for (uint32_t k = 0; k < s->columns; k++) {
             const double kept = top[k];
@@ -63,37 +66,53 @@ static double dse_select(
     return product;
 }
 
-/* How good the present choice of *s* is, relative to the *best* one, whose columns are *is_picked*. */
+/* How good the present choice of *s* is, relative to the *best* one, whose columns are *is_picked*. Its sign is that of
+ * the determinant: it changes only where the choice is singular. */
 static double dse_share_of_best(
     const dse_component *m, const struct dse_selection *s, double *best, uint8_t is_picked[]) {
     const uint32_t states = s->count - s->rows, free = s->count - s->never;
     uint8_t barred[s->count];
     memset(barred, 0, s->count);
-    *best = dse_select(m, s, barred, is_picked);
+    const double whole = dse_select(m, s, barred, is_picked);
+    *best = fabs(whole);
     for (uint32_t k = 0; k < states * free; k++) {
         barred[s->never + k % free] |= m->v[s->shares[k]] != 0.0;
     }
-    return states == 0 || !(*best > 0.0) ? 1.0 : dse_select(m, s, barred, is_picked + s->count) / *best;
+    if (!(*best > 0.0)) {
+        return 1.0;
+    }
+    return (states == 0 ? whole : dse_select(m, s, barred, is_picked + s->count)) / *best;
 }
 
 /* Negative where the states of selection *number* have to be selected anew. */
 static double dse_selection_indicator(const dse_component *m, uint32_t number) {
     uint8_t is_picked[2 * dse_selections[number].count];
     double best;
-    return dse_share_of_best(m, dse_selections + number, &best, is_picked) - DSE_EVENT_BELOW;
+    return fabs(dse_share_of_best(m, dse_selections + number, &best, is_picked)) - DSE_EVENT_BELOW;
 }
 
-/* 0 if the states are well chosen for the values in v, else the failure. */
+/* 0 if the states are well chosen for the values in v, on the side of the singularities where the last accepted point
+ * is; else the failure. */
 static int dse_selection_failure(const dse_component *m) {
-    for (const struct dse_selection *s = dse_selections; s < dse_selections + DSE_SELECTIONS; s++) {
+    for (uint32_t k = 0; k < DSE_SELECTIONS; k++) {
+        const struct dse_selection *s = dse_selections + k;
         uint8_t is_picked[2 * s->count];
         double best;
         const double share = dse_share_of_best(m, s, &best, is_picked);
-        if (!(share >= DSE_REFUSE_BELOW && best >= pow(DSE_REFUSE_BELOW, s->rows))) {
+        if (!(fabs(share) >= DSE_REFUSE_BELOW && best >= pow(DSE_REFUSE_BELOW, s->rows)) || m->side[k] * share < 0.0) {
             return s->failure;
         }
     }
     return 0;
+}
+
+/* The values in v are accepted. */
+static void dse_keep_sides(dse_component *m) {
+    for (uint32_t k = 0; k < DSE_SELECTIONS; k++) {
+        uint8_t is_picked[2 * dse_selections[k].count];
+        double best;
+        m->side[k] = dse_share_of_best(m, dse_selections + k, &best, is_picked) < 0.0 ? -1.0 : 1.0;
+    }
 }
 
 /* Whether another choice is due for the values in v; with *is_made* it is made, and the states get its values. */
@@ -103,7 +122,7 @@ static bool dse_is_selection_due(dse_component *m, bool is_made) {
         const uint32_t states = s->count - s->rows, free = s->count - s->never;
         uint8_t is_picked[2 * s->count];
         double best;
-        if (!(dse_share_of_best(m, s, &best, is_picked) < DSE_SELECT_BELOW)) {
+        if (!(fabs(dse_share_of_best(m, s, &best, is_picked)) < DSE_SELECT_BELOW)) {
             continue;
         }
         is_due = true;
@@ -132,6 +151,8 @@ static inline int dse_selection_failure(const dse_component *m) {
     (void)m;
     return 0;
 }
+
+static inline void dse_keep_sides(dse_component *m) { (void)m; }
 
 static inline bool dse_is_selection_due(dse_component *m, bool is_made) {
     (void)m, (void)is_made;
