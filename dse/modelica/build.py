@@ -169,7 +169,7 @@ def _contents(
         token=token,
         tolerance=tolerance,
         variables=translated.variables,
-        indicators=len(translated.solved.flat.relations),
+        indicators=len(translated.solved.flat.relations) + len(translated.solved.selections),
         files=files,
         dependencies=translated.solved.dependencies,
     )

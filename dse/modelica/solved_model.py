@@ -66,6 +66,48 @@ B = TypeVar("B", bound=EventBlock)
 
 
 @dataclass(frozen=True, slots=True)
+class Selection:
+    """States that are selected during the run among *candidates*; as many as there are *rows* of them become no states.
+
+    The first *never* candidates are never states. The states are sums of the others, each over its unit, by `shares`,
+    one of which is not 0. Together with their derivatives below order *levels* they are states of the model. `matrix`
+    has the rows' coefficients of the candidates, and of other states behind them; they are compared after being
+    multiplied by *weights*. *subject* are the rows' equations.
+    """
+
+    number: int
+    candidates: tuple[Symbol, ...]
+    levels: int
+    rows: int
+    never: int
+    units: tuple[float, ...]
+    weights: tuple[float, ...]
+    subject: str
+    where: tuple[Location, ...] = ()
+
+    @property
+    def every(self) -> list[Symbol]:
+        """The candidates, then their derivatives, as far as they may be states."""
+        return [Symbol(one.name, one.order + level) for level in range(self.levels) for one in self.candidates]
+
+    @property
+    def states(self) -> list[str]:
+        """Names of the variables that become states."""
+        return [f"stateSelect.set{self.number}.x[{k + 1}]" for k in range(len(self.candidates) - self.rows)]
+
+    @property
+    def shares(self) -> list[list[str]]:
+        """Names of the discrete factors of the candidates, for each state."""
+        columns = range(len(self.candidates) - self.never)
+        return [[f"${state}.share[{column + 1}]" for column in columns] for state in self.states]
+
+    @property
+    def matrix(self) -> list[str]:
+        """Names of the coefficients, row by row."""
+        return [f"$set{self.number}[{k + 1}]" for k in range(self.rows * len(self.weights))]
+
+
+@dataclass(frozen=True, slots=True)
 class Solved:
     """Everything in order. Symbols of eliminated variables occur only in *aliases*.
 
@@ -81,6 +123,7 @@ class Solved:
     *guesses*: starting values of unknowns of Newton's method, states and discrete variables, before *initial*.
     *dependencies*: for each output and each state's derivative, the inputs and states it depends on (may be more
     than needed); keys are names or symbols' texts.
+    *selections*: states that are selected during the run.
     """
 
     flat: FlatModel
@@ -94,6 +137,7 @@ class Solved:
     guesses: tuple[Explicit, ...]
     dependencies: Mapping[str, frozenset[str]]
     notes: tuple[str, ...] = ()
+    selections: tuple[Selection, ...] = ()
 
 
 def targets(blocks: Iterable[EventBlock]) -> Iterator[Symbol]:

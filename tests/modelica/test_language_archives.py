@@ -18,7 +18,10 @@ from dse.fmu.unpack import open_fmu
 both_versions = pytest.mark.parametrize(
     "version", [2, pytest.param(3, marks=pytest.mark.thorough)], ids=["fmi2", "fmi3"]
 )
-WITH_MEMORY = ("BouncingBall", "SampledController", "StateMachine", "DiscreteFeedback", "IdealDiode", "VanDerPol")
+WITH_MEMORY = (
+    *("BouncingBall", "SampledController", "StateMachine", "DiscreteFeedback", "IdealDiode", "VanDerPol"),
+    "PendulumGoesRound",
+)
 RUN_TWICE = ("SampledController", "IdealDiode", "MathFunctions", "Tables2D", "Pendulum", "StiffDecay")
 
 

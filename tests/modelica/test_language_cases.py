@@ -15,10 +15,11 @@ from solutions_of_classes import CASES as OF_CLASSES
 from solutions_of_dynamics import CASES as OF_DYNAMICS
 from solutions_of_events import CASES as OF_EVENTS
 from solutions_of_expressions import CASES as OF_EXPRESSIONS
+from solutions_of_mechanisms import CASES as OF_MECHANISMS
 
 from dse.domain.fmu import FmuModel
 
-ALL = [*OF_EXPRESSIONS, *OF_CLASSES, *OF_DYNAMICS, *OF_EVENTS]
+ALL = [*OF_EXPRESSIONS, *OF_CLASSES, *OF_DYNAMICS, *OF_EVENTS, *OF_MECHANISMS]
 TIGHT = 1e-9
 
 

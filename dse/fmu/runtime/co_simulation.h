@@ -111,6 +111,14 @@ static bool dse_advance(dse_component *m, dse_tell *tell, double target, bool is
             if (DSE_CHECKS > 0 && s->has_step && !(dse_stand_at_end(m) && dse_check_all(m, tell))) {
                 return false;
             }
+            if (DSE_SELECTIONS > 0 && s->has_step) {
+                if (!dse_stand_at_end(m)) {
+                    return false;
+                }
+                if (dse_is_selection_due(m, false) && !dse_event_and_restart(m, tell, 0.0)) {
+                    return false;
+                }
+            }
             if (s->past.steps == most) {
                 m->time = s->end;
                 return dse_trouble(m, DSE_TOO_MANY_STEPS, 0);

@@ -2,7 +2,7 @@
 #ifndef DSE_EVALUATE_H
 #define DSE_EVALUATE_H
 
-#include "model.h"
+#include "selection.h"
 
 /* Store the error, unless there is an earlier one; false, so that a caller can return it. */
 static bool dse_trouble(dse_component *m, int32_t code, uint32_t subject) {
@@ -46,6 +46,7 @@ static inline void dse_take_roots(dse_component *m) {
 /* The values in v are accepted. */
 static inline void dse_keep_roots(dse_component *m) {
     dse_take_roots(m);
+    dse_keep_sides(m);
     if (fabs(m->time - m->settled) >= m->refused) {
         m->refused = 0.0;
     }
@@ -70,7 +71,10 @@ static inline bool dse_get_slope(dse_component *m, double slope[]) {
 /* Computes the derivatives for the values in v. */
 static inline bool dse_derive_at(dse_component *m) {
     dse_put_roots(m);
-    const int code = model_derivatives(m);
+    int code = model_derivatives(m);
+    if (DSE_SELECTIONS > 0 && code == 0) {
+        code = dse_selection_failure(m);
+    }
     if (code > 0) {
         m->refused = fmax(m->refused, fabs(m->time - m->settled));
     } else if (DSE_MAY_JUMP(m)) {

@@ -4,7 +4,8 @@
 
 #include "integrate.h"
 
-#define DSE_HAS_EVENTS (DSE_RELATIONS + DSE_CONDITIONS + DSE_TRIGGERS + DSE_CLOCKS + DSE_PRE + DSE_DISCRETES > 0)
+#define DSE_HAS_EVENTS                                                                                                 \
+    (DSE_RELATIONS + DSE_CONDITIONS + DSE_TRIGGERS + DSE_CLOCKS + DSE_PRE + DSE_DISCRETES + DSE_SELECTIONS > 0)
 #define DSE_MOST_PASSES 100
 #define DSE_MOST_TRIED 10 /* relations, of which all combinations are tried */
 
@@ -181,13 +182,14 @@ static bool dse_event(dse_component *m, dse_tell *tell, double spare) {
         m->next_tick[k] += m->ticks[k];
     }
     m->solver.past.events++;
+    (void)dse_is_selection_due(m, true);
     for (int pass = 0; pass <= DSE_MOST_PASSES; pass++) {
         bool has_jumped, is_held;
         dse_keep_before(m);
         if (!dse_hold(m, &is_held)) {
             return false;
         }
-        if (is_settled && is_held) {
+        if (is_settled && is_held && !dse_is_selection_due(m, true)) {
             memset(m->is_active, 0, sizeof m->is_active);
             return true;
         }

@@ -120,15 +120,15 @@ static bool dse_exchange_get_indicators(
     struct dse_instance *instance, const char *function, double indicators[], size_t count) {
     dse_component *m = &instance->at.now;
     double look[DSE_LOOK];
-    if (!dse_is_readable(instance, function, count, DSE_RELATIONS)
+    if (!dse_is_readable(instance, function, count, DSE_INDICATORS)
         || !dse_derive(instance, function)) {
         return false;
     }
     if (!dse_see(m, look)) {
         return dse_discard(instance, function);
     }
-    for (int k = 0; k < DSE_RELATIONS; k++) {
-        indicators[k] = dse_indicator(m, (uint32_t)k, look);
+    for (uint32_t k = 0; k < DSE_INDICATORS; k++) {
+        indicators[k] = dse_event_indicator(m, k, look);
     }
     return true;
 }
@@ -157,19 +157,22 @@ static bool dse_exchange_update(struct dse_instance *instance, const char *funct
     return is_done || dse_tell_trouble(instance, function) || news->has_ended;
 }
 
-/* The importer's solver has completed a step: keeps the roots of loops, and checks the asserts. */
-static bool dse_exchange_completed(struct dse_instance *instance, const char *function, bool *has_ended) {
-    *has_ended = false;
+/* The importer's solver has completed a step: keeps the roots of loops, and checks the asserts. *needs_event*: states
+ * have to be selected anew. */
+static bool dse_exchange_completed(
+    struct dse_instance *instance, const char *function, bool *needs_event, bool *has_ended) {
+    *needs_event = *has_ended = false;
     if (!dse_is_exchange(instance, function, DSE_STEPPING)) {
         return false;
     }
-    if (DSE_CHECKS + DSE_ROOTS == 0) {
+    if (DSE_CHECKS + DSE_ROOTS + DSE_SELECTIONS == 0) {
         return true;
     }
     if (!dse_derive(instance, function)) {
         return false;
     }
     dse_keep_roots(&instance->at.now);
+    *needs_event = dse_is_selection_due(&instance->at.now, false);
     const bool is_done = dse_check_all(&instance->at.now, dse_tell_check);
     *has_ended = dse_has_ended(instance);
     return is_done || dse_tell_trouble(instance, function) || *has_ended;

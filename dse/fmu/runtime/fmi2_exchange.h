@@ -21,9 +21,9 @@ DSE_EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info
 
 DSE_EXPORT fmi2Status fmi2CompletedIntegratorStep(
     fmi2Component c, fmi2Boolean never_back, fmi2Boolean *event, fmi2Boolean *terminate) {
-    bool has_ended;
-    const bool is_ok = dse_exchange_completed(c, DSE_HERE, &has_ended);
-    *event = false;
+    bool needs_event, has_ended;
+    const bool is_ok = dse_exchange_completed(c, DSE_HERE, &needs_event, &has_ended);
+    *event = needs_event;
     *terminate = has_ended;
     return STATUS(is_ok);
 }

@@ -37,9 +37,9 @@ DSE_EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *agai
 
 DSE_EXPORT fmi3Status fmi3CompletedIntegratorStep(
     fmi3Instance c, fmi3Boolean never_back, fmi3Boolean *event, fmi3Boolean *terminate) {
-    bool has_ended;
-    const bool is_ok = dse_exchange_completed(c, DSE_HERE, &has_ended);
-    *event = false;
+    bool needs_event, has_ended;
+    const bool is_ok = dse_exchange_completed(c, DSE_HERE, &needs_event, &has_ended);
+    *event = needs_event;
     *terminate = has_ended;
     return STATUS(is_ok);
 }
@@ -69,7 +69,7 @@ DSE_EXPORT fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Floa
 }
 
 DSE_EXPORT fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *count) {
-    *count = DSE_RELATIONS;
+    *count = DSE_INDICATORS;
     return STATUS(dse_is_exchange(c, DSE_HERE, DSE_ANY_STATE));
 }
 

@@ -11,6 +11,8 @@
  *               DSE_DISCRETES   discrete variables; may be left out if all are in DSE_PRE
  *               DSE_ROOTS       unknowns of the nonlinear loops that derivatives and relations need;
  *                               may be left out, and dse_root with it, if there are none
+ *               DSE_SELECTIONS  sets of states that are selected during the run;
+ *                               may be left out, and dse_selections with it, if there are none
  *               DSE_CHECKS      asserts and terminates
  *               DSE_DATA        doubles of tables that are made from parameters: m->data
  *               DSE_LARGEST_SYSTEM     unknowns of the largest Newton or linear system
@@ -25,6 +27,7 @@
  *               static const char *const dse_failure[];    message when a function returns 1 + index
  *               static const char *const dse_relations[];  "file:line: h <= 0", one each a relation
  *               static const struct dse_clock dse_clocks[];
+ *               static const struct dse_selection dse_selections[];
  *               #define DSE_SLOT_COUNT ...u
  *               static const struct dse_slot dse_slots[] = {DSE_VALUE(place, kind, role, items), ...};
  *               static const char *const dse_names[];      the position is the value reference
@@ -70,6 +73,11 @@
 static const uint32_t dse_root[] = {0};
 #endif
 
+#ifndef DSE_SELECTIONS
+#define DSE_SELECTIONS 0
+#endif
+#define DSE_INDICATORS (DSE_RELATIONS + DSE_SELECTIONS)
+
 #define DSE_AUTO_SOLVER 0
 #define DSE_EXPLICIT_SOLVER 1
 #define DSE_STIFF_SOLVER 2
@@ -85,6 +93,18 @@ extern const double dse_nominals[]; /* of the states */
  * so the sum is exact for 2^32 ticks. */
 struct dse_clock {
     int64_t period, phase, denominator, is_from_start;
+};
+
+/* As many of *candidates* as there are *rows* of *matrix* are not states; the first *never* ones never are. The others
+ * over their *units* are the states: each state has a row of *shares* in the candidates behind the first *never*. The
+ * matrix has the coefficients of the candidates, and of other states behind them, to be multiplied by *weights*.
+ * Candidates and states are followed by their derivatives, *levels* altogether. All but the last two are places in v;
+ * *failure* is 1 + index into dse_failure. */
+struct dse_selection {
+    uint32_t rows, columns, count, never, levels;
+    int32_t failure;
+    const uint32_t *matrix, *candidates, *states, *shares;
+    const double *units, *weights;
 };
 
 /* kind: REAL, INTEGER, BOOLEAN or ENUMERATION. role: INPUT, TUNABLE, FIXED (a parameter that is not tunable, or the
@@ -134,6 +154,7 @@ typedef struct {
     double pre[DSE_ROOM(DSE_PRE)];
     double data[DSE_ROOM(DSE_DATA)];
     double root[DSE_ROOM(DSE_ROOTS)]; /* of the last accepted point */
+    double side[DSE_ROOM(DSE_SELECTIONS)]; /* the sign of the determinants of the selections there */
     double settled;                   /* its time */
     double refused;                   /* its distance from a point without values; 0 once a step has covered it */
     double time;

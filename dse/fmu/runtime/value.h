@@ -115,12 +115,12 @@ static DSE_APART bool dse_get_float(
     }
 #ifdef DSE_MODEL
     const int64_t relation = (int64_t)reference - (int64_t)DSE_TIME - 1;
-    if (relation >= 0 && relation < DSE_RELATIONS) {
+    if (relation >= 0 && relation < DSE_INDICATORS) {
         double look[DSE_LOOK];
         if (!dse_see(&instance->at.now, look)) {
             return dse_tell_trouble(instance, function);
         }
-        *value = dse_indicator(&instance->at.now, (uint32_t)relation, look);
+        *value = dse_event_indicator(&instance->at.now, (uint32_t)relation, look);
         return true;
     }
 #endif

@@ -56,6 +56,29 @@ def table_lines(solved: Solved, setting: Setting) -> Iterator[str]:
     yield from table("static const char *const dse_failure[]", [quoted(text) for text in setting.collected.failures])
 
 
+def selection_lines(solved: Solved, setting: Setting) -> list[str]:
+    """``dse_selections`` and what it points to; nothing for a model without."""
+    memory, lines, entries = setting.layout, list[str](), list[str]()
+    for number, one in enumerate(solved.selections):
+        at = f" at {setting.locations(one.where)}" if one.where else ""
+        what = f"the equations{at}, {one.subject}, are singular: there are no states that could be selected"
+        failure = setting.collected.failure(what)
+        places = {
+            "matrix": [memory.of(name) for name in one.matrix],
+            "candidates": [memory.places[symbol] for symbol in one.every],
+            "states": [memory.places[Symbol(name, level)] for level in range(one.levels) for name in one.states],
+            "shares": [memory.of(name) for row in one.shares for name in row],
+        }
+        for name, found in places.items():
+            lines += table(f"static const uint32_t dse_{name}_{number}[]", [str(place) for place in found])
+        for name, values in {"units": one.units, "weights": one.weights}.items():
+            lines += table(f"static const double dse_{name}_{number}[]", [literal(value) for value in values])
+        sizes = (one.rows, len(one.weights), len(one.candidates), one.never, one.levels, failure)
+        names = (*places, "units", "weights")
+        entries.append(f"{{{', '.join(map(str, sizes))}, {', '.join(f'dse_{name}_{number}' for name in names)}}}")
+    return [*lines, *table("static const struct dse_selection dse_selections[]", entries)] if entries else []
+
+
 def _roots(solved: Solved) -> tuple[Symbol, ...]:
     """The unknowns of Newton's method while the model is integrated."""
     systems = (block for block in solved.derivatives if isinstance(block, System) and not block.is_linear)

@@ -21,7 +21,7 @@ from dse.modelica.emit.blocks import (
     scoped,
     scopes,
 )
-from dse.modelica.emit.constant_data import size_lines, slot_lines, start_lines, table_lines
+from dse.modelica.emit.constant_data import selection_lines, size_lines, slot_lines, start_lines, table_lines
 from dse.modelica.emit.expressions.printing import table_axes
 from dse.modelica.emit.expressions.scope import Store, scope_lines
 from dse.modelica.emit.expressions.setting import Collected, Setting, comment, literal, memory_layout
@@ -51,17 +51,20 @@ def emit(
     collected = Collected()
     plain = Setting(memory, collected, names=names or {})
     functions = list(_functions(solved, plain, lean))
+    selections = selection_lines(solved, plain)
     model = [
         comment(f"Generated from the Modelica model {solved.flat.name}."),
         "#ifndef DSE_MODEL_H",
         "#define DSE_MODEL_H",
         *size_lines(solved, memory, lean, collected.largest_system),
         f"#define DSE_BRANCHES {int(solved.flat.graph.uses('if'))}",
+        *([f"#define DSE_SELECTIONS {len(solved.selections)}"] if selections else []),
         f"#define DSE_SOLVER DSE_{solver.name}_SOLVER",
         f"#define DSE_DEFAULT_TOLERANCE {literal(tolerance)}",
         '#include "arithmetic.h"',
         '#include "modelica.h"',
         *table_lines(solved, plain),
+        *selections,
         *slot_lines(variables),
         *collected.array_lines(),
         *collected.system_lines,

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.algebra.traversal import symbols
+from dse.modelica.algebra.symbol import Referent
+from dse.modelica.algebra.traversal import replaced, symbols
 from dse.modelica.flat_model import Equation, FlatModel, Role, ScalarType, Variable
 from dse.modelica.structure.aliases.elimination import rewriter
 
@@ -60,3 +61,13 @@ def _preferred_rate(flat: FlatModel, residual: Expression) -> Expression | None:
         one for one, symbol in zip(residual.operands, found, strict=True) if symbol is not None and not symbol.order
     ]
     return rates[0] if len(rates) == 1 and {one.order for one in found if one is not None} == {0, 1} else None
+
+
+def with_initial(residual: Expression, value: float) -> Expression:
+    """*residual* where ``initial()`` is *value*."""
+    number = residual.graph.constant(value)
+
+    def new(node: Expression) -> Expression | None:
+        return number if node.symbol is not None and node.symbol.referent is Referent.INITIAL else None
+
+    return replaced((residual,), new)[0]

@@ -10,7 +10,7 @@ from dse.errors import DseError, Problem, raise_if_any
 from dse.graphs import components
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
-from dse.modelica.algebra.traversal import actual, replaced, symbols, without_rates
+from dse.modelica.algebra.traversal import actual, symbols
 from dse.modelica.flat_model import FlatModel, Relation, Role
 from dse.modelica.solved_model import Block, EventBlock, Explicit, Solved
 from dse.modelica.structure.aliases.elimination import Eliminated, rewriter, without_aliases
@@ -19,11 +19,9 @@ from dse.modelica.structure.blocks.arrange import Quantity, Stage, arranged
 from dse.modelica.structure.blocks.conditioning import refuse_singular
 from dse.modelica.structure.events import discrete_steps, ordered
 from dse.modelica.structure.initialization import checked, start, values_before, without_values_before
-from dse.modelica.structure.known import Known, Starts, default, dependent_parameters, is_free
-from dse.modelica.structure.preparation import with_preferred_rates, without_zeros
-from dse.modelica.structure.reduction.dummies import chosen
-from dse.modelica.structure.reduction.guards import guarded
-from dse.modelica.structure.reduction.pantelides import reduced
+from dse.modelica.structure.known import default, dependent_parameters, is_free
+from dse.modelica.structure.preparation import with_initial, with_preferred_rates, without_zeros
+from dse.modelica.structure.reduction.selection import with_states
 from dse.modelica.structure.rows import Row, listed
 
 
@@ -51,27 +49,14 @@ def _sorted(flat: FlatModel) -> Solved:
     names = _unknown_names(flat, eliminated)
     _refuse_lone_derivatives(flat)
 
-    rows = [Row(actual(_with_initial(one.residual, 0.0)), one.where) for one in flat.equations]
-    found = reduced(rows, names, flat.variables)
-    if flat.graph.uses("prescribed"):
-        flat = flat.mapped(without_rates)
-        cleared = [[replace(row, residual=without_rates(row.residual)) for row in chain] for chain in found.chains]
-        found = replace(found, chains=tuple(map(tuple, cleared)))
-    known = Known(flat, Starts(flat, parameters))
-    choice = chosen(found, flat.variables, known)
-    chains = guarded(found.chains, choice.guards)
-    every = [Symbol(name, order) for name in names for order in range(found.highest[name] + 1)]
-    states = [
-        symbol
-        for symbol in every
-        if symbol.order < found.highest[symbol.name] and symbol.derivative not in choice.dummies
-    ]
+    made = with_states(flat, names, parameters)
+    flat, known, chains, states = made.flat, made.known, made.chains, made.states
     is_state = set(states)
-    unknowns = [symbol for symbol in every if symbol not in is_state]
+    unknowns = [symbol for symbol in made.symbols if symbol not in is_state]
     stages = arranged([row for chain in chains for row in chain], unknowns, known)
     refuse_singular((stage.block for stage in stages), known)
 
-    first = start(flat, _at_start(flat, chains), every, states)
+    first = start(flat, _at_start(flat, chains), made.symbols, made.started)
     flat = checked(flat, first.superfluous)
     first_stages = arranged(first.rows, first.unknowns, known)
     refuse_singular((stage.block for stage in first_stages), known)
@@ -82,13 +67,15 @@ def _sorted(flat: FlatModel) -> Solved:
     refuse_uncertain(flat, states, Reach([*stages, *steps], states))
     reach = Reach([*stages, *steps], [*inputs, *states], flat.relations)
     wanted = [one.derivative for one in states]
+    for selection in made.selections:
+        wanted += [*selection.every, *map(Symbol, selection.matrix)]
     wanted += symbols(*(relation.truth for relation in flat.relations))
     hot, cold = partitioned(stages, wanted)
     aliases = {name: (Symbol(kept), sign) for name, (kept, sign) in eliminated.aliases.items()}
     numbers = [Explicit(Symbol(name), flat.graph.constant(value)) for name, value in eliminated.numbers.items()]
     return Solved(
         flat=flat,
-        states=tuple(states),
+        states=states,
         parameters=(*numbers, *parameters),
         derivatives=tuple(hot),
         outputs=tuple(cold),
@@ -98,6 +85,7 @@ def _sorted(flat: FlatModel) -> Solved:
         guesses=tuple(_guesses(flat, eliminated)),
         dependencies=dependencies(flat, reach, states, aliases),
         notes=(*notes, *_jumps(flat, chains), *first.notes),
+        selections=made.selections,
     )
 
 
@@ -137,21 +125,11 @@ def _refuse_lone_derivatives(flat: FlatModel) -> None:
         raise DseError(*problems)
 
 
-def _with_initial(residual: Expression, value: float) -> Expression:
-    """*residual* where ``initial()`` is *value*."""
-    number = residual.graph.constant(value)
-
-    def new(node: Expression) -> Expression | None:
-        return number if node.symbol is not None and node.symbol.referent is Referent.INITIAL else None
-
-    return replaced((residual,), new)[0]
-
-
 def _at_start(flat: FlatModel, chains: Sequence[Sequence[Row]]) -> list[Row]:
     """The equations and their derivatives as they are while ``initial()`` is true."""
     rows = []
     for equation, chain in zip(flat.equations, chains, strict=True):
-        first = _with_initial(equation.residual, 1.0)
+        first = with_initial(equation.residual, 1.0)
         if actual(first) is not chain[0].residual and len(chain) > 1:
             what = "this equation differs at the start, but its derivative is needed"
             raise DseError(Problem(what, equation.where, "write an initial equation instead of initial()"))
@@ -167,7 +145,7 @@ def _jumps(flat: FlatModel, chains: Sequence[Sequence[Row]]) -> list[str]:
             symbol
             for symbol in (symbols(chain[0].residual) if len(chain) > 1 else ())
             if symbol.referent is Referent.HELD
-            or (symbol.is_variable and flat.variables[symbol.name].role is Role.DISCRETE)
+            or (symbol.is_variable and flat.variables[symbol.name].role is Role.DISCRETE and symbol.name[0] != "$")
         ]
         if causes:
             place = f"{chain[0].where}: " if chain[0].where else ""

@@ -2,11 +2,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from modelica.structure.interpreter import Building, Machine, RunError, check_order, symbol
+from modelica.structure.interpreter import Building, Machine, check_order, symbol
 from scipy.integrate import solve_ivp
 
 from dse.errors import DseError
-from dse.modelica.solved_model import System
+from dse.modelica.flat_model import Reinitialization, Trigger
 from dse.modelica.structure.solve import solve
 
 
@@ -107,7 +107,7 @@ def cartesian_pendulum(**more: object) -> Building:
 
 @pytest.mark.thorough
 def test_a_pendulum_in_cartesian_coordinates_is_right_while_its_states_hold() -> None:
-    solved = solve(cartesian_pendulum().flat())
+    solved = solve(cartesian_pendulum(prefers_state=2).flat())
     check_order(solved)
     assert len(solved.states) == 2
     found = Machine(solved).simulate(1.0, ["x", "y", "vx"])
@@ -123,21 +123,52 @@ def test_a_pendulum_in_cartesian_coordinates_is_right_while_its_states_hold() ->
     assert np.allclose(found[:, 1], -np.cos(angle[0]), atol=1e-7)
 
 
-@pytest.mark.parametrize("start", [0.99, 0.9, 0.5])
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-10])
-def test_a_pendulum_whose_states_become_singular_fails(start: float, tolerance: float) -> None:
-    """With y as the state the lowest point, where x passes 0, cannot be crossed."""
-    b = cartesian_pendulum(prefers_state=-1)
-    x = b.variables["x"]
-    fields = {name: getattr(x, name) for name in x.__slots__} | {"start": b.graph.constant(start)}
-    b.variables["x"] = type(x)(**fields)
-    y = b.variables["y"]
-    fields = {name: getattr(y, name) for name in y.__slots__} | {"start": b.graph.constant(-((1 - start**2) ** 0.5))}
-    b.variables["y"] = type(y)(**fields)
+def test_a_pendulum_selects_one_of_two_states_during_the_run() -> None:
+    solved = solve(cartesian_pendulum().flat())
+    check_order(solved)
+    (selection,) = solved.selections
+    assert set(selection.candidates) == {symbol("x"), symbol("y")}
+    assert (selection.rows, selection.levels, selection.never) == (1, 2, 0)
+    (state,) = selection.states
+    assert set(solved.states) == {symbol(state), symbol(state, 1)}
+
+
+def test_a_state_that_must_be_one_and_one_that_must_not_are_not_selected() -> None:
+    for wanted in ({"prefers_state": 2}, {"prefers_state": -2}):
+        (selection,) = solve(cartesian_pendulum(**wanted).flat()).selections
+        is_state = wanted["prefers_state"] == 2
+        assert selection.candidates[: selection.rows] == ((symbol("y"),) if is_state else (symbol("x"),))
+        assert selection.never == (0 if is_state else 1)
+        assert len(selection.candidates) == (1 if is_state else 2)
+
+
+def test_a_rate_that_is_set_anew_keeps_its_variable_as_a_state() -> None:
+    b = cartesian_pendulum()
+    b.more["triggers"] = (Trigger(at_start=True),)
+    b.more["reinitializations"] = (Reinitialization("vx", b.graph.constant(1.0), 0),)
     solved = solve(b.flat())
-    assert symbol("y") in solved.states
-    with pytest.raises(RunError, match=r"singular|no convergence.*x"):
-        Machine(solved).simulate(3.0, ["x", "y"], tolerance=tolerance)
+    assert {symbol("x"), symbol("vx")} == set(solved.states)
+    assert solved.selections[0].candidates == (symbol("y"),)
+
+
+def test_what_never_vanishes_is_eliminated_before_states_are_selected() -> None:
+    """A slider-crank: the joint's coordinates and the slider follow from the angles, which have one equation."""
+    b = Building()
+    phi, psi, s, x, y = b.real("phi", start=0.3), *b.reals("psi s x y")
+    for name in ("phi", "psi", "s"):
+        b.equal(b.der(name), b.real("w_" + name))
+    sin, cos = (lambda one, operator=operator: b.graph.make(operator, one) for operator in ("sin", "cos"))
+    f, g = b.reals("f g")
+    b.equal(x, cos(phi))
+    b.equal(y, sin(phi))
+    b.equal(s, x + 3.0 * cos(psi))
+    b.equal(y, 3.0 * sin(psi))
+    b.equal(b.der("w_phi"), f * y)
+    b.equal(b.der("w_psi"), g)
+    b.equal(b.der("w_s"), f - 1.0)
+    (selection,) = solve(b.flat()).selections
+    assert selection.rows == 1
+    assert {one.name for one in selection.candidates} == {"phi", "psi"}
 
 
 def test_an_input_that_would_have_to_be_differentiated_is_refused_by_name() -> None:
@@ -185,10 +216,3 @@ def test_masses_in_a_row_of_rigid_rods_have_one_motion() -> None:
     found = Machine(solved).simulate(2.0, ["s0", f"s{count - 1}", f"f{count - 1}"], points=3)
     acceleration = 5.0 / (2 * count)
     assert np.allclose(found[-1], [acceleration * 2, acceleration * 2 + 0.5 * (count - 1), 2 * acceleration], rtol=1e-9)
-
-
-def test_the_guarded_system_is_linear() -> None:
-    b = cartesian_pendulum(prefers_state=-1)
-    solved = solve(b.flat())
-    velocity = [one for one in solved.derivatives if isinstance(one, System) and len(one.unknowns) == 1]
-    assert any(one.is_linear for one in velocity)

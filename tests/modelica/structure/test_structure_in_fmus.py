@@ -9,22 +9,6 @@ import pytest
 from modelica_components import Built
 from slaves import Slave, instance, run_cs
 
-PENDULUM = """model Swing
-  parameter Real start_x = 0.6;
-  Real x(start = start_x, fixed = true, stateSelect = StateSelect.avoid);
-  Real y(start = -0.8, stateSelect = StateSelect.prefer);
-  Real vx;
-  Real vy;
-  Real tension;
-equation
-  der(x) = vx;
-  der(y) = vy;
-  der(vx) = -tension * x;
-  der(vy) = -tension * y - 9.81;
-  x * x + y * y = 1;
-end Swing;
-"""
-
 GEAR = """model Geared
   parameter Real start_1 = 3;
   parameter Real ratio = 3;
@@ -68,17 +52,6 @@ def failure(slave: Slave, steps: int, given: dict[str, float]) -> str:
         for k in range(steps):
             slave.fmu.doStep(k * 0.05, 0.05)
     return "\n".join(slave.messages)
-
-
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("start", [0.3, 0.6])
-def test_a_pendulum_that_swings_past_its_states_fails_by_name(
-    tmp_path: Path, built: Built, version: int, start: float
-) -> None:
-    model = built(file(tmp_path, PENDULUM), version)
-    with instance(model) as slave:
-        told = failure(slave, 40, {"start_x": start})
-    assert "Swing.mo:13" in told, told
 
 
 @pytest.mark.parametrize("version", [2, 3])

@@ -1,27 +1,30 @@
 """Which variables are states: the method of dummy derivatives.
 
 Mattsson and Söderlind, SIAM J. Sci. Comput. 14(3), 1993, 677-692: for every differentiated equation one derivative
-among its block's becomes an ordinary unknown; what it would have been the derivative of is no state. The choice is
-made once. Where it depends on coefficients that vary, a guard makes the run fail before the choice becomes singular.
+among its block's becomes an ordinary unknown; what it would have been the derivative of is no state. Where that depends
+on coefficients that vary, the states are selected during the run instead (`selection`).
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
-from dse.errors import DseError, Problem
+import numpy as np
+
+from dse.errors import DseError
 from dse.graphs import components
 from dse.modelica.algebra.derivative import partial
 from dse.modelica.algebra.evaluate import Values, evaluate
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import smooth, symbols
-from dse.modelica.flat_model import Variable
+from dse.modelica.flat_model import FlatModel
+from dse.modelica.structure.graphs import Matching
 from dse.modelica.structure.known import Known
 from dse.modelica.structure.reduction.pantelides import Reduced
-from dse.modelica.structure.rows import Row, listed, told
+from dse.modelica.structure.rows import Row, told
 
 ALWAYS = 2
 SMALLEST_PIVOT = 1e-9
@@ -33,44 +36,46 @@ Line = Mapping[int, Expression]
 
 
 @dataclass(frozen=True, slots=True)
-class Guard:
-    """The choice of *dummies* among *candidates* by *rows* is good as long as *matrix*, of the entries of the
-    candidates, keeps well-conditioned columns for the dummies."""
+class Choice:
+    """*dummies*: derivatives that are ordinary unknowns. *matrix*: coefficients of *candidates* in the differentiated
+    equations, if the choice would depend on values at run time; else it is empty."""
 
-    rows: tuple[int, ...]
+    dummies: frozenset[Symbol]
     candidates: tuple[Symbol, ...]
-    dummies: tuple[Symbol, ...]
     matrix: tuple[Line, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """*dummies*: derivatives that are ordinary unknowns. *guards*: where that depends on values at run time."""
-
-    dummies: frozenset[Symbol]
-    guards: tuple[Guard, ...]
-
-
-def chosen(found: Reduced, variables: Mapping[str, Variable], known: Known) -> Choice:
+def chosen(found: Reduced, known: Known) -> Choice:
     """The dummy derivatives of *found*.
 
     They are taken by stateSelect, then where coefficients are numbers, then parameters, then by the size of the pivot
-    at the start. Raises DseError if the differentiated equations are singular there or want stateSelect.always undone.
+    at the start. Raises DseError if the differentiated equations are singular there.
     """
     local = _local(found)
-    candidates = [Symbol(name, order) for name, order in found.highest.items() if order]
+    every = candidates = [Symbol(name, order) for name, order in found.highest.items() if order]
     dummies: list[Symbol] = []
-    guards: list[Guard] = []
+    matrix: tuple[Line, ...] = ()
+    varies = False
     stage = 1
     while rows := [row for row, chain in enumerate(found.chains) if len(chain) > stage]:
-        selection = _Selection(found, rows, candidates, variables, known, local)
+        selection = _Selection(found, rows, candidates, known, local)
         picked = selection.done()
         dummies.extend(picked)
-        if selection.varies(picked):
-            guards.append(Guard(tuple(rows), tuple(candidates), tuple(picked), selection.matrix))
+        varies = varies or selection.varies(picked)
+        matrix = matrix or selection.matrix
         candidates = [Symbol(one.name, one.order - 1) for one in picked if one.order > 1]
         stage += 1
-    return Choice(frozenset(dummies), tuple(guards))
+    return Choice(frozenset(dummies), tuple(every), matrix if varies else ())
+
+
+def is_wanted(name: str, flat: FlatModel) -> bool:
+    """Whether *name* has to be a state: by stateSelect.always, or since it is set anew at events."""
+    return flat.variables[name].prefers_state >= ALWAYS or any(one.state == name for one in flat.reinitializations)
+
+
+def is_fixed(entry: Expression, known: Known) -> bool:
+    """Whether *entry* keeps its value during a run, and is not 0."""
+    return known.of_parameters(entry) and known.is_never_zero(entry)
 
 
 def _local(found: Reduced) -> frozenset[str]:
@@ -96,19 +101,11 @@ class _Selection:
     """One stage of one block: as many of *candidates* as there are *rows*, with independent columns."""
 
     def __init__(
-        self,
-        found: Reduced,
-        rows: Sequence[int],
-        candidates: Sequence[Symbol],
-        variables: Mapping[str, Variable],
-        known: Known,
-        local: frozenset[str],
+        self, found: Reduced, rows: Sequence[int], candidates: Sequence[Symbol], known: Known, local: frozenset[str]
     ) -> None:
         self._rows = [found.chains[row][0] for row in rows]
         self._candidates = list(candidates)
-        self._variables = variables
-        self._set_anew = frozenset(one.state for one in known.flat.reinitializations)
-        self._starts = known.starts
+        self._known = known
         self._local = local
         numbers = {symbol.name: column for column, symbol in enumerate(candidates)}
         self.matrix = tuple(_coefficients(found.chains[row], numbers, found.highest) for row in rows)
@@ -119,7 +116,7 @@ class _Selection:
                 self._grades[column] = max(grade, self._grades.get(column, 0))
 
     def done(self) -> list[Symbol]:
-        picked = self._independent(self._starts.of)
+        picked = self._independent(self._known.starts.of)
         if picked is None:
             # The starting values may be all 0, where any constraint is flat: look at a point that is nothing special.
             at = symbols(*(entry for line in self.matrix for entry in line.values()))
@@ -127,57 +124,63 @@ class _Selection:
             picked = self._independent(nothing_special)
         if picked is None:
             raise DseError(*told(self._rows, "equations that were differentiated contradict or repeat each other"))
-        symbols_picked = [self._candidates[column] for column in sorted(picked)]
-        wrong = [one for one in symbols_picked if one.order == 1 and self._preference(one) == ALWAYS]
-        if wrong:
-            problem = "not all variables with stateSelect.always can be states"
-            states = listed(Symbol(one.name, one.order - 1) for one in wrong)
-            raise DseError(Problem(f"{problem}: {states}", self._rows[0].where))
-        return symbols_picked
+        return [self._candidates[column] for column in sorted(picked)]
 
     def varies(self, picked: Sequence[Symbol]) -> bool:
-        """Whether the chosen columns have entries that change during a run."""
-        chosen_ones = frozenset(picked)
-        return any(grade == 2 and self._candidates[column] in chosen_ones for column, grade in self._grades.items())
+        """Whether the *picked* columns may become dependent during a run: in a block that they have with some rows."""
+        columns = list(map(self._candidates.index, picked))
+        pattern = [[k for k, column in enumerate(columns) if column in line] for line in self.matrix]
+        matching = Matching()
+        for row in range(len(pattern)):
+            matching.match(row, pattern)
+        needs = [sorted(matching.row_of[k] for k in line if k in matching.row_of) for line in pattern]
+        for part in components(needs):
+            own = [columns[matching.column_of[row]] for row in part]
+            entries = [self.matrix[row][column] for row in part for column in own if column in self.matrix[row]]
+            if not all(is_fixed(entry, self._known) for entry in entries):
+                return True
+        return False
 
     def _independent(self, values: Values) -> list[int] | None:
         """Columns that are independent at *values*, the ones to be preferred as dummies first; by elimination."""
-        rows = [_scaled(dict(zip(line, evaluate(line.values(), values), strict=True))) for line in self.matrix]
-        rows_of: dict[int, dict[int, None]] = {}
-        for row, line in enumerate(rows):
-            for column in line:
-                rows_of.setdefault(column, {})[row] = None
-        is_free = [True] * len(rows)
+        columns = sorted(self._grades, key=self._key)
+        place = {column: k for k, column in enumerate(columns)}
+        left = np.zeros((len(self.matrix), len(columns)))
+        for row, line in enumerate(self.matrix):
+            left[row, [place[column] for column in line]] = evaluate(line.values(), values)
+        left[~np.isfinite(left)] = 0.0
+        sizes = np.abs(left).max(axis=1, initial=0.0)[:, None]
+        left /= np.where(sizes > 0, sizes, 1.0)
+        is_free = np.ones(len(left), dtype=bool)
         picked: list[int] = []
-        groups: dict[tuple[int, ...], list[int]] = {}
-        for column in sorted(rows_of, key=self._key):
-            groups.setdefault(self._key(column), []).append(column)
-        for group in groups.values():
-            left = list(group)
-            while left:
-                column, pivot = _largest(left, rows, rows_of, is_free)
-                left.remove(column)
-                if pivot < 0:
-                    continue
-                picked.append(column)
+        for _, group in groupby(columns, self._key):
+            own = [place[column] for column in group]
+            while own and is_free.any():
+                sizes = np.abs(left[:, own].T) * is_free
+                which, pivot = divmod(int(sizes.argmax()), len(left))
+                if sizes[which, pivot] <= SMALLEST_PIVOT:
+                    break
+                column = own.pop(which)
+                picked.append(columns[column])
                 is_free[pivot] = False
-                _eliminate(column, pivot, rows, rows_of, is_free)
-        return picked if len(picked) == len(rows) else None
+                others = np.flatnonzero(is_free & (left[:, column] != 0))
+                left[others] -= np.outer(left[others, column] / left[pivot, column], left[pivot])
+        return None if is_free.any() else picked
 
     def _key(self, column: int) -> tuple[int, ...]:
         """What a dummy should be: first of all what should be no state; columns that vary share a key."""
         symbol = self._candidates[column]
         grade = self._grades[column]
-        is_fixed = self._variables[symbol.name].is_fixed and symbol.order == 1
+        is_fixed = self._known.flat.variables[symbol.name].is_fixed and symbol.order == 1
         is_foreign = symbol.name not in self._local
         return (self._preference(symbol), grade, is_fixed, is_foreign, -symbol.order, 0 if grade == 2 else column)
 
     def _preference(self, symbol: Symbol) -> int:
         # For higher orders too: what is no dummy there cannot become one in the stages below. But it is the variable
         # that was asked to be always a state, not its derivative.
-        wish = self._variables[symbol.name].prefers_state
-        if symbol.name in self._set_anew:
-            wish = max(wish, ALWAYS - 1)
+        wish = self._known.flat.variables[symbol.name].prefers_state
+        if wish < ALWAYS and is_wanted(symbol.name, self._known.flat):
+            wish = ALWAYS - 1
         return wish if symbol.order == 1 else min(wish, ALWAYS - 1)
 
 
@@ -196,34 +199,3 @@ def _coefficients(chain: Sequence[Row], numbers: Mapping[str, int], highest: Map
         if symbol.order + times == highest[symbol.name] and not entry.is_number(0):
             found[numbers[symbol.name]] = entry
     return found
-
-
-def _scaled(line: dict[int, float]) -> dict[int, float]:
-    size = max((abs(value) for value in line.values() if math.isfinite(value)), default=0.0) or 1.0
-    return {column: value / size if math.isfinite(value) else 0.0 for column, value in line.items()}
-
-
-def _largest(
-    columns: Sequence[int], rows: list[dict[int, float]], rows_of: dict[int, dict[int, None]], is_free: list[bool]
-) -> tuple[int, int]:
-    """The column with the largest pivot in the free rows and its row; (first column, -1) if there is none."""
-    best, best_size = (columns[0], -1), SMALLEST_PIVOT
-    for column in columns:
-        for row in rows_of[column]:
-            size = abs(rows[row].get(column, 0.0))
-            if is_free[row] and size > best_size:
-                best, best_size = (column, row), size
-    return best
-
-
-def _eliminate(
-    column: int, pivot: int, rows: list[dict[int, float]], rows_of: dict[int, dict[int, None]], is_free: list[bool]
-) -> None:
-    for row in list(rows_of[column]):
-        if not is_free[row] or column not in rows[row]:
-            continue
-        factor = rows[row].pop(column) / rows[pivot][column]
-        for other, value in rows[pivot].items():
-            if other != column:
-                rows[row][other] = rows[row].get(other, 0.0) - factor * value
-                rows_of[other][row] = None
