@@ -99,7 +99,7 @@ def _examples(library: Path) -> list[str]:
 
     files = sorted(library.rglob("*.mo"))
     found = Classes([SourceText(str(file), code(file.read_text(encoding="utf-8-sig"))) for file in files])
-    declared = re.compile(r"(?<!end )(?<!extends )(?<!extends\n)(?<![\w.])(?:\w+\.)*(\w+)\s+\w+\s*[\[(;\"=]")
+    declared = re.compile(r"(?<!end )(?<!extends )(?<!extends\n)(?<![\w.])(?:\w+\.)*(\w+)\s+\w+\s*[\[(;\"=,)]")
     types = {word for text in found.texts for word in declared.findall(text.text)}
     models = []
     for own in found.classes:
@@ -115,11 +115,13 @@ def _other(name: str, modelica: Path, scratch: Path, engine: str) -> dict[str, A
     """A model without reference results, by dse and then by rumoca, which leaves its signals in *scratch*."""
     from dse.modelica.frontend.buses import with_members
     from dse.modelica.frontend.other_words import with_variables
+    from dse.modelica.frontend.redeclarations import with_redeclarations
     from dse.modelica.frontend.sources import LIBRARIES, read_sources
 
     if engine == "dse":
         sources = read_sources("model", name, [], [modelica])
-        replace(sources, parts=with_variables(with_members(sources.parts))).lay_out_parts(scratch)
+        parts = with_variables(with_members(with_redeclarations(name, sources.parts)))
+        replace(sources, parts=parts).lay_out_parts(scratch)
         modelica = scratch / LIBRARIES
     declared = re.compile(rb"\bmodel\s+" + name.rpartition(".")[2].encode() + rb"\b")
     texts = [file.read_bytes() for file in sorted(modelica.rglob("*.mo"))]

@@ -267,3 +267,9 @@ def instance_names(t: float, given: Given) -> Values:
 @case("ConstantOfOtherClass", given={"a.k": 3.0}, variants=({"a.k": -2.0},), error=ROUNDED)
 def constant_of_other_class(t: float, given: Given) -> Values:
     return {"y": [given["a.k"] * (2 * t + 10), 70, 2.5 * t]}
+
+
+@case("RedeclaredByInterface", given={"controller.ti": 0.5}, error=1e-5)
+def redeclared_by_interface(t: float, given: Given) -> Values:
+    rate = math.sqrt(0.5 / given["controller.ti"])
+    return {"y": 2 * (1 - math.cos(rate * t)), "command": 2 * rate * math.sin(rate * t)}

@@ -17,6 +17,7 @@ from dse.modelica.frontend.messages import found_problems, refusal
 from dse.modelica.frontend.misreadings import misread
 from dse.modelica.frontend.other_words import ELEMENTS, OF_EXPRESSION, with_equations, with_variables
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied, FrontEndRefusal
+from dse.modelica.frontend.redeclarations import NOT_TAKEN, with_redeclarations
 from dse.modelica.frontend.result import SCHEMA, FrontEndResult
 from dse.modelica.frontend.source_text import SourceText, declarations
 from dse.modelica.frontend.sources import FILES, LIBRARIES, ModelSources, libraries
@@ -41,7 +42,7 @@ def compile_model(sources: ModelSources) -> FrontEndResult:
 
 def in_other_words(sources: ModelSources, compiled: Callable[[ModelSources], FrontEndResult]) -> FrontEndResult:
     """What *compiled* makes of *sources*, in other words where these are refused. Raises DseError."""
-    ways = list(_OTHER_WORDS)
+    ways = [*_OTHER_WORDS, (NOT_TAKEN, partial(with_redeclarations, sources.model))]
     while True:
         try:
             return compiled(sources)
@@ -52,7 +53,8 @@ def in_other_words(sources: ModelSources, compiled: Callable[[ModelSources], Fro
                 raise
         ways.remove(found)
         files = found[1]({**sources.parts, **sources.contents})
-        contents, parts = ({name: files[name] for name in those} for those in (sources.contents, sources.parts))
+        contents = {name: files[name] for name in sources.contents}
+        parts = {name: text for name, text in files.items() if name not in contents}
         sources = replace(sources, contents=contents, parts=parts)
 
 
