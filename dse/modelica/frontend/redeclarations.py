@@ -9,6 +9,7 @@ that extends the one which declares `c`, if nothing else is made from that class
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 
 from dse.modelica.frontend.scope import Scope
@@ -91,13 +92,14 @@ def _moved(read: Forest, scope: Scope, written: Mapping[str, str]) -> Iterator[t
         last = own.tree.until(own.named, ",") - 1
         return written[own.tree.source.path][own.tree.starts[first] : own.tree.starts[last] + len(own.tree.words[last])]
 
+    words = Counter(word for tree in read.trees for word in tree.words)
     lists: dict[Element, dict[str, str]] = {}
     found = []
     for own in read.elements:
         owner, kind = own.parent, _class(own, scope)
         if "redeclare" in own.prefixes and own.kind == "component" and owner and owner.kind == "extends" and kind:
             names = {word for word in own.tree.words[own.named + 1 : own.end] if word[0].isalpha()}
-            target = _extends_of(own.name, owner, read, scope)
+            target = _extends_of(own.name, owner, words, scope)
             if target and names <= {"true", "false", "final", *(one.name for one in own.arguments)}:
                 found.append((len(scope.lineage(owner.parent or owner)), own, owner, target, kind))
     for _, own, owner, target, kind in sorted(found, key=lambda each: each[0]):
@@ -112,11 +114,11 @@ def _moved(read: Forest, scope: Scope, written: Mapping[str, str]) -> Iterator[t
         yield tree, (start, end, new + "\n" * (written[tree.source.path].count("\n", start, end) - new.count("\n")))
 
 
-def _extends_of(name: str, owner: Element, read: Forest, scope: Scope) -> Element | None:
+def _extends_of(name: str, owner: Element, words: Mapping[str, int], scope: Scope) -> Element | None:
     """Which `extends` a redeclaration of *name* in *owner*, that inherits it, belongs to, if nothing else changes."""
     found, base = owner, scope.class_of(owner.type, owner.parent or owner)
     while base and all(one.kind != "component" or one.name != name for one in base.elements):
-        if read.words[base.name] != 3:  # its start, its end, and this
+        if words[base.name] != 3:  # its start, its end, and this
             return None
         of = [(one, scope.class_of(one.type, base)) for one in base.elements if one.kind == "extends"]
         found, base = next(((one, kind) for one, kind in of if kind and scope.member(kind, name)), (found, None))
