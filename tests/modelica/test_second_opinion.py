@@ -16,6 +16,7 @@ from test_language_cases import ALL, deviation
 AGREED = 2e-3
 """The tolerance of the other solver is coarser."""
 DIFFERING = {"BooleanUnderConditions", "ElsewhenReinit", "PreferredRates", "RelationsOfJumps", "SampleMeetsState"}
+DIFFERING |= {"FourBarLinkage"}  # by its tolerance: 0.025 after five turns
 ALONE = [case for case in ALL if not case.inputs and not case.tuned]
 
 
