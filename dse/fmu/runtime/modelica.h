@@ -142,6 +142,8 @@ typedef struct {
     int64_t next_tick[DSE_ROOM(DSE_CLOCKS)];
     double before_pass[DSE_RELATIONS > 0 ? DSE_ROOM(DSE_VALUES) : 1]; /* v before a pass of the event iteration */
     uint8_t held[DSE_ROOM(DSE_RELATIONS)];      /* truth of the relations as used by the equations */
+    uint8_t was_held[DSE_ROOM(DSE_RELATIONS)];  /* before this event */
+    uint8_t is_chosen[DSE_ROOM(DSE_RELATIONS)]; /* in this event: zero but for rounding, whatever its truth */
     uint8_t is_true[DSE_ROOM(DSE_CONDITIONS)];  /* in this iteration */
     uint8_t was_true[DSE_ROOM(DSE_CONDITIONS)]; /* in the iteration before */
     uint8_t is_active[DSE_ROOM(DSE_TRIGGERS)];  /* in this iteration */
@@ -159,11 +161,11 @@ typedef struct {
 
 typedef dse_component dse_problem;
 #define DSE_VALUES_OF(m) ((m)->v)
-/* Newton's method may only have started too far away: a jump is allowed only after very short steps. */
+/* Newton's method may only have started too far away: a jump is allowed only after very short steps, and at an event,
+ * where values that jump leave no way from root to root. */
 #define DSE_NO_DISTANCE 1e-6 /* of the first distance without values */
 #define DSE_MAY_JUMP(m)                                                                                                \
-    (DSE_ROOTS > 0 && (m)->refused > 0.0                                                                               \
-        && fabs((m)->time - (m)->settled) <= DSE_NO_DISTANCE * (m)->refused)
+    ((m)->refused > 0.0 && fabs((m)->time - (m)->settled) <= DSE_NO_DISTANCE * (m)->refused)
 #include "csolve/newton.h"
 
 #endif

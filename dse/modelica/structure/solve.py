@@ -12,7 +12,7 @@ from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.algebra.traversal import actual, replaced, symbols, without_rates
 from dse.modelica.flat_model import FlatModel, Relation, Role
-from dse.modelica.solved_model import Block, EventBlock, Explicit, Solved
+from dse.modelica.solved_model import Block, EventBlock, Explicit, Solved, System
 from dse.modelica.structure.aliases.elimination import Eliminated, rewriter, without_aliases
 from dse.modelica.structure.aliases.merging import merged
 from dse.modelica.structure.blocks.arrange import Quantity, Stage, arranged
@@ -83,6 +83,8 @@ def _sorted(flat: FlatModel) -> Solved:
     reach = Reach([*stages, *steps], [*inputs, *states], flat.relations)
     wanted = [one.derivative for one in states]
     wanted += symbols(*(relation.truth for relation in flat.relations))
+    blocks = [stage.block for stage in stages if not states]  # whose roots nothing else follows through the time
+    wanted += [unknown for one in blocks if isinstance(one, System) and not one.is_linear for unknown in one.unknowns]
     hot, cold = partitioned(stages, wanted)
     aliases = {name: (Symbol(kept), sign) for name, (kept, sign) in eliminated.aliases.items()}
     numbers = [Explicit(Symbol(name), flat.graph.constant(value)) for name, value in eliminated.numbers.items()]
