@@ -208,3 +208,12 @@ def test_two_blocks_with_one_hidden_state_are_refused(made: MakeModel, tmp_path:
     (tmp_path / "Two.mo").write_text(f"{text} output Real y = a.y + b.y; end Two;", encoding="utf-8")
     with pytest.raises(DseError, match="impureRandom in several blocks"):
         made(tmp_path / "Two.mo", (RANDOM,))
+
+
+@pytest.mark.thorough
+def test_a_draw_from_a_hidden_state_at_no_instant_is_refused(made: MakeModel, tmp_path: Path) -> None:
+    text = "model One inner Modelica.Noise.GlobalSeed globalSeed; output Real y; equation\n"
+    text += "y = Modelica.Math.Random.Utilities.impureRandom(globalSeed.id); end One;"
+    (tmp_path / "One.mo").write_text(text, encoding="utf-8")
+    with pytest.raises(DseError, match=r"One.mo:2:\d+: .*impureRandom.* may only be called from .* a `when`"):
+        made(tmp_path / "One.mo", (RANDOM,))

@@ -150,7 +150,8 @@ def _own_state(clean: str, start: int, end: int) -> list[Change]:
         return []
     (call,) = calls
     *_, begins = [None, *re.compile(r"(?<!initial\s)\bequation\b").finditer(clean, start, call.start())]
-    if begins is None:
+    words = re.findall(r"(end\s+|\b)when\b", clean[begins.end() : call.start()]) if begins else []
+    if begins is None or words.count("") <= len(words) / 2:  # an impure function is called in a when-clause
         return []
     generator, state = "Modelica.Math.Random.Generators.Xorshift1024star", "pre(dse_state)"
     declared = f"protected Integer dse_state[33]; parameter Integer dse_seed = {call[2]}; initial equation"

@@ -43,7 +43,7 @@ def _constrained(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
     for own in read.elements:
         limit, tree = own.constraint, own.tree
         is_plain = own.kind == "component" and not own.is_argument and not own.written
-        if not is_plain or not {"replaceable"} == own.prefixes & {"replaceable", "redeclare"} or own.parent is None:
+        if not is_plain or {"replaceable"} != own.prefixes & {"replaceable", "redeclare"} or own.parent is None:
             continue
         base = scope.class_of(limit.type if limit else own.type, own.parent)
         taken = [_class(each, scope) for each in again if each.name == own.name]
