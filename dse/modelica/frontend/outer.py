@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from dse.modelica.frontend.scope import Scope
+from dse.modelica.frontend.scope import PREDEFINED, Scope
 from dse.modelica.frontend.source_text import Change
 from dse.modelica.frontend.syntax import KINDS, Element, Forest, Tree
 
@@ -47,6 +47,7 @@ def outer_changes(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
         name, of = tree.words[at], member.name
         if (name, of) not in made:
             owners = [each for each in read.elements if each.name == name and "outer" not in each.prefixes]
+            owners = [each for each in owners if scope.type_of(each) not in PREDEFINED]  # as an input of a function
             modified = [each for each in read.elements if each.name == of and each.is_argument]
             given = [each for each in modified if _may_change(each.parent, name)]
             is_plain = all(each.prefixes & {"inner", "redeclare"} for each in owners)

@@ -46,10 +46,11 @@ package OuterParameters
   end Body;
   function positive
     input Real u;
+    input Integer world = 1 "the name of a component, and not one";
     output Real y;
   algorithm
     assert(u > 0, "must be positive");
-    y := sqrt(u);
+    y := sqrt(u)*world;
   end positive;
   model Test
     parameter Real area = 4;
