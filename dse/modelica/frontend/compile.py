@@ -43,7 +43,7 @@ def compile_model(sources: ModelSources) -> FrontEndResult:
 
 def in_other_words(sources: ModelSources, compiled: Callable[[ModelSources], FrontEndResult]) -> FrontEndResult:
     """What *compiled* makes of *sources*, in other words where these are refused. Raises DseError."""
-    ways = [*_OTHER_WORDS, (NOT_TAKEN, partial(with_redeclarations, sources.model))]
+    ways: list[_Way] = [*_OTHER_WORDS, (NOT_TAKEN, partial(with_redeclarations, sources.model))]
     while True:
         try:
             return compiled(sources)
@@ -59,7 +59,8 @@ def in_other_words(sources: ModelSources, compiled: Callable[[ModelSources], Fro
         sources = replace(sources, contents=contents, parts=parts)
 
 
-_OTHER_WORDS: tuple[tuple[tuple[str, ...], Callable[[Mapping[str, bytes]], dict[str, bytes]]], ...] = (
+_Way = tuple[tuple[str, ...], Callable[[Mapping[str, bytes]], dict[str, bytes]]]
+_OTHER_WORDS: tuple[_Way, ...] = (
     ((ELEMENTS,), partial(with_equations, least=2)),  # first only signals with more than one such connection
     ((ELEMENTS,), partial(with_equations, least=1)),
     (REFUSED, with_members),
