@@ -212,7 +212,7 @@ BUILTINS: Mapping[str, Function] = {
     "fill": lambda given: _filled(only(given.values[0]), given.values[1:]), "linspace": _linspace,
     "identity": _identity, "diagonal": _diagonal, "transpose": _transpose, "vector": _vector, "cross": _cross,
     "skew": _skew, "outer_product": _outer_product, "cat": _cat, "promoted_cat1": _bracketed(1),
-    "promoted_cat2": _bracketed(2),
+    "promoted_cat2": _bracketed(2)
 }
 # fmt: on
 """Functions that need nothing but their arguments' values."""

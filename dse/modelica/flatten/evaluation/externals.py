@@ -103,12 +103,7 @@ def _random_start(model: Model, values: list[Array]) -> Expression:
     return model.graph.call("random_start", [which, model.graph.array(seeds, (2,))])
 
 
-_FUNCTIONS = {
-    "dse_table1": _table1,
-    "dse_table2": _table2,
-    "dse_random": _random,
-    "dse_random_start": _random_start,
-}
+_FUNCTIONS = {"dse_table1": _table1, "dse_table2": _table2, "dse_random": _random, "dse_random_start": _random_start}
 
 
 def _hashed(text: str) -> int:

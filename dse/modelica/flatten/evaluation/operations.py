@@ -13,17 +13,7 @@ from dse.modelica.flatten.evaluation import inlining
 from dse.modelica.flatten.evaluation.builtins import BUILTINS, Given, binary
 from dse.modelica.flatten.evaluation.context import Frame, Request, Rule, Steps, Visit, requested
 from dse.modelica.flatten.evaluation.rounding import QUOTIENTS, ROUNDINGS, quotient, rounded, sign
-from dse.modelica.flatten.values import (
-    Array,
-    MismatchError,
-    Structure,
-    Text,
-    Value,
-    array,
-    mapped,
-    only,
-    scalar,
-)
+from dse.modelica.flatten.values import Array, MismatchError, Structure, Text, Value, array, mapped, only, scalar
 from dse.modelica.frontend.literal import WRAPPER
 
 
@@ -260,7 +250,7 @@ def _string(visit: Visit) -> Steps:
 RULES: Mapping[str, Rule] = {
     "literal": _literal, "coordinate": _coordinate, "unary": _unary, "binary": _binary, "conditional": _conditional,
     "builtin": _builtin, "runtime_quotient_owner": _quotient, "call": _call, "function_value": _function_value,
-    "string_conversion": _string,
+    "string_conversion": _string
 }
 # fmt: on
 """Rules by kind of node."""

@@ -61,12 +61,7 @@ def _held(model: Model, kind: str, value: Expression, where: Location | None) ->
         bounds = {
             "floor": (("less", kept), ("greater_equal", kept + 1.0)),
             "ceil": (("greater", kept), ("less_equal", kept - 1.0)),
-            "truncate": (
-                ("less", kept),
-                ("less_equal", kept - 1.0),
-                ("greater", kept),
-                ("greater_equal", kept + 1.0),
-            ),
+            "truncate": (("less", kept), ("less_equal", kept - 1.0), ("greater", kept), ("greater_equal", kept + 1.0)),
         }[kind]
         for operator, bound in bounds:
             model.held(graph.make(operator, value, bound), where)
