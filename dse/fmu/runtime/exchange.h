@@ -127,7 +127,7 @@ static bool dse_exchange_get_indicators(
     if (!dse_see(m, look)) {
         return dse_discard(instance, function);
     }
-    for (uint32_t k = 0; k < DSE_INDICATORS; k++) {
+    for (int k = 0; k < DSE_INDICATORS; k++) {
         indicators[k] = dse_event_indicator(m, k, look);
     }
     return true;

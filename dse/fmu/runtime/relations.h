@@ -29,8 +29,9 @@ static inline double dse_indicator(const dse_component *m, uint32_t relation, co
 }
 
 /* Event indicator *number*: those of the relations, then of the selections. */
-static inline double dse_event_indicator(const dse_component *m, uint32_t number, const double look[]) {
-    return number < DSE_RELATIONS ? dse_indicator(m, number, look) : dse_selection_indicator(m, number - DSE_RELATIONS);
+static inline double dse_event_indicator(const dse_component *m, int number, const double look[]) {
+    return number < DSE_RELATIONS ? dse_indicator(m, (uint32_t)number, look)
+                                  : dse_selection_indicator(m, (uint32_t)(number - DSE_RELATIONS));
 }
 
 #endif

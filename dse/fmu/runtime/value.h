@@ -120,7 +120,7 @@ static DSE_APART bool dse_get_float(
         if (!dse_see(&instance->at.now, look)) {
             return dse_tell_trouble(instance, function);
         }
-        *value = dse_event_indicator(&instance->at.now, (uint32_t)relation, look);
+        *value = dse_event_indicator(&instance->at.now, (int)relation, look);
         return true;
     }
 #endif

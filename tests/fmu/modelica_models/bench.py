@@ -19,7 +19,7 @@ RUNTIME = Path(__file__).parents[3] / "dse" / "fmu" / "runtime"
 
 COMMON = (
     "slot.h", "instance.h", "value.h", "random.h", "modelica.h", "arithmetic.h", "tables.h", "evaluate.h",
-    "relations.h", "integrate.h", "events.h", "co_simulation.h", "simulation.h", "exchange.h",
+    "relations.h", "selection.h", "integrate.h", "events.h", "co_simulation.h", "simulation.h", "exchange.h",
 )  # fmt: skip
 FILES = {
     2: (*COMMON, "fmi2_abi.h", "fmi2_exchange.h", "fmi2.c"),
