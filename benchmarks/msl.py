@@ -95,19 +95,18 @@ def _models(references: Path) -> Iterator[str]:
 def _examples(library: Path) -> list[str]:
     """The models of a library that are not partial, nor components of another, nor in one."""
     from dse.modelica.frontend.source_text import SourceText, code
-    from dse.modelica.frontend.used_classes import Classes
+    from dse.modelica.frontend.syntax import KINDS, Forest
 
     files = sorted(library.rglob("*.mo"))
-    found = Classes([SourceText(str(file), code(file.read_text(encoding="utf-8-sig"))) for file in files])
+    texts = [SourceText(str(file), code(file.read_text(encoding="utf-8-sig"))) for file in files]
     declared = re.compile(r"(?<!end )(?<!extends )(?<!extends\n)(?<![\w.])(?:\w+\.)*(\w+)\s+\w+\s*[\[(;\"=,)]")
-    types = {word for text in found.texts for word in declared.findall(text.text)}
-    models = []
-    for own in found.classes:
-        head = found.texts[own.source].text[own.start : own.body]
-        is_apart = own.around < 0 or found.classes[own.around].kind in ("", "package")
-        last = own.name.rpartition(".")[2]
-        if own.kind == "model" and "partial" not in head and is_apart and last not in types:
-            models.append(own.name)
+    types = {word for text in texts for word in declared.findall(text.text)}
+    models = [
+        own.full
+        for own in Forest(texts).elements
+        if own.kind == "model" and not own.is_argument and "partial" not in own.prefixes and own.name not in types
+        if own.parent is None or own.parent.kind not in KINDS or own.parent.kind == "package"
+    ]
     return sorted(models)
 
 
@@ -180,7 +179,8 @@ def _one(name: str, modelica: Path, references: Path, engine: str) -> dict[str, 
     reference = dict(zip(head, table, strict=True))
     # At instants of the reference: between them, noise is not what is interpolated.
     times = np.unique(table[0])
-    times = times[:: -(-len(times) // MOST_POINTS)] if len(times) > POINTS else np.linspace(*times[[0, -1]], POINTS + 1)
+    is_fine = len(times) > POINTS
+    times = times[:: -(-len(times) // MOST_POINTS)] if is_fine else np.linspace(times[0], times[-1], POINTS + 1)
     run = _run_dse if engine == "dse" else _run_rumoca
     found = run(name, modelica, [signal for signal in wanted if signal in reference], times)
     if "signals" not in found:
