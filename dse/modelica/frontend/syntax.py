@@ -19,6 +19,7 @@ _PREFIXES = {"redeclare", "final", "inner", "outer", "replaceable", "each", "flo
 _PREFIXES |= {"constant", "input", "output", "partial", "encapsulated", "expandable", "pure", "impure"}
 _SECTIONS = ("equation", "algorithm", "initial", "external", "annotation")
 _OPENING, _CLOSING = ("(", "[", "{"), (")", "]", "}")
+_BRACKETS = frozenset((*_OPENING, *_CLOSING))
 UNREADABLE = (ValueError, LookupError, RecursionError)
 """What a text that is not Modelica raises."""
 _CONTROLS = ("if", "for", "when", "while")
@@ -80,9 +81,11 @@ class Tree:
         """The brackets of the sizes of arrays in declarations."""
         opened: list[int] = []
         for number, word in enumerate(self.words):
+            if word not in _BRACKETS:
+                continue
             if word in _OPENING:
                 opened.append(number)
-            elif word in _CLOSING:
+            else:
                 start = opened.pop()
                 self.closing[start], self.closing[number] = number, start
         self._at = 0
@@ -274,8 +277,13 @@ class Tree:
 
 def read_tree(text: str) -> Tree | None:
     """The tree of *text*, but for comments and strings; None if it is not Modelica."""
+    return read_code(code(text))
+
+
+def read_code(text: str) -> Tree | None:
+    """The tree of *text*, which has neither comments nor strings; None if it is not Modelica."""
     try:
-        return Tree(SourceText("", code(text)))
+        return Tree(SourceText("", text))
     except UNREADABLE:
         return None
 

@@ -5,17 +5,25 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 from dse.modelica.frontend.source_text import CLASS_KINDS, SourceText, code, edited
-from dse.modelica.frontend.syntax import KINDS, Element, read_tree
+from dse.modelica.frontend.syntax import KINDS, Element, read_code
 
 _NAME = r"[A-Za-z_]\w*|'(?:[^'\\]|\\.)*'"
+_WITHIN = re.compile(r"\s*within\s+([\w.]*)\s*;")
 _DECLARED = re.compile(rf"\b(?:{CLASS_KINDS}|operator)\s+(?!record\b|function\b)(?:extends\s+)?({_NAME})")
 
 
 def used(sources: Iterable[SourceText], model: str) -> list[SourceText]:
     """As `reached`, without comments and strings."""
-    return reached([replace(source, text=code(source.text)) for source in sources], model)
+    return list(_used(tuple(sources), model))
+
+
+@lru_cache(maxsize=1)  # several passes ask for the same
+def _used(sources: Sequence[SourceText], model: str) -> Sequence[SourceText]:
+    texts = [code(source.text) for source in sources]
+    return _reached([replace(source, text=text) for source, text in zip(sources, texts, strict=True)], texts, model)
 
 
 def reached(sources: Sequence[SourceText], model: str) -> list[SourceText]:
@@ -25,7 +33,11 @@ def reached(sources: Sequence[SourceText], model: str) -> list[SourceText]:
     no other way to it. All that is declared in a class is used with it unless it is a package, and so is what the
     classes around it declare themselves. What cannot be read is kept whole; so is everything if *model* is not found.
     """
-    found = _Classes([code(source.text) for source in sources])
+    return _reached(sources, [code(source.text) for source in sources], model)
+
+
+def _reached(sources: Sequence[SourceText], texts: Sequence[str], model: str) -> list[SourceText]:
+    found = _Classes(texts)
     seen = found.reached(model)
     if not seen:
         return list(sources)
@@ -40,7 +52,8 @@ def _is_class(own: Element) -> bool:
 
 
 class _Classes:
-    """The classes of *texts*. A text is read once a name is looked for that it may declare."""
+    """The classes of *texts*. A text is read once a name is looked for that it may declare, and the package that it is
+    within is used: most texts of a library are not read."""
 
     def __init__(self, texts: Sequence[str]) -> None:
         self._texts = texts
@@ -48,6 +61,9 @@ class _Classes:
         for number, text in enumerate(texts):
             for name in dict.fromkeys(_DECLARED.findall(text)):
                 self._declaring.setdefault(name, []).append(number)
+        self._names = frozenset(self._declaring)
+        self._used_packages = {""}
+        self._waiting: dict[str, list[int]] = {}
         self._read: dict[int, list[Element] | None] = {}
         self._named: dict[str, list[Element]] = {}
         self._whole: dict[str, list[Element]] = {}
@@ -56,6 +72,8 @@ class _Classes:
     def reached(self, model: str) -> set[Element]:
         """The classes that *model* may use; none if it is not among them."""
         words: set[str] = set()
+        path = model.split(".")
+        self._used_packages |= {".".join(path[:end]) for end in range(len(path))}
         new = [*self._look_for(model.rpartition(".")[2])]
         pending = list(self._whole.get(model, ()))
         seen: set[Element] = set()
@@ -65,6 +83,9 @@ class _Classes:
                 continue
             seen.add(own)
             pending += self._around(own)
+            self._used_packages.add(own.full)
+            for number in self._waiting.pop(own.full, ()):
+                new += self._read_text(number)
             pending += [one for one in self._inside.get(own.full, ()) if own.kind != "package" or one.name in words]
             new += _words(own)
             while new:
@@ -80,19 +101,27 @@ class _Classes:
     def _look_for(self, name: str) -> Iterator[str]:
         """Read what may declare *name*, and the packages around. The words of a text that cannot be read."""
         for number in self._declaring.pop(name, ()):
-            if number in self._read:
-                continue
-            tree = read_tree(self._texts[number])
-            if tree is None:
-                self._read[number] = None
-                yield from re.findall(_NAME, self._texts[number])
-                continue
-            self._read[number] = found = [own for own in tree.elements if _is_class(own)]
-            for own in found:
-                self._named.setdefault(own.name, []).append(own)
-                self._whole.setdefault(own.full, []).append(own)
-                self._inside.setdefault(own.full.rpartition(".")[0], []).append(own)
-            yield from self._look_for(tree.within.rpartition(".")[2])
+            within = _WITHIN.match(self._texts[number])
+            package = within[1] if within else ""
+            if package in self._used_packages or package.rpartition(".")[2] not in self._names:
+                yield from self._read_text(number)
+            else:
+                self._waiting.setdefault(package, []).append(number)
+
+    def _read_text(self, number: int) -> Iterator[str]:
+        if number in self._read:
+            return
+        tree = read_code(self._texts[number])
+        if tree is None:
+            self._read[number] = None
+            yield from re.findall(_NAME, self._texts[number])
+            return
+        self._read[number] = found = [own for own in tree.elements if _is_class(own)]
+        for own in found:
+            self._named.setdefault(own.name, []).append(own)
+            self._whole.setdefault(own.full, []).append(own)
+            self._inside.setdefault(own.full.rpartition(".")[0], []).append(own)
+        yield from self._look_for(tree.within.rpartition(".")[2])
 
     def _around(self, own: Element) -> list[Element]:
         return self._whole.get(own.full.rpartition(".")[0], [])
