@@ -12,7 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from dse.domain.component import Component, Kind, ModelicaSource
-from dse.errors import DseError, Location, Problem, fail
+from dse.errors import DseError, Location, Problem, fail, raise_if_any
 from dse.fmu import read_description
 from dse.modelica.frontend.literal import WRAPPER, literal, wrapper
 from dse.modelica.frontend.sources import FILES, ModelSources
@@ -155,9 +155,7 @@ def _require_variables(component: Component, product: Path, folder: Path) -> Non
     except DseError as error:
         what = f"component '{component.name}': what omc made cannot be used: {error.problems[0].what}"
         raise fail(what, component.where) from error
-    problems = list(_missing(component, known.keys()))
-    if problems:
-        raise DseError(*problems)
+    raise_if_any(_missing(component, known.keys()))
 
 
 def _missing(component: Component, known: Collection[str]) -> Iterator[Problem]:

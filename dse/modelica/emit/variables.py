@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from dse.errors import DseError, Location, Problem, closest, fail
+from dse.errors import Location, Problem, closest, fail, raise_if_any
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
@@ -205,5 +205,4 @@ def _refuse_unusable(solved: Solved, found: Iterable[FmuVariable], given: Mappin
         elif listed.causality not in _SETTABLE and not solved.flat.variables[name].is_structural:
             what = f"'{name}' cannot be given a start: it is not a parameter or input that can be set"
             problems.append(Problem(what, listed.where))
-    if problems:
-        raise DseError(*problems)
+    raise_if_any(problems)

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from dse.errors import DseError, Problem, fail
+from dse.errors import DseError, Problem, fail, raise_if_any
 from dse.modelica.frontend.buses import REFUSED, with_members
 from dse.modelica.frontend.jumps import OPEN_LOOP, without_open_loops
 from dse.modelica.frontend.literal import WRAPPER, is_class_name, wrapper
@@ -86,9 +86,7 @@ class Session:
             raise fail(what, self.sources.where) from error
         except FrontEndRefusal as error:
             raise DseError(*self._problems(str(error))) from error
-        problems = list(misread(result))
-        if problems:
-            raise DseError(*problems)
+        raise_if_any(misread(result))
         return result
 
     def trial(self, overlay: Mapping[str, bytes], changes: Mapping[str, str]) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from dse.errors import DseError, Problem
+from dse.errors import Problem, raise_if_any
 from dse.graphs import components
 from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.algebra.traversal import symbols
@@ -61,6 +61,5 @@ def ordered(nodes: Sequence[Stage[EventBlock]]) -> list[EventBlock]:
             hint = "break the loop with pre()"
             problems.append(Problem(f"discrete equations depend on themselves: {texts}", where, hint))
         order.extend(nodes[place].block for place in component)
-    if problems:
-        raise DseError(*problems)
+    raise_if_any(problems)
     return order

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from dse.errors import DseError, Problem
+from dse.errors import Problem, raise_if_any
 from dse.graphs import components
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression
@@ -97,8 +97,7 @@ def dependent_parameters(flat: FlatModel) -> list[Explicit]:
             what = f"parameters depend on themselves: {listed(own)}"
             problems.append(Problem(what, flat.variables[own[0].name].where))
         order.extend(Explicit(symbol, _binding(flat, symbol.name)) for symbol in own)
-    if problems:
-        raise DseError(*problems)
+    raise_if_any(problems)
     return order
 
 

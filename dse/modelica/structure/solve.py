@@ -123,8 +123,7 @@ def _refuse_lone_derivatives(flat: FlatModel) -> None:
         for symbol in symbols(root)
         if symbol.is_variable and symbol.order > orders.get(symbol.name, 0)
     ]
-    if problems:
-        raise DseError(*problems)
+    raise_if_any(problems)
 
 
 def _at_start(flat: FlatModel, chains: Sequence[Sequence[Row]]) -> list[Row]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from dse.errors import DseError, Problem
+from dse.errors import Problem, raise_if_any
 from dse.modelica.algebra.expression import Expression, shown
 from dse.modelica.flat_model import FlatModel, Variable
 from dse.modelica.structure.aliases.elimination import Eliminated
@@ -33,8 +33,7 @@ def merged(flat: FlatModel, eliminated: Eliminated) -> tuple[FlatModel, list[str
     for name, (kept, sign) in eliminated.aliases.items():
         start = variables[kept].start
         variables[name] = replace(variables[name], start=_signed(start, sign), is_fixed=False)
-    if problems:
-        raise DseError(*problems)
+    raise_if_any(problems)
     return replace(flat, variables=variables), notes
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from dse.errors import DseError, Location
+from dse.errors import Location, raise_if_any
 from dse.graphs import components
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import smooth, symbols
@@ -39,8 +39,7 @@ def arranged(rows: Sequence[Row], unknowns: Sequence[Symbol], known: Known) -> l
     number = {symbol: place for place, symbol in enumerate(unknowns)}
     solvable = [[number[symbol] for symbol in smooth(row.residual) if symbol in number] for row in rows]
     matching, problems = matched(rows, solvable, unknowns)
-    if problems:
-        raise DseError(*problems)
+    raise_if_any(problems)
     occurs = [[number[symbol] for symbol in symbols(row.residual) if symbol in number] for row in rows]
     row_of = matching.row_of
     needs = [sorted(row_of[column] for column in occurs[row] if row_of[column] != row) for row in range(len(rows))]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from dse.errors import DseError, Problem
+from dse.errors import Problem, raise_if_any
 from dse.modelica.algebra.derivative import partial
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression
@@ -38,8 +38,7 @@ def refuse_singular(blocks: Iterable[Block], known: Known) -> None:
             where = system.where[0] if system.where else None
             places = ", ".join(str(place) for place in system.where[1:6])
             problems.append(Problem(what, where, f"together with {places}" if places else ""))
-    if problems:
-        raise DseError(*problems)
+    raise_if_any(problems)
 
 
 def _is_singular(matrix: np.ndarray) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from dse.errors import DseError, Location, Problem, fail
+from dse.errors import DseError, Location, Problem, fail, raise_if_any
 from dse.modelica.algebra.derivative import derived
 from dse.modelica.algebra.expression import Expression, shown
 from dse.modelica.algebra.symbol import Referent, Symbol
@@ -113,8 +113,7 @@ def _refuse_singular(rows: Sequence[Row], names: Sequence[str], variables: Mappi
             if len(together) > 1:
                 what = f"there is one equation too few for {listed(together)}"
             problems.append(Problem(what, variables[names[number]].where))
-    if problems:
-        raise DseError(*problems)
+    raise_if_any(problems)
 
 
 def total(expression: Expression, variables: Mapping[str, Variable], where: Location | None = None) -> Expression:
