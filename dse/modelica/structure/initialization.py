@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from dse.errors import DseError, Problem
+from dse.errors import DseError, Problem, raise_if_any
 from dse.modelica.algebra.expression import Expression, shown
 from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.algebra.traversal import actual, replaced, smooth, symbols
@@ -46,17 +46,20 @@ def start(flat: FlatModel, rows: Sequence[Row], unknowns: Sequence[Symbol], stat
     discretes = _free_discretes(flat)
     all_unknowns.extend(Symbol(name) for name in discretes)
     filling = _Filling(all_rows, all_unknowns)
-    filling.enter(_given(flat, [symbol.name for symbol in unknowns if symbol.order == 0]))
+    filling.enter(_given(flat, unknowns))
     is_state = set(states)
     others = [one for one in unknowns if one not in is_state and not one.order and _has_start(flat, one)]
     free = [one for one in all_unknowns[len(unknowns) :] if one.name not in discretes]
     kept = sorted(map(Symbol, discretes), key=lambda one: not flat.variables[one.name].is_fixed)
     notes = filling.complete(flat, kept, [*states, *free, *others])
-    unfinished = filling.missing()
-    if unfinished:
-        raise DseError(*(_too_few(flat, symbol) for symbol in unfinished[:12]))
-    is_determined = frozenset(discretes)
-    return Start(tuple(filling.rows), tuple(all_unknowns), is_determined, tuple(filling.superfluous), tuple(notes))
+    hint = "give an initial equation or a fixed start"
+    raise_if_any(
+        Problem(f"nothing determines {symbol} at the start", flat.variables[symbol.name].where, hint)
+        for symbol in filling.missing()[:12]
+    )
+    return Start(
+        tuple(filling.rows), tuple(all_unknowns), frozenset(discretes), tuple(filling.superfluous), tuple(notes)
+    )
 
 
 class _Filling:
@@ -81,29 +84,25 @@ class _Filling:
         self.rows.append(row)
         return True
 
-    def enter(self, rows: Sequence[Row]) -> None:
-        for row in rows:
-            if not self._try(row):
-                self.superfluous.append(row)
+    def enter(self, rows: Iterable[Row]) -> None:
+        self.superfluous += [row for row in rows if not self._try(row)]
 
     def missing(self) -> list[Symbol]:
         return [symbol for symbol in self._unknowns if self._number[symbol] not in self._matching.row_of]
 
     def complete(self, flat: FlatModel, discretes: Sequence[Symbol], others: Sequence[Symbol]) -> list[str]:
+        def rank(symbol: Symbol) -> tuple[bool, int]:
+            return not _has_start(flat, symbol), -flat.variables[symbol.name].prefers_state
+
         notes = []
         # Discrete variables keep their starts. Then what has a start value of its own, the model's favourites first.
-        for symbol in [*discretes, *sorted(others, key=lambda one: _rank(flat, one))]:
+        for symbol in [*discretes, *sorted(others, key=rank)]:
             if len(self.rows) == len(self._unknowns):
                 break
-            value = _start_of(flat, symbol)
-            row = Row(flat.graph.symbol(symbol) - value, flat.variables[symbol.name].where)
-            if self._try(row) and symbol not in discretes:
-                notes.append(f"{symbol} starts at {shown(value)}: nothing else determines it at the start")
+            if self._try(_started(flat, symbol)) and symbol not in discretes:
+                value = shown(_start_of(flat, symbol))
+                notes.append(f"{symbol} starts at {value}: nothing else determines it at the start")
         return notes
-
-
-def _rank(flat: FlatModel, symbol: Symbol) -> tuple[int, int]:
-    return -_has_start(flat, symbol), -flat.variables[symbol.name].prefers_state
 
 
 def _has_start(flat: FlatModel, symbol: Symbol) -> bool:
@@ -117,14 +116,15 @@ def _start_of(flat: FlatModel, symbol: Symbol) -> Expression:
     return flat.graph.constant(0.0 if symbol.order else default(variable))
 
 
-def _given(flat: FlatModel, names: Sequence[str]) -> list[Row]:
-    rows = [Row(one.residual, one.where) for one in flat.initial_equations]
-    for name in names:
-        variable = flat.variables[name]
-        if variable.is_fixed:
-            value = _start_of(flat, Symbol(name))
-            rows.append(Row(flat.graph.variable(name) - value, variable.where))
-    return rows
+def _started(flat: FlatModel, symbol: Symbol) -> Row:
+    return Row(flat.graph.symbol(symbol) - _start_of(flat, symbol), flat.variables[symbol.name].where)
+
+
+def _given(flat: FlatModel, unknowns: Sequence[Symbol]) -> Iterator[Row]:
+    yield from (Row(one.residual, one.where) for one in flat.initial_equations)
+    for symbol in unknowns:
+        if not symbol.order and flat.variables[symbol.name].is_fixed:
+            yield _started(flat, symbol)
 
 
 def _free_parameters(flat: FlatModel, rows: list[Row]) -> list[Symbol]:
@@ -190,11 +190,6 @@ def values_before(flat: FlatModel, found: Start) -> Iterator[Stage[EventBlock]]:
         if value is not None and not unknown.isdisjoint(needs := symbols(value)):
             before = Symbol(name, referent=Referent.PRE)
             yield Stage(Explicit(before, value), (before,), tuple(needs), where, f"pre({name})")
-
-
-def _too_few(flat: FlatModel, symbol: Symbol) -> Problem:
-    where = flat.variables[symbol.name].where
-    return Problem(f"nothing determines {symbol} at the start", where, "give an initial equation or a fixed start")
 
 
 def checked(flat: FlatModel, superfluous: Sequence[Row]) -> FlatModel:
