@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from dse.modelica.algebra.expression import Expression, Graph
@@ -86,26 +86,14 @@ _Term = tuple[str, int]
 
 def _pair(residual: Expression, variables: Mapping[str, Variable]) -> tuple[_Term, _Term | float] | None:
     """Two terms, or a term and a number, whose sum vanishes."""
-    sign = 1
-    if residual.operator == "negate":
-        residual = residual.operands[0]
-    terms: Iterable[Expression]
-    if residual.operator in ("add", "subtract"):
-        sign = 1 if residual.operator == "add" else -1
-        terms = residual.operands
-    else:
-        terms = (residual,)
+    terms = _terms(residual.operands[0] if residual.operator == "negate" else residual)
     found: list[_Term] = []
     number = 0.0
-    for place, term in enumerate(terms):
-        own = sign if place else 1
-        inner = term
-        if inner.operator == "negate":
-            own, inner = -own, inner.operands[0]
-        if inner.is_constant:
-            number += own * inner.value
-        elif inner.symbol is not None and _is_eliminable(inner.symbol, variables):
-            found.append((inner.symbol.name, own))
+    for term, sign in terms if len(terms) <= 2 else ():
+        if term.is_constant:
+            number += sign * term.value
+        elif term.symbol is not None and _is_eliminable(term.symbol, variables):
+            found.append((term.symbol.name, sign))
         else:
             return None
     if not found:
@@ -163,8 +151,25 @@ def cancelled(residual: Expression) -> Expression:
 
     After aliases were put in, balances of flows are full of them; they would pass for terms that can be solved for.
     """
+    terms = _terms(residual)
+    if len({term for term, _ in terms}) == len(set(terms)):
+        return residual
+    balance: dict[int, int] = {}
+    for term, sign in terms:
+        balance[term.number] = balance.get(term.number, 0) + sign
+    total = residual.graph.constant(0.0)
+    for term, sign in terms:
+        left = balance[term.number]
+        if left * sign > 0:
+            balance[term.number] = left - sign
+            total = total + term if sign > 0 else total - term
+    return total
+
+
+def _terms(root: Expression) -> list[tuple[Expression, int]]:
+    """The terms of the sum *root*, with their signs."""
     terms: list[tuple[Expression, int]] = []
-    stack = [(residual, 1)]
+    stack = [(root, 1)]
     while stack:
         node, sign = stack.pop()
         match node.operator:
@@ -176,20 +181,7 @@ def cancelled(residual: Expression) -> Expression:
                 stack.extend([(node.operands[1], -sign), (node.operands[0], sign)])
             case _:
                 terms.append((node, sign))
-    balance: dict[int, int] = {}
-    count: dict[int, int] = {}
-    for term, sign in terms:
-        balance[term.number] = balance.get(term.number, 0) + sign
-        count[term.number] = count.get(term.number, 0) + 1
-    if all(abs(balance[number]) == times for number, times in count.items()):
-        return residual
-    total = residual.graph.constant(0.0)
-    for term, sign in terms:
-        left = balance[term.number]
-        if left * sign > 0:
-            balance[term.number] = left - sign
-            total = total + term if sign > 0 else total - term
-    return total
+    return terms
 
 
 def rewriter(graph: Graph, substitutes: Mapping[str, Expression]) -> Callable[[Expression], Expression]:
