@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from dse.errors import Problem, raise_if_any
@@ -79,24 +78,33 @@ def dependent_parameters(flat: FlatModel) -> list[Explicit]:
 
     Raises DseError for parameters that depend on each other, on themselves or on what is no parameter.
     """
-    names = [name for name, variable in flat.variables.items() if is_dependent(variable)]
-    number = {name: place for place, name in enumerate(names)}
+    bindings = {
+        Symbol(name): variable.binding
+        for name, variable in flat.variables.items()
+        if variable.binding is not None and is_dependent(variable)
+    }
+    number = {symbol: place for place, symbol in enumerate(bindings)}
     needs: list[list[int]] = []
     problems: list[Problem] = []
-    for name in names:
-        refers = symbols(_binding(flat, name))
-        strange = [symbol for symbol in refers if not _is_parameter(symbol, flat.variables)]
+    for parameter, binding in bindings.items():
+        refers = symbols(binding)
+        strange = [
+            one
+            for one in refers
+            if not (one.is_variable and not one.order and flat.variables[one.name].role is Role.PARAMETER)
+        ]
         if strange:
-            what = f"the parameter '{name}' depends on {listed(strange)}, which is not a parameter"
-            problems.append(Problem(what, flat.variables[name].where))
-        needs.append([number[symbol.name] for symbol in refers if symbol.name in number])
+            what = f"the parameter '{parameter}' depends on {listed(strange)}, which is not a parameter"
+            problems.append(Problem(what, flat.variables[parameter.name].where))
+        needs.append([number[symbol] for symbol in refers if symbol in number])
     order: list[Explicit] = []
+    parameters = list(bindings)
     for component in components(needs):
-        own = [Symbol(names[place]) for place in component]
+        own = [parameters[place] for place in component]
         if len(own) > 1 or component[0] in needs[component[0]]:
             what = f"parameters depend on themselves: {listed(own)}"
             problems.append(Problem(what, flat.variables[own[0].name].where))
-        order.extend(Explicit(symbol, _binding(flat, symbol.name)) for symbol in own)
+        order.extend(Explicit(symbol, bindings[symbol]) for symbol in own)
     raise_if_any(problems)
     return order
 
@@ -147,14 +155,3 @@ def default(variable: Variable) -> float:
         if bound is not None and bound.is_constant and (bound.value < 0 if is_below else bound.value > 0):
             return bound.value
     return 0.0
-
-
-def _binding(flat: FlatModel, name: str) -> Expression:
-    binding = flat.variables[name].binding
-    if binding is None:
-        raise ValueError(name)
-    return binding
-
-
-def _is_parameter(symbol: Symbol, variables: Mapping[str, Variable]) -> bool:
-    return symbol.is_variable and not symbol.order and variables[symbol.name].role is Role.PARAMETER
