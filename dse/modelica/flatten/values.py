@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 
+import numpy as np
+
 from dse.modelica.algebra.expression import Expression, Graph
 
 
@@ -18,6 +20,13 @@ class Array:
 
     elements: tuple[Expression, ...]
     shape: tuple[int, ...] = ()
+
+    @property
+    def cells(self) -> np.ndarray:
+        """The elements as a new array of numpy's."""
+        found = np.empty(len(self.elements), object)
+        found[:] = self.elements
+        return found.reshape(self.shape)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +55,11 @@ def scalar(expression: Expression) -> Array:
     return Array((expression,))
 
 
+def of_cells(cells: np.ndarray) -> Array:
+    """The expressions *cells* as a value."""
+    return Array(tuple(cells.flat), cells.shape)
+
+
 def only(value: Value) -> Expression:
     """The one expression of a scalar. Raises MismatchError for anything else."""
     if isinstance(value, Array) and value.shape == ():
@@ -71,14 +85,6 @@ def whole(value: Value) -> int:
 def places(shape: Sequence[int]) -> Iterator[tuple[int, ...]]:
     """All index tuples from 1, row by row."""
     return itertools.product(*(range(1, size + 1) for size in shape))
-
-
-def position(shape: Sequence[int], index: Sequence[int]) -> int:
-    """Row-major position of *index* (from 1)."""
-    place = 0
-    for size, at in zip(shape, index, strict=True):
-        place = place * size + at - 1
-    return place
 
 
 def mapped(value: Array, function: Callable[[Expression], Expression]) -> Array:
@@ -138,21 +144,9 @@ def multiplied(graph: Graph, left: Array, right: Array) -> Array:
 
 def concatenated(dimension: int, values: Sequence[Array]) -> Array:
     """``cat(dimension, ...)``, the dimension counted from 1; all of one rank."""
-    if len({len(value.shape) for value in values}) != 1 or not 1 <= dimension <= len(values[0].shape):
-        raise MismatchError("a concatenation of arrays of different rank")
-    before, after = values[0].shape[: dimension - 1], values[0].shape[dimension:]
-    if any(value.shape[: dimension - 1] != before or value.shape[dimension:] != after for value in values):
-        raise MismatchError("a concatenation of arrays of different size")
-    elements: list[Expression] = []
-    block = math.prod(after)
-    for outer in range(math.prod(before)):
-        for value in values:
-            width = value.shape[dimension - 1] * block
-            elements.extend(value.elements[outer * width : (outer + 1) * width])
-    size = sum(value.shape[dimension - 1] for value in values)
-    return Array(tuple(elements), (*before, size, *after))
-
-
-def promoted(value: Array, rank: int) -> Array:
-    """*value* with ones appended to its shape until it has *rank* dimensions."""
-    return Array(value.elements, value.shape + (1,) * (rank - len(value.shape)))
+    if dimension < 1:
+        raise MismatchError(f"a concatenation along dimension {dimension}")
+    try:
+        return of_cells(np.concatenate([value.cells for value in values], dimension - 1))
+    except ValueError:
+        raise MismatchError("a concatenation of arrays of different rank or size") from None

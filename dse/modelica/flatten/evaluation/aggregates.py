@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Generator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
 
 from dse.errors import Location
 from dse.modelica.algebra.expression import Expression, Graph
-from dse.modelica.flatten.document import check_counters, points, shape
+from dse.modelica.flatten.document import Subscript, check_counters, points, shape
 from dse.modelica.flatten.evaluation.context import Frame, Request, Rule, Steps, Visit, requested
 from dse.modelica.flatten.values import (
     Array,
@@ -14,9 +18,10 @@ from dse.modelica.flatten.values import (
     Structure,
     Value,
     array,
+    of_cells,
     only,
     places,
-    position,
+    scalar,
     stacked,
     whole,
 )
@@ -72,7 +77,8 @@ def _comprehension(visit: Visit) -> Steps:
 def _index(visit: Visit) -> Steps:
     base = array((yield visit.request(visit.node.data["base"])))
     subscripts = yield from _subscripts(visit, base)
-    return indexed(visit.graph, base, subscripts)
+    cells, elements = base.cells, itertools.product(*(one.elements for one in subscripts))
+    return Array(tuple(_element(visit.graph, cells, index) for index in elements), _shape(subscripts))
 
 
 def _update(visit: Visit) -> Steps:
@@ -82,21 +88,36 @@ def _update(visit: Visit) -> Steps:
     return updated(visit.graph, base, subscripts, value, visit.frame, visit.where)
 
 
-def _subscripts(visit: Visit, base: Array) -> Generator[Request, Value, Sequence[Sequence[Expression] | Expression]]:
-    if len(visit.node.subscripts) > len(base.shape):
+def _subscripts(visit: Visit, base: Array) -> Generator[Request, Value, list[Array]]:
+    """A scalar drops its dimension of *base*, a vector keeps it; missing ones mean everything."""
+    missing = len(base.shape) - len(visit.node.subscripts)
+    if missing < 0:
         raise MismatchError("more subscripts than dimensions")
-    found: list[Sequence[Expression] | Expression] = []
-    for subscript, size in zip(visit.node.subscripts, base.shape, strict=False):
+    found: list[Array] = []
+    for subscript, size in zip((*visit.node.subscripts, *[Subscript("whole")] * missing), base.shape, strict=True):
         if subscript.kind == "whole":
-            found.append([visit.graph.constant(float(k)) for k in range(1, size + 1)])
+            found.append(Array(tuple(visit.graph.constant(k) for k in range(1, size + 1)), (size,)))
             continue
         value = array((yield visit.request(subscript.node)))
         if subscript.kind == "index":
-            found.append(only(value))
+            found.append(scalar(only(value)))
         elif len(value.shape) == 1:
-            found.append(value.elements)
+            found.append(value)
         else:
             raise MismatchError("a slice by what is not a vector")
+    return found
+
+
+def _shape(subscripts: Sequence[Array]) -> tuple[int, ...]:
+    return tuple(size for one in subscripts for size in one.shape)
+
+
+def _element(graph: Graph, cells: np.ndarray, index: Sequence[Expression]) -> Expression:
+    """One element of *cells*. An index only known at run time becomes a ``select`` over what the known ones leave."""
+    known = [known_index(item, size) for item, size in zip(index, cells.shape, strict=True)]
+    left: Any = cells[tuple(slice(None) if at is None else at - 1 for at in known)]
+    unknown = [item for item, at in zip(index, known, strict=True) if at is None]
+    found: Expression = graph.make("select", graph.array(left.flat, left.shape), *unknown) if unknown else left
     return found
 
 
@@ -116,77 +137,31 @@ RULES: Mapping[str, Rule] = {
 
 
 def updated(
-    graph: Graph,
-    base: Array,
-    subscripts: Sequence[Sequence[Expression] | Expression],
-    value: Array,
-    frame: Frame,
-    where: Location | None,
+    graph: Graph, base: Array, subscripts: Sequence[Array], value: Array, frame: Frame, where: Location | None
 ) -> Array:
     """*base* with ``base[subscripts] := value``. An index only known at run time gives a choice for every element.
 
     Such an index outside the array fails the run, by an assertion of *frame*. Raises MismatchError for other sizes.
     """
-    rest: list[Sequence[Expression] | Expression] = list(subscripts)
-    rest += [[graph.constant(float(k)) for k in range(1, size + 1)] for size in base.shape[len(rest) :]]
-    lists = [[item] if isinstance(item, Expression) else list(item) for item in rest]
-    if tuple(len(items) for item, items in zip(rest, lists, strict=True) if not isinstance(item, Expression)) != (
-        value.shape
-    ):
+    if _shape(subscripts) != value.shape:
         raise MismatchError("an assignment to array elements of another size")
-    elements = list(base.elements)
-    for element, place in zip(value.elements, places([len(items) for items in lists]), strict=True):
-        index = [items[k - 1] for k, items in zip(place, lists, strict=True)]
+    cells = base.cells
+    for element, index in zip(value.elements, itertools.product(*(one.elements for one in subscripts)), strict=True):
         known = [known_index(item, size) for item, size in zip(index, base.shape, strict=True)]
-        unknown = [(item, size) for item, size, found in zip(index, base.shape, known, strict=True) if found is None]
-        for item, size in unknown:
-            at_most = graph.make("less_equal", item, graph.of(float(size)))
-            inside = graph.make("and", graph.make("greater_equal", item, graph.of(1.0)), at_most)
-            frame.demand(inside, "an index outside its array", where)
-        for target in places([1 if found else size for found, size in zip(known, base.shape, strict=True)]):
-            exact = [found or at for found, at in zip(known, target, strict=True)]
-            spot = position(base.shape, exact)
+        for item, size, found in zip(index, base.shape, known, strict=True):
+            if found is None:
+                at_most = graph.make("less_equal", item, graph.of(float(size)))
+                inside = graph.make("and", graph.make("greater_equal", item, graph.of(1.0)), at_most)
+                frame.demand(inside, "an index outside its array", where)
+        for place in places([1 if found else size for found, size in zip(known, base.shape, strict=True)]):
+            exact = [found or at for found, at in zip(known, place, strict=True)]
             condition = graph.constant(1.0)
             for item, at, found in zip(index, exact, known, strict=True):
                 if found is None:
                     condition = graph.make("and", condition, graph.make("equal", item, graph.of(float(at))))
-            elements[spot] = graph.make("if", condition, element, elements[spot])
-    return Array(tuple(elements), base.shape)
-
-
-def indexed(graph: Graph, base: Array, subscripts: Sequence[Sequence[Expression] | Expression]) -> Array:
-    """``base[subscripts]``: a single index drops its dimension, a list keeps it; missing ones mean everything.
-
-    An index only known at run time becomes a ``select`` over what the known ones leave. Raises MismatchError for a
-    known index outside the array.
-    """
-    rest: list[Sequence[Expression] | Expression] = list(subscripts)
-    if len(rest) > len(base.shape):
-        raise MismatchError("more subscripts than dimensions")
-    rest += [[graph.constant(k) for k in range(1, size + 1)] for size in base.shape[len(rest) :]]
-    lists = [[item] if isinstance(item, Expression) else list(item) for item in rest]
-    shape = tuple(len(items) for item, items in zip(rest, lists, strict=True) if not isinstance(item, Expression))
-    return Array(
-        tuple(
-            _element(graph, base, [items[k - 1] for k, items in zip(place, lists, strict=True)])
-            for place in places([len(items) for items in lists])
-        ),
-        shape,
-    )
-
-
-def _element(graph: Graph, base: Array, index: Sequence[Expression]) -> Expression:
-    known = [known_index(item, size) for item, size in zip(index, base.shape, strict=True)]
-    if None not in known:
-        return base.elements[position(base.shape, [item for item in known if item is not None])]
-    free = [size for size, item in zip(base.shape, known, strict=True) if item is None]
-    elements = []
-    for place in places(free):
-        left = iter(place)
-        full = [next(left) if item is None else item for item in known]
-        elements.append(base.elements[position(base.shape, full)])
-    unknown = [item for item, found in zip(index, known, strict=True) if found is None]
-    return graph.make("select", graph.array(elements, tuple(free)), *unknown)
+            spot = tuple(at - 1 for at in exact)
+            cells[spot] = graph.make("if", condition, element, cells[spot])
+    return of_cells(cells)
 
 
 def known_index(index: Expression, size: int) -> int | None:

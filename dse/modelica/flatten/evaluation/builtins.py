@@ -17,10 +17,10 @@ from dse.modelica.flatten.values import (
     concatenated,
     mapped,
     multiplied,
+    of_cells,
     only,
     places,
     product,
-    promoted,
     scalar,
     total,
     whole,
@@ -143,15 +143,7 @@ def _transpose(given: Given) -> Value:
     (matrix,) = (array(value) for value in given.values)
     if len(matrix.shape) < 2:
         raise MismatchError("the transpose of what is not a matrix")
-    rows, columns, *rest = matrix.shape
-    block = math.prod(rest)
-    elements = [
-        matrix.elements[(row * columns + column) * block + k]
-        for column in range(columns)
-        for row in range(rows)
-        for k in range(block)
-    ]
-    return Array(tuple(elements), (columns, rows, *rest))
+    return of_cells(matrix.cells.swapaxes(0, 1))
 
 
 def _vector(given: Given) -> Value:
@@ -197,7 +189,9 @@ def _bracketed(dimension: int) -> Function:
     def function(given: Given) -> Value:
         arrays = [array(value) for value in given.values]
         rank = max(2, *(len(value.shape) for value in arrays))
-        return concatenated(dimension, [promoted(value, rank) for value in arrays])
+        return concatenated(
+            dimension, [Array(value.elements, value.shape + (1,) * (rank - len(value.shape))) for value in arrays]
+        )
 
     return function
 
