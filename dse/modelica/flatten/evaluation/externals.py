@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Generator
+from collections.abc import Callable, Generator, Mapping
+from functools import partial
 
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.flatten.document import Document, Record, fields, single
@@ -38,54 +39,36 @@ def called(
     return (scalar(_FUNCTIONS[symbol](model, list(map(array, values)))),)
 
 
-def _table1(model: Model, values: list[Array]) -> Expression:
-    if len(values) != 6:
-        raise MismatchError("dse_table1 of other than (x, xs, size, ys, smooth, extrapolation)")
-    x, xs, size, ys, smooth, extrapolation = values
-    points = _axis(model, xs, size)
-    if ys.shape != (points,):
-        raise MismatchError("dse_table1 with other than one value a point")
+def _table(model: Model, values: list[Array], count: int) -> Expression:
+    """A table over *count* axes: of (x, y …, xs, size, ys, size …, values, smooth, extrapolation)."""
+    if len(values) != 3 * count + 3:
+        raise MismatchError(f"dse_table{count} of other than {3 * count + 3} arguments")
+    *_, table, smooth, extrapolation = values
+    axes, sizes = values[count : 3 * count : 2], values[count + 1 : 3 * count : 2]
+    if table.shape != tuple(_axis(model, axis, size) for axis, size in zip(axes, sizes, strict=True)):
+        raise MismatchError(f"dse_table{count} with other than one value for each point of its axes")
     graph = model.graph
-    data = [graph.array(item.elements, item.shape) for item in (xs, ys)]
-    _check_data(model, ys)
-    choices = [_choice(model, item) for item in (smooth, extrapolation)]
-    return graph.call("table1", [graph.constant(0.0), only(x), *data, *choices])
-
-
-def _table2(model: Model, values: list[Array]) -> Expression:
-    if len(values) != 9:
-        raise MismatchError("dse_table2 of other than (x, y, xs, size, ys, size, zs, smooth, extrapolation)")
-    x, y, xs, rows, ys, columns, zs, smooth, extrapolation = values
-    if zs.shape != (_axis(model, xs, rows), _axis(model, ys, columns)):
-        raise MismatchError("dse_table2 with other than one row for each x and one column for each y")
-    graph = model.graph
-    _check_data(model, zs)
-    data = [graph.array(item.elements, item.shape) for item in (xs, ys, zs)]
-    choices = [_choice(model, item) for item in (smooth, extrapolation)]
-    zero = graph.constant(0.0)
-    return graph.call("table2", [zero, zero, only(x), only(y), *data, *choices])
+    _check_fixed(model, table, "data change")
+    data = [graph.array(item.elements, item.shape) for item in (*axes, table)]
+    for choice in (smooth, extrapolation):
+        _check_fixed(model, choice, "interpolation changes")
+    orders, point = [graph.constant(0.0)] * count, map(only, values[:count])
+    return graph.call(f"table{count}", [*orders, *point, *data, only(smooth), only(extrapolation)])
 
 
 def _axis(model: Model, axis: Array, size: Array) -> int:
     if len(axis.shape) != 1 or whole(size) != len(axis.elements) or len(axis.elements) < 2:
         raise MismatchError("a table's axis of fewer than two points, or with another size")
-    _check_data(model, axis)
+    _check_fixed(model, axis, "data change")
     numbers = [item.value for item in axis.elements if item.is_constant]
     if len(numbers) == len(axis.elements) and any(b <= a for a, b in itertools.pairwise(numbers)):
         raise MismatchError("a table's axis that does not increase")
     return len(axis.elements)
 
 
-def _check_data(model: Model, data: Array) -> None:
-    if not all(model.is_parameter(element) for element in data.elements):
-        raise MismatchError("a table whose data change while the model runs")
-
-
-def _choice(model: Model, value: Array) -> Expression:
-    found = only(value)
-    if not model.is_parameter(found):
-        raise MismatchError("a table whose interpolation changes while the model runs")
-    return found
+def _check_fixed(model: Model, data: Array, what: str) -> None:
+    if not all(map(model.is_parameter, data.elements)):
+        raise MismatchError(f"a table whose {what} while the model runs")
 
 
 def _random(model: Model, values: list[Array]) -> Expression:
@@ -103,7 +86,12 @@ def _random_start(model: Model, values: list[Array]) -> Expression:
     return model.graph.call("random_start", [which, model.graph.array(seeds, (2,))])
 
 
-_FUNCTIONS = {"dse_table1": _table1, "dse_table2": _table2, "dse_random": _random, "dse_random_start": _random_start}
+_FUNCTIONS: Mapping[str, Callable[[Model, list[Array]], Expression]] = {
+    "dse_table1": partial(_table, count=1),
+    "dse_table2": partial(_table, count=2),
+    "dse_random": _random,
+    "dse_random_start": _random_start,
+}
 
 
 def _hashed(text: str) -> int:
