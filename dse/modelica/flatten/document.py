@@ -188,7 +188,7 @@ def check_calls(document: Document) -> None:
 
 
 def records(tree: Any) -> Iterator[Record]:
-    """Every record in *tree* of the front-end's, in no order to rely on."""
+    """Every record in *tree* of the front-end's, each before those in it."""
     stack = [tree]
     while stack:
         item = stack.pop()
@@ -196,7 +196,7 @@ def records(tree: Any) -> Iterator[Record]:
             yield item
             item = list(item.values())
         if isinstance(item, list):
-            stack += item
+            stack += reversed(item)
 
 
 _MOST_POINTS = 1_000_000

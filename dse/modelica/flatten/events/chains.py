@@ -64,7 +64,8 @@ def read_chains(document: Document) -> Chains:
     ]
     algorithms = [
         tuple(Branch(span(_inner(block["cond"])), frozenset(_targets(block["stmts"]))) for block in when["blocks"])
-        for when in _whens(document.flat["algorithms"])
+        for when in (record.get("When") for record in records(document.flat["algorithms"]))
+        if isinstance(when, dict)
     ]
     return Chains((*equations, *algorithms), len(equations))
 
@@ -79,20 +80,6 @@ def _inner(expression: Any) -> Any:
     """The body of an expression of the flat model, which is wrapped in its kind."""
     bodies = list(expression.values()) if isinstance(expression, dict) else []
     return bodies[0] if len(bodies) == 1 and isinstance(bodies[0], dict) else None
-
-
-def _whens(algorithms: Any) -> Iterator[Any]:
-    """All when-statements, in order."""
-    stack = [algorithms]
-    while stack:
-        item = stack.pop()
-        if isinstance(item, list):
-            stack += reversed(item)
-        elif isinstance(item, dict):
-            if isinstance(item.get("When"), dict):
-                yield item["When"]
-            else:
-                stack += [value for value in reversed(item.values()) if isinstance(value, dict | list)]
 
 
 def _targets(equations: Any) -> Iterator[str]:
