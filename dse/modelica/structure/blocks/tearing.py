@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 
 from dse.modelica.algebra.derivative import derived, partial
 from dse.modelica.algebra.expression import Expression
@@ -41,9 +42,9 @@ def _solved(rows: Sequence[Row], unknowns: Sequence[Symbol], known: Known) -> Ex
     if len(rows) == 1:
         value = solved_for(rows[0].residual, unknowns[0], known)
         return _system(unknowns, [], rows) if value is None else Explicit(unknowns[0], value)
-    forms: dict[tuple[int, Symbol], Expression | None] = {}
+    form = cache(lambda row, symbol: solved_for(rows[row].residual, symbol, known))
     for depth in DEPTHS:
-        torn, inner, left = _Tearing(rows, unknowns, known, depth, forms).done()
+        torn, inner, left = _Tearing(rows, unknowns, known, depth, form).done()
         if not inner or is_stable(torn, inner, [row.residual for row in left], known):
             break
     return _system(torn, inner, left)
@@ -56,12 +57,12 @@ class _Tearing:
         unknowns: Sequence[Symbol],
         known: Known,
         depth: int,
-        forms: dict[tuple[int, Symbol], Expression | None],
+        form: Callable[[int, Symbol], Expression | None],
     ) -> None:
         self._rows = rows
         self._known = known
         self._deepest = depth
-        self._forms = forms
+        self._form = form
         self._left = dict.fromkeys(unknowns)
         wanted = frozenset(unknowns)
         self._all_of = [[symbol for symbol in symbols(row.residual) if symbol in wanted] for row in rows]
@@ -109,12 +110,6 @@ class _Tearing:
                 self._depths[symbol] = depth
                 return Explicit(symbol, value)
         return None
-
-    def _form(self, row: int, symbol: Symbol) -> Expression | None:
-        key = (row, symbol)
-        if key not in self._forms:
-            self._forms[key] = solved_for(self._rows[row].residual, symbol, self._known)
-        return self._forms[key]
 
 
 def _system(torn: Sequence[Symbol], inner: Sequence[Explicit], rows: Sequence[Row]) -> System:
