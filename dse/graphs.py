@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Iterable, Sequence
 
 
 def components(needs: Sequence[Sequence[int]]) -> list[list[int]]:
@@ -39,6 +39,18 @@ def components(needs: Sequence[Sequence[int]]) -> list[list[int]]:
                 if low[node] == index[node]:
                     found.append(_closed(node, path, is_open))
     return found
+
+
+def joined(parts: Sequence[Iterable[Hashable]]) -> list[list[int]]:
+    """Numbers of *parts* that share an element, directly or by way of others: each group sorted, by its first."""
+    first: dict[Hashable, int] = {}
+    needs: list[list[int]] = [[] for _ in parts]
+    for number, part in enumerate(parts):
+        for element in part:
+            other = first.setdefault(element, number)
+            needs[number].append(other)
+            needs[other].append(number)
+    return components(needs)
 
 
 def _closed(root: int, path: list[int], is_open: set[int]) -> list[int]:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from dse.graphs import joined
 from dse.modelica.frontend.literal import literal
 from dse.modelica.frontend.result import FrontEndResult
 
@@ -59,9 +60,8 @@ def alterations(result: FrontEndResult, own: frozenset[int]) -> tuple[list[Alter
             modified.append(Alteration(frozenset({name}), frozenset(), texts))
         else:
             without.add(name)
-    joined = _joined(patched)
-    apart = [alteration for alteration in joined if _is_own(result, alteration.names)]
-    without |= {name for alteration in joined for name in alteration.names if alteration not in apart}
+    apart = [alteration for alteration in _joined(patched) if _is_own(result, alteration.names)]
+    without |= patched.keys() - {name for alteration in apart for name in alteration.names}
     return [*apart, *modified], frozenset(without)
 
 
@@ -260,20 +260,9 @@ _OPERATIONS: Mapping[str, Callable[[float, float], float]] = {
 }
 
 
-def _joined(patched: Mapping[str, frozenset[Patch]]) -> list[Alteration]:
+def _joined(patched: Mapping[str, frozenset[Patch]]) -> Iterator[Alteration]:
     """Parameters whose patches overlap become one alteration."""
-    groups: list[tuple[set[str], set[Patch]]] = []
-    by_patch: dict[Patch, int] = {}
-    for name, patches in patched.items():
-        touched = sorted({by_patch[patch] for patch in patches if patch in by_patch})
-        target = touched[0] if touched else len(groups)
-        if not touched:
-            groups.append((set(), set()))
-        for other in touched[1:]:
-            groups[target][0].update(groups[other][0])
-            groups[target][1].update(groups[other][1])
-            groups[other] = (set(), set())
-        groups[target][0].add(name)
-        groups[target][1].update(patches)
-        by_patch.update(dict.fromkeys(groups[target][1], target))
-    return [Alteration(frozenset(names), frozenset(patches)) for names, patches in groups if names]
+    names = list(patched)
+    for group in joined(list(patched.values())):
+        own = frozenset(names[number] for number in group)
+        yield Alteration(own, frozenset(patch for name in own for patch in patched[name]))

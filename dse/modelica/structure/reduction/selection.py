@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from dse.errors import DseError, Problem, some_of
-from dse.graphs import components
+from dse.graphs import joined
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import actual, without_rates
@@ -169,14 +169,10 @@ class Elimination:
     def _select(self, times: int) -> None:
         """The parts of the equations that are left, with those differentiated *times* times."""
         rows = [row for row in self._open if self._times[row] == times]
-        users: dict[int, list[int]] = {}
-        for place, row in enumerate(rows):
-            for column in self._lines[row]:
-                users.setdefault(column, []).append(place)
-        needs = [sorted({place for column in self._lines[row] for place in users[column]}) for row in rows]
-        for part in components(needs):
+        for part in joined([self._lines[row] for row in rows]):
             self._add([rows[place] for place in part], times)
-        self._taken.update(column for column in users if self._may_be_dummy(column, times))
+        columns = {column for row in rows for column in self._lines[row]}
+        self._taken.update(column for column in columns if self._may_be_dummy(column, times))
 
     def _add(self, rows: Sequence[int], times: int) -> None:
         every = sorted({column for row in rows for column in self._lines[row]}, key=lambda one: (self._key(one), one))
