@@ -172,7 +172,7 @@ def changed_parameters(
     differing = {
         number
         for number, (a, b) in enumerate(zip(nodes, others, strict=True))
-        if a != b and _node(a, conditions[0]) != _node(b, conditions[1])
+        if a != b and _bare(a, conditions[0]) != _bare(b, conditions[1])
     }
     if not all(_is_literal(nodes[number]) and _is_literal(others[number]) for number in differing):
         return None
@@ -199,14 +199,6 @@ def _conditions(storage: Mapping[str, Any]) -> list[Any]:
         else:
             found.append([kind, _bare(relations[data]) if kind == "relation" else _bare(data)])
     return found
-
-
-def _node(node: Any, conditions: Sequence[Any]) -> Any:
-    """An expression without what says where it stands, and with conditions in place of their numbers."""
-    reference = node.get("coordinate") if isinstance(node, dict) else None
-    if isinstance(reference, dict) and isinstance(reference.get("condition"), int):
-        return conditions[reference["condition"]]
-    return _bare(node)
 
 
 def _owners(
@@ -274,9 +266,11 @@ def _bare(tree: Any, conditions: Sequence[Any] | None = None) -> Any:
     As deep as the front-end nests, which JSON could be read to.
     """
     if isinstance(tree, dict):
+        # Elsewhere, under the key `condition`, there are expressions.
+        numbered = ("condition",) if tree.keys() == {"condition"} else ("guard", "trigger")
         return {
             key: conditions[inside]
-            if conditions is not None and key in ("guard", "trigger") and isinstance(inside, int)
+            if conditions is not None and key in numbered and isinstance(inside, int)
             else _bare(inside, conditions)
             for key, inside in tree.items()
             if key not in _IGNORED
