@@ -129,10 +129,7 @@ def _jacobian(
     """Derivatives of *residuals* by *torn*, the *inner* assignments differentiated through where they are reached."""
     zero = residuals[0].graph.constant(0.0)
     expressions = [*(assigned.value for assigned in inner), *residuals]
-    users: dict[Symbol, list[int]] = {}
-    for place, expression in enumerate(expressions):
-        for symbol in symbols(expression):
-            users.setdefault(symbol, []).append(place)
+    leaves = [symbols(expression) for expression in expressions]
     matrix = [[zero] * len(torn) for _ in residuals]
     for column, unknown in enumerate(torn):
         rates: dict[Symbol, Expression] = {unknown: zero.graph.constant(1.0)}
@@ -140,26 +137,15 @@ def _jacobian(
         def rate_of(leaf: Symbol, rates: Mapping[Symbol, Expression] = rates) -> Expression:
             return rates.get(leaf, zero)
 
-        for place in _reached(unknown, inner, users):
-            rate = derived((expressions[place],), rate_of)[0]
+        for place, expression in enumerate(expressions):
+            if rates.keys().isdisjoint(leaves[place]):
+                continue
+            rate = derived((expression,), rate_of)[0]
             if place < len(inner):
                 rates[inner[place].unknown] = rate
             else:
                 matrix[place - len(inner)][column] = rate
     return tuple(map(tuple, matrix))
-
-
-def _reached(unknown: Symbol, inner: Sequence[Explicit], users: Mapping[Symbol, Sequence[int]]) -> list[int]:
-    """Places of all expressions that depend on *unknown*, in order."""
-    found: set[int] = set()
-    stack = [unknown]
-    while stack:
-        for place in users.get(stack.pop(), ()):
-            if place not in found:
-                found.add(place)
-                if place < len(inner):
-                    stack.append(inner[place].unknown)
-    return sorted(found)
 
 
 def solved_for(residual: Expression, symbol: Symbol, known: Known) -> Expression | None:
