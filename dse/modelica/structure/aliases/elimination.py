@@ -35,7 +35,7 @@ def without_aliases(flat: FlatModel) -> Eliminated:
     a given start, an output; then the first. An equation that says nothing new or something impossible stays, to be
     refused as singular.
     """
-    ranks = _Ranks(flat)
+    ranks = _ranks(flat)
     parents: dict[str, tuple[str, int]] = {}
     numbers: dict[str, float] = {}
     equations = [Equation(cancelled(one.residual), one.where) for one in flat.equations]
@@ -57,27 +57,24 @@ def without_aliases(flat: FlatModel) -> Eliminated:
             return Eliminated(found.aliases, found.numbers, tuple(equations))
 
 
-class _Ranks:
-    """How much each variable should be kept rather than another."""
+_Ranks = Mapping[str, tuple[int, ...]]
+"""How much each variable should be kept rather than another; the least first."""
 
-    def __init__(self, flat: FlatModel) -> None:
-        self._variables = flat.variables
-        self._differentiated = {
-            symbol.name for symbol in symbols(*(one.residual for one in flat.equations)) if symbol.order > 0
-        }
-        self._places = {name: place for place, name in enumerate(flat.variables)}
 
-    def of(self, name: str) -> tuple[int, ...]:
-        variable = self._variables[name]
-        return (
+def _ranks(flat: FlatModel) -> _Ranks:
+    differentiated = {symbol.name for symbol in symbols(*(one.residual for one in flat.equations)) if symbol.order > 0}
+    return {
+        name: (
             -(variable.role is Role.INPUT),
-            -(name in self._differentiated),
+            -(name in differentiated),
             -variable.prefers_state,
             -variable.is_fixed,
             -(variable.start is not None),
             -variable.is_output,
-            self._places[name],
+            place,
         )
+        for place, (name, variable) in enumerate(flat.variables.items())
+    }
 
 
 _Term = tuple[str, int]
@@ -119,7 +116,7 @@ def _joined(
     root, sign = _root(first[0], parents)
     sign *= first[1]
     if not isinstance(second, tuple):
-        if root in numbers or ranks.of(root)[0]:
+        if root in numbers or ranks[root][0]:
             return False
         numbers[root] = -second / sign
         return True
@@ -130,9 +127,9 @@ def _joined(
         return False
     if root in numbers or other in numbers:
         return False
-    if ranks.of(other) < ranks.of(root):
+    if ranks[other] < ranks[root]:
         root, other = other, root
-    if ranks.of(other)[0]:
+    if ranks[other][0]:
         return False
     parents[other] = (root, -sign * other_sign)
     return True
