@@ -130,16 +130,10 @@ def multiplied(graph: Graph, left: Array, right: Array) -> Array:
         return broadcast(left, right, lambda a, b: a * b)
     if len(left.shape) > 2 or len(right.shape) > 2 or left.shape[-1] != right.shape[0]:
         raise MismatchError(f"a product of sizes {list(left.shape)} and {list(right.shape)}")
-    inner = right.shape[0]
-    rows = left.shape[:-1]
-    columns = right.shape[1:]
-    width = math.prod(columns)
-    elements = []
-    for row in range(math.prod(rows)):
-        for column in range(width):
-            terms = [left.elements[row * inner + k] * right.elements[k * width + column] for k in range(inner)]
-            elements.append(total(graph, terms))
-    return Array(tuple(elements), (*rows, *columns))
+    inner, outer = right.shape[0], (*left.shape[:-1], *right.shape[1:])
+    rows = left.cells.reshape(math.prod(left.shape[:-1]), inner)
+    columns = right.cells.reshape(inner, math.prod(right.shape[1:])).T
+    return Array(tuple(total(graph, list(row * column)) for row in rows for column in columns), outer)
 
 
 def concatenated(dimension: int, values: Sequence[Array]) -> Array:
