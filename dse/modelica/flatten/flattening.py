@@ -138,17 +138,15 @@ def _equations(evaluation: Evaluation, record: Record, frame: Frame) -> Iterator
     view, detail = single(data["scalar_view"], "a family of equations", where)
     domain = data["domain"]
     sizes = shape(document, domain)
+    if view == "BinderPrefixProjection":
+        fields(detail, "binder_count", "a family of equations", where)
+        bound = detail["binder_count"]
+    elif view in ("RowMajorProjection", "BinderSubstitution"):
+        bound = len(sizes) if view == "BinderSubstitution" else 0
+    else:
+        raise fail(f"a family of equations of kind '{view}' is not supported", where)
     for body in data["bodies"]:
         place = document.at(body) or where
-        if view == "RowMajorProjection":
-            bound = 0
-        elif view == "BinderSubstitution":
-            bound = len(sizes)
-        elif view == "BinderPrefixProjection":
-            fields(detail, "binder_count", "a family of equations", where)
-            bound = detail["binder_count"]
-        else:
-            raise fail(f"a family of equations of kind '{view}' is not supported", where)
         seen: set[tuple[int, ...]] = set()
         for point in points(document, domain):
             if point[:bound] in seen:

@@ -26,7 +26,7 @@ class Matching:
         chosen: list[int] = []
         seen_rows = {row}
         while rows:
-            free = self._free(columns_of[rows[-1]])
+            free = next((column for column in columns_of[rows[-1]] if column not in self.row_of), None)
             if free is not None:
                 chosen.append(free)
                 for one, column in zip(rows, chosen, strict=True):
@@ -46,9 +46,6 @@ class Matching:
             seen_rows.add(rows[-1])
             branches.append(iter(columns_of[rows[-1]]))
         return frozenset(seen_rows)
-
-    def _free(self, columns: Sequence[int]) -> int | None:
-        return next((column for column in columns if column not in self.row_of), None)
 
 
 def alternating(matching: Matching, column: int, rows_of: Sequence[Sequence[int]]) -> list[int]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 
 from dse.errors import DseError, Problem, raise_if_any
@@ -46,7 +46,8 @@ def _sorted(flat: FlatModel) -> Solved:
     parameters = dependent_parameters(flat)
     eliminated = without_aliases(flat)
     flat, notes = _reduced_model(flat, eliminated)
-    names = _unknown_names(flat, eliminated)
+    gone = {*eliminated.aliases, *eliminated.numbers}
+    names = [name for name, one in flat.variables.items() if one.role is Role.CONTINUOUS and name not in gone]
     _refuse_lone_derivatives(flat)
 
     made = with_states(flat, names, parameters)
@@ -84,7 +85,7 @@ def _sorted(flat: FlatModel) -> Solved:
         event=tuple(ordered([*stages, *steps])),
         initial=tuple(ordered([*first_stages, *before, *discrete_steps(flat, first.discretes, at_start=True)])),
         aliases=aliases,
-        guesses=tuple(_guesses(flat, eliminated)),
+        guesses=tuple(_guesses(flat, gone)),
         dependencies=dependencies(flat, reach, states, aliases),
         notes=(*notes, *_jumps(flat, chains), *first.notes),
         selections=made.selections,
@@ -100,14 +101,6 @@ def _reduced_model(flat: FlatModel, eliminated: Eliminated) -> tuple[FlatModel, 
         name, sign = eliminated.aliases.get(one.state, (one.state, 1))
         reinitializations.append(replace(one, state=name, value=one.value if sign > 0 else -one.value))
     return merged(replace(kept, reinitializations=tuple(reinitializations)), eliminated)
-
-
-def _unknown_names(flat: FlatModel, eliminated: Eliminated) -> list[str]:
-    return [
-        name
-        for name, variable in flat.variables.items()
-        if variable.role is Role.CONTINUOUS and name not in eliminated.aliases and name not in eliminated.numbers
-    ]
 
 
 def _refuse_lone_derivatives(flat: FlatModel) -> None:
@@ -155,15 +148,12 @@ def _jumps(flat: FlatModel, chains: Sequence[Sequence[Row]]) -> list[str]:
     return notes
 
 
-def _guesses(flat: FlatModel, eliminated: Eliminated) -> list[Explicit]:
-    found = []
-    gone: Mapping[str, object] = {**eliminated.aliases, **eliminated.numbers}
+def _guesses(flat: FlatModel, gone: Set[str]) -> Iterator[Explicit]:
     for name, variable in flat.variables.items():
         is_unknown = variable.role in (Role.CONTINUOUS, Role.DISCRETE) and name not in gone
         if is_unknown or is_free(variable):
             value = flat.graph.constant(default(variable)) if variable.start is None else variable.start
-            found.append(Explicit(Symbol(name), value))
-    return found
+            yield Explicit(Symbol(name), value)
 
 
 def partitioned(stages: Sequence[Stage[Block]], wanted: Iterable[Symbol]) -> tuple[list[Block], list[Block]]:

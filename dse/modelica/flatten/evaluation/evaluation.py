@@ -5,9 +5,9 @@ Evaluation keeps its own stack, so that neither a sum of ten thousand terms nor 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import cast
+from typing import TypeVar, cast
 
 from dse.errors import Location, fail
 from dse.modelica.algebra.expression import Expression, Graph
@@ -19,6 +19,7 @@ from dse.modelica.flatten.values import Array, MismatchError, Value, array, only
 
 _MOST_STEPS = 3_000_000
 """Steps of one evaluation, so that a loop of a billion turns is refused and does not run for ever."""
+T = TypeVar("T")
 _RULES = {**operations.RULES, **aggregates.RULES}
 
 
@@ -63,15 +64,15 @@ class Evaluation:
 
     def expression(self, node: int, frame: Frame) -> Expression:
         """The scalar value of *node*."""
-        try:
-            return only(self.value(node, frame))
-        except MismatchError as problem:
-            raise self.document.refused(str(problem), node) from None
+        return self._as(only, node, frame)
 
     def elements(self, node: int, frame: Frame) -> Array:
         """The value of *node*, a number or an array of numbers."""
+        return self._as(array, node, frame)
+
+    def _as(self, form: Callable[[Value], T], node: int, frame: Frame) -> T:
         try:
-            return array(self.value(node, frame))
+            return form(self.value(node, frame))
         except MismatchError as problem:
             raise self.document.refused(str(problem), node) from None
 
