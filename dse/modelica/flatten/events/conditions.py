@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Any
 
 from dse.errors import Location, fail
 from dse.modelica.algebra.expression import Expression
@@ -64,16 +65,15 @@ class Conditions:
         document = self.evaluation.document
         return document.where(document.lists["conditions"][condition].get("provenance"))
 
-    def _kind(self, number: int) -> tuple[str, int]:
-        kind, data = single(self.evaluation.document.lists["conditions"][number]["node"], "a condition")
-        return kind, data
+    def _kind(self, number: int) -> tuple[str, Any]:
+        return single(self.evaluation.document.lists["conditions"][number]["node"], "a condition", self.where(number))
 
     def _alternatives(self, condition: int) -> Iterator[int]:
         """The conditions any of which makes a when-clause active, in order."""
         stack = [condition]
         while stack:
             number = stack.pop()
-            kind, data = single(self.evaluation.document.lists["conditions"][number]["node"], "a condition")
+            kind, data = self._kind(number)
             if kind == "any_rise":
                 fields(data, "lhs rhs", "a condition", self.where(number))
                 stack += [data["rhs"], data["lhs"]]
@@ -83,7 +83,6 @@ class Conditions:
     def _truth(self, condition: int, makes_events: bool, known: int | None = None) -> Expression:
         """The expression of *condition*; deep trees are walked with a stack."""
         graph = self.evaluation.graph
-        document = self.evaluation.document
         done: dict[int, Expression] = {}
         stack = [condition]
         while stack:
@@ -91,7 +90,7 @@ class Conditions:
             if number in done:
                 stack.pop()
                 continue
-            kind, data = single(document.lists["conditions"][number]["node"], "a condition", self.where(number))
+            kind, data = self._kind(number)
             if number == known or kind == "always":
                 done[number] = graph.constant(1.0)
             elif kind in ("and", "or"):
