@@ -15,7 +15,7 @@ from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.flatten.document import Document, Record, check_counters, fields, points, shape, single
 from dse.modelica.flatten.evaluation import externals
 from dse.modelica.flatten.evaluation.context import Frame, Request, Visit, requested
-from dse.modelica.flatten.values import Array, MismatchError, Structure, Text, Value, array, only
+from dse.modelica.flatten.values import Array, MismatchError, Structure, Text, Value, array, mapped, only
 
 _DEEPEST = 200
 """Calls inside one another."""
@@ -116,12 +116,12 @@ def _refuse_contradiction(
         symbols = (Symbol(f"{word}{place}.{k}", referent=Referent.PRE) for k in range(len(arrays[place].elements)))
         return Array(tuple(map(graph.symbol, symbols)), arrays[place].shape)
 
-    def still(place: int) -> Array:
-        return Array((graph.constant(0.0),) * len(arrays[place].elements), arrays[place].shape)
-
     inputs = [fresh("%", place) if moves else arrays[place] for place, moves in enumerate(is_moving)]
+    zero = graph.constant(0.0)
     rates = {
-        place: fresh("%der", place) if is_moving[place] else still(place) for place, has in enumerate(has_rate) if has
+        place: fresh("%der", place) if is_moving[place] else mapped(arrays[place], lambda _: zero)
+        for place, has in enumerate(has_rate)
+        if has
     }
     rate_of = {
         item.symbol: rate
@@ -135,7 +135,7 @@ def _refuse_contradiction(
     other_own = yield from _carried_out(document, Frame(False, [], stated["target"], depth, given), other)
     reals = [document.value_type(output)["scalar"] == "real" for output in function["outputs"]]
     roots = [item for value, real in zip(own, reals, strict=True) if real for item in array(value).elements]
-    wanted = derived(roots, lambda leaf: rate_of.get(leaf, graph.constant(0.0)))
+    wanted = derived(roots, lambda leaf: rate_of.get(leaf, zero))
     found = [item for value in other_own for item in array(value).elements]
     if len(found) != len(wanted) or not all(_agree(wanted, found, trial) for trial in range(_TRIALS)):
         if "NoDerivative" not in stated["inputs"] or len(function["derivatives"]) > 1:
@@ -338,15 +338,12 @@ def _count(statements: Sequence[Mapping[str, Any]]) -> int:
 def _assignments(document: Document, statements: Sequence[Record]) -> int:
     """How many assignments and asserts are carried out, loops within loops counted turn by turn."""
     total = 0
-    stack = [(statements, 1)]
-    while stack:
-        each, turns = stack.pop()
-        for statement in each:
-            kind, data = single(statement, "a statement")
-            if kind == "for":
-                stack.append((data["statements"], turns * math.prod(shape(document, data["domain"]))))
-            else:
-                total += turns * (len(data["assignments"]) if kind == "assignment_group" else 1)
+    for statement in statements:
+        kind, data = single(statement, "a statement")
+        if kind == "for":
+            total += math.prod(shape(document, data["domain"])) * _assignments(document, data["statements"])
+        else:
+            total += len(data["assignments"]) if kind == "assignment_group" else 1
     return total
 
 
