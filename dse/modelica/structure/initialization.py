@@ -176,9 +176,8 @@ def without_values_before(flat: FlatModel) -> FlatModel:
             return None
         return flat.graph.variable(symbol.name) if flat.variables[symbol.name].role is Role.DISCRETE else None
 
-    residuals = replaced([one.residual for one in flat.initial_equations], now)
-    found = zip(flat.initial_equations, residuals, strict=True)
-    return replace(flat, initial_equations=tuple(replace(one, residual=residual) for one, residual in found))
+    found = (replace(one, residual=replaced((one.residual,), now)[0]) for one in flat.initial_equations)
+    return replace(flat, initial_equations=tuple(found))
 
 
 def values_before(flat: FlatModel, found: Start) -> Iterator[Stage[EventBlock]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.algebra.symbol import Referent
+from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.algebra.traversal import replaced, symbols
 from dse.modelica.flat_model import Equation, FlatModel, Role, ScalarType, Variable
 from dse.modelica.structure.aliases.elimination import rewriter
@@ -38,29 +38,22 @@ def with_preferred_rates(flat: FlatModel) -> FlatModel:
     variables, equations = dict(flat.variables), list(flat.equations)
     for one in flat.equations:
         rate = _preferred_rate(flat, one.residual)
-        if rate is not None and rate.symbol is not None and rate.symbol.name not in differentiated:
+        if rate is not None and rate.name not in differentiated:
             name = f"$rate{len(equations) - len(flat.equations) + 1}"
             variables[name] = Variable(name, ScalarType.REAL, Role.CONTINUOUS, is_protected=True, where=one.where)
-            derivative = flat.graph.symbol(rate.symbol.derivative)
+            derivative = flat.graph.symbol(rate.derivative)
             equations.append(Equation(flat.graph.variable(name) - derivative, one.where))
-    return (
-        flat
-        if len(equations) == len(flat.equations)
-        else replace(flat, variables=variables, equations=tuple(equations))
-    )
+    extended = replace(flat, variables=variables, equations=tuple(equations))
+    return extended if len(equations) > len(flat.equations) else flat
 
 
-def _preferred_rate(flat: FlatModel, residual: Expression) -> Expression | None:
+def _preferred_rate(flat: FlatModel, residual: Expression) -> Symbol | None:
     """The variable ``v`` of the equation ``v = der(x)``, if both are to be states."""
     if residual.operator != "subtract":
         return None
-    found = [one.symbol for one in residual.operands]
-    if any(one is None or not one.is_variable or not flat.variables[one.name].prefers_state > 0 for one in found):
-        return None
-    rates = [
-        one for one, symbol in zip(residual.operands, found, strict=True) if symbol is not None and not symbol.order
-    ]
-    return rates[0] if len(rates) == 1 and {one.order for one in found if one is not None} == {0, 1} else None
+    found = {one.order: one for one in (each.symbol for each in residual.operands) if one and one.is_variable}
+    are_wanted = all(flat.variables[one.name].prefers_state > 0 for one in found.values())
+    return found[0] if are_wanted and found.keys() == {0, 1} else None
 
 
 def with_initial(residual: Expression, value: float) -> Expression:

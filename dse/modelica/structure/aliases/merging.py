@@ -28,8 +28,7 @@ def merged(flat: FlatModel, eliminated: Eliminated) -> tuple[FlatModel, list[str
             problems.append(Problem(what, variable.where))
         variables[name] = replace(variable, start=flat.graph.constant(value), is_fixed=False)
     for name, (kept, sign) in eliminated.aliases.items():
-        joined = _joined(variables[kept], variables[name], sign, problems, notes)
-        variables[kept] = joined
+        variables[kept] = _joined(variables[kept], variables[name], sign, problems, notes)
     for name, (kept, sign) in eliminated.aliases.items():
         start = variables[kept].start
         variables[name] = replace(variables[name], start=_signed(start, sign), is_fixed=False)
