@@ -109,15 +109,11 @@ class Clauses:
         is_rest = last.guard.is_number(1) and (last.value is kept or values == {last.value.number})
         if place is not None and self.chains.is_equation(place) and is_rest and _exclude(branches):
             return [*branches, last]
-        lines = {(item.where.file, item.where.line, item.where.column) for item in items if item.where is not None}
-        if place is None or self.chains.is_equation(place) or len(lines) != len(items):
+        by_place = {item.where: item for item in items if item.where is not None}
+        if place is None or self.chains.is_equation(place) or len(by_place) != len(items):
             what = f"'{items[0].target}' assigned several times under one condition is not supported"
             raise fail(what, items[0].where)
-        return sorted(items, key=_text_order, reverse=True)
-
-
-def _text_order(item: Item) -> tuple[int, int]:
-    return (item.where.line, item.where.column) if item.where is not None else (0, 0)
+        return [by_place[where] for where in sorted(by_place, key=lambda one: (one.line, one.column), reverse=True)]
 
 
 def _exclude(items: Sequence[Item]) -> bool:
