@@ -103,9 +103,9 @@ def read(result: FrontEndResult) -> Document:
     document = Document(result, nodes, expressions["provenance"], lists, result.flat)
     for name, what in _EMPTY.items():
         if storage.get(name):
-            first = storage[name][0]
-            place = document.where(first.get("provenance")) if isinstance(first, dict) else None
-            raise fail(f"{what} is not supported", place or _first_delay(document, name, first))
+            first = storage[name][0] if isinstance(storage[name][0], dict) else {}
+            delayed = first.get("source", -1) if name == "delays" else -1
+            raise fail(f"{what} is not supported", document.where(first.get("provenance")) or document.at(delayed))
     _check_references(document)
     return document
 
@@ -127,10 +127,6 @@ def single(record: Any, what: str, where: Location | None = None) -> tuple[str, 
     if len(kinds) != 1:
         raise fail(f"{what} in an unknown form is not supported", where)
     return kinds[0], record[kinds[0]]
-
-
-def _first_delay(document: Document, name: str, first: Any) -> Location | None:
-    return document.at(first["source"]) if name == "delays" and isinstance(first, dict) and "source" in first else None
 
 
 def _numbered(expressions: Record) -> Mapping[int, Node]:
