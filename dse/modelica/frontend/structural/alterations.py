@@ -6,7 +6,7 @@ import math
 import operator
 import re
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -248,16 +248,11 @@ def number(tree: Any) -> float | None:
         operation = _OPERATIONS.get(str(inside["op"]))
         if left is None or right is None or operation is None or (inside["op"] == "Div" and right == 0):
             return None
-        return operation(left, right)
+        return float(operation(left, right))
     return None
 
 
-_OPERATIONS: Mapping[str, Callable[[float, float], float]] = {
-    "Add": operator.add,
-    "Sub": operator.sub,
-    "Mul": operator.mul,
-    "Div": operator.truediv,
-}
+_OPERATIONS = {"Add": operator.add, "Sub": operator.sub, "Mul": operator.mul, "Div": operator.truediv}
 
 
 def _joined(patched: Mapping[str, frozenset[Patch]]) -> Iterator[Alteration]:
