@@ -218,15 +218,10 @@ def dependencies(
     flat: FlatModel, reach: Reach, states: Sequence[Symbol], aliases: Mapping[str, tuple[Symbol, int]]
 ) -> dict[str, frozenset[str]]:
     """For each output (its name) and state's derivative (its symbol's text): names of inputs, texts of states."""
-    found = {}
-    for name, variable in flat.variables.items():
-        if variable.is_output:
-            symbol = aliases[name][0] if name in aliases else Symbol(name)
-            found[name] = frozenset(map(str, reach.of(symbol)))
-    for state in states:
-        derivative = state.derivative
-        found[str(derivative)] = frozenset(map(str, reach.of(derivative)))
-    return found
+    outputs = [name for name, variable in flat.variables.items() if variable.is_output]
+    wanted = {name: aliases[name][0] if name in aliases else Symbol(name) for name in outputs}
+    wanted |= {str(state.derivative): state.derivative for state in states}
+    return {name: frozenset(map(str, reach.of(symbol))) for name, symbol in wanted.items()}
 
 
 def refuse_uncertain(flat: FlatModel, states: Sequence[Symbol], reach: Reach) -> None:

@@ -38,10 +38,7 @@ def merged(flat: FlatModel, eliminated: Eliminated) -> tuple[FlatModel, list[str
 
 def _joined(kept: Variable, other: Variable, sign: int, problems: list[Problem], notes: list[str]) -> Variable:
     start = _signed(other.start, sign)
-    if sign > 0:
-        minimum, maximum = other.minimum, other.maximum
-    else:
-        minimum, maximum = _signed(other.maximum, -1), _signed(other.minimum, -1)
+    minimum, maximum = (_signed(bound, sign) for bound in (other.minimum, other.maximum)[::sign])
     joined = replace(
         kept,
         prefers_state=kept.prefers_state or other.prefers_state,

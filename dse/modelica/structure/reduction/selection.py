@@ -69,9 +69,9 @@ def with_states(flat: FlatModel, names: Sequence[str], parameters: list[Explicit
         while elimination.lacking:
             elimination = Elimination(choice, found, known, elimination.wanted | elimination.lacking)
         dummies, selections = frozenset(elimination.dummies), elimination.selections
-        names = [*names, *(name for name in elimination.flat.variables if name not in flat.variables)]
+        added = [one for name, one in elimination.flat.variables.items() if name not in flat.variables]
+        names = [*names, *(one.name for one in added if one.role is Role.CONTINUOUS)]
         flat = elimination.flat
-        names = [name for name in names if flat.variables[name].role is Role.CONTINUOUS]
         found = _reduced(flat, names)
     elif wrong:
         names = sorted(one.name for one in wrong)
