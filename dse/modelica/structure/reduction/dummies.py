@@ -84,15 +84,8 @@ def _local(found: Reduced) -> frozenset[str]:
     Others may become dummies too, if they are to be no states rather than these: the choice need not be made block by
     block, as long as the differentiated equations have independent columns for it.
     """
-    row_of = {name: row for row, name in found.column_of.items()}
-    needs = []
-    for chain in found.chains:
-        highest = [
-            symbol
-            for symbol in symbols(chain[-1].residual)
-            if symbol.is_variable and found.highest.get(symbol.name) == symbol.order
-        ]
-        needs.append(sorted({row_of[symbol.name] for symbol in highest}))
+    row_of = {Symbol(name, found.highest[name]): row for row, name in found.column_of.items()}
+    needs = [[row_of[one] for one in symbols(chain[-1].residual) if one in row_of] for chain in found.chains]
     parts = [part for part in components(needs) if any(len(found.chains[row]) > 1 for row in part)]
     return frozenset(found.column_of[row] for part in parts for row in part)
 
