@@ -1,4 +1,4 @@
-"""Strong components of a graph, for every room that puts something in order."""
+"""Strong components of a graph, for every room that puts something in order, and groups of what shares something."""
 
 from __future__ import annotations
 

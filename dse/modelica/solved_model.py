@@ -174,9 +174,7 @@ def all_expressions(solved: Solved) -> Iterator[Expression]:
         for block in blocks:
             yield from expressions(block, flat)
     yield from (condition for trigger in flat.triggers for condition in trigger.conditions)
-    yield from (relation.truth for relation in flat.relations)
-    yield from (reinitialization.value for reinitialization in flat.reinitializations)
-    yield from (check.condition for check in flat.checks)
+    yield from (root for root, _ in flat.at_events())
 
 
 def mapped(block: B, new: Callable[[Expression], Expression]) -> B:

@@ -106,9 +106,7 @@ def _reduced_model(flat: FlatModel, eliminated: Eliminated) -> tuple[FlatModel, 
 def _refuse_lone_derivatives(flat: FlatModel) -> None:
     """Derivatives that occur in events only are not among the unknowns: say so."""
     known = symbols(*(one.residual for one in flat.equations))
-    orders: dict[str, int] = {}
-    for symbol in known:
-        orders[symbol.name] = max(orders.get(symbol.name, 0), symbol.order)
+    orders = {symbol.name: symbol.order for symbol in sorted(known, key=lambda one: one.order)}
     others = [*flat.at_events(), *((one.residual, one.where) for one in flat.initial_equations)]
     problems = [
         Problem(f"{symbol} is used here, but in no equation", where, f"add a variable that equals {symbol}")

@@ -4,7 +4,7 @@ import pytest
 from modelica.structure.interpreter import Building, Machine, symbol
 
 from dse.errors import DseError
-from dse.graphs import components
+from dse.graphs import components, joined
 from dse.modelica.flat_model import Relation
 from dse.modelica.structure.graphs import Matching
 from dse.modelica.structure.solve import solve
@@ -131,6 +131,10 @@ def test_a_matching_moves_what_stands_in_the_way() -> None:
 
 def test_components_come_after_what_they_need() -> None:
     assert components([[1], [2], [1], [0, 2], []]) == [[1, 2], [0], [3], [4]]
+
+
+def test_what_shares_an_element_is_joined_by_way_of_others() -> None:
+    assert joined(["ab", "c", "bd", "", "ec", "d"]) == [[0, 2, 5], [1, 4], [3]]
 
 
 def test_a_chain_longer_than_any_recursion_is_sorted() -> None:

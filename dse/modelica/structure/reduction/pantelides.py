@@ -46,10 +46,9 @@ class _Reduction:
         self._variables = variables
         self._names = list(names)
         self._chains = [[row] for row in rows]
-        occurs = [symbols(row.residual) for row in rows]
         self._highest = dict.fromkeys(names, 0)
-        for symbol in (symbol for one in occurs for symbol in one if symbol.name in self._highest):
-            if symbol.is_variable:
+        for symbol in symbols(*(row.residual for row in rows)):
+            if symbol.is_variable and symbol.name in self._highest:
                 self._highest[symbol.name] = max(self._highest[symbol.name], symbol.order)
         self._number = {name: number for number, name in enumerate(names)}
         self._columns = [self._columns_of(row) for row in rows]
