@@ -46,7 +46,7 @@ def _table(model: Model, values: list[Array], count: int) -> Expression:
     *_, table, smooth, extrapolation = values
     axes, sizes = values[count : 3 * count : 2], values[count + 1 : 3 * count : 2]
     if table.shape != tuple(_axis(model, axis, size) for axis, size in zip(axes, sizes, strict=True)):
-        raise MismatchError(f"dse_table{count} with other than one value for each point of its axes")
+        raise MismatchError(f"dse_table{count} with other than one value a point")
     graph = model.graph
     _check_fixed(model, table, "data change")
     data = [graph.array(item.elements, item.shape) for item in (*axes, table)]
