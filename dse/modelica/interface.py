@@ -108,29 +108,23 @@ def _parameter(component: Component, model: FlatModel, parameter: Parameter) -> 
 def _limits(model: FlatModel, parameter: Parameter, variable: Variable, where: Location | None) -> Iterator[Problem]:
     """Limits wider than those the model was made for."""
     shown = f"'{variable.name}' of {model.name}"
-    low, high = variable.minimum, variable.maximum
-    beyond = []
-    if low is not None and low.is_constant and parameter.minimum is not None and parameter.minimum < low.value:
-        beyond.append(("down", parameter.minimum, low.value))
-    if high is not None and high.is_constant and parameter.maximum is not None and parameter.maximum > high.value:
-        beyond.append(("up", parameter.maximum, high.value))
-    for way, own, limit in beyond:
-        what = f"parameter '{parameter.name}' goes {way} to {own:g}, {shown} to {limit:g}"
-        yield Problem(what, where, f"narrow it; {_seen(variable.where)}")
+    lowest, highest = ("down", -1, parameter.minimum, variable.minimum), ("up", 1, parameter.maximum, variable.maximum)
+    for way, sign, own, limit in (lowest, highest):
+        if own is not None and limit is not None and limit.is_constant and sign * own > sign * limit.value:
+            what = f"parameter '{parameter.name}' goes {way} to {own:g}, {shown} to {limit.value:g}"
+            yield Problem(what, where, f"narrow it; {_seen(variable.where)}")
 
 
 def _why_not(variable: Variable) -> str:
     """Why the variable cannot be set from outside; nothing if it can."""
-    if variable.role is not Role.PARAMETER:
-        return "is not a parameter"
-    if variable.is_final:
-        return "is final"
-    if variable.is_protected:
-        return "is protected"
-    if not variable.is_fixed:
-        return "is solved for at the start"
-    is_free = variable.binding is None or variable.binding.is_constant
-    return "" if is_free else "is computed from other parameters"
+    reasons = {
+        "is not a parameter": variable.role is not Role.PARAMETER,
+        "is final": variable.is_final,
+        "is protected": variable.is_protected,
+        "is solved for at the start": not variable.is_fixed,
+        "is computed from other parameters": variable.binding is not None and not variable.binding.is_constant,
+    }
+    return next((reason for reason, holds in reasons.items() if holds), "")
 
 
 def _type(
@@ -165,11 +159,8 @@ def _unit(model: FlatModel, word: str, type_: Type, variable: Variable, where: L
 
 
 def _hint(own: str, name: str, fitting: list[str]) -> str:
-    near = closest(name, fitting)
     plain = re.sub(r"\W", "_", own)
-    if name == own and plain in fitting:
-        return f"map: {{{own}: {plain}}}"
-    return near
+    return f"map: {{{own}: {plain}}}" if name == own and plain in fitting else closest(name, fitting)
 
 
 def _at(what: str, where: Location | None, hint: str) -> Problem:

@@ -10,6 +10,7 @@ import zipfile
 from collections.abc import Collection, Iterator
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from dse.domain.component import Component, Kind, ModelicaSource
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
@@ -34,12 +35,7 @@ def omc_version(omc: str) -> str:
 
 @lru_cache(maxsize=8)
 def _ask(omc: str, changed: int) -> str:  # noqa: ARG001  # an updated compiler is asked anew
-    try:
-        answer = subprocess.run(
-            [omc, "--version"], capture_output=True, text=True, encoding="utf-8", timeout=60, check=False
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise fail(f"omc cannot be run: {error}") from error
+    answer = _called(omc, "--version", seconds=60.0)
     if answer.returncode != 0 or not answer.stdout.strip():
         raise fail("omc does not print its version", hint="is it OpenModelica's compiler?")
     return answer.stdout.strip()
@@ -104,22 +100,22 @@ def _text(text: str) -> str:
 
 def _run(component: Component, omc: str, folder: Path) -> str:
     try:
-        answer = subprocess.run(
-            [omc, "build.mos"],
-            cwd=folder,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            encoding="utf-8",
-            errors="replace",
-            timeout=_SECONDS,
-            check=False,
+        answer = _called(omc, "build.mos", seconds=_SECONDS, within=folder)
+    except DseError as error:
+        raise fail(f"component '{component.name}': {error.problems[0].what}", component.where) from error
+    return answer.stdout + answer.stderr
+
+
+def _called(omc: str, argument: str, *, seconds: float, within: Path | None = None) -> subprocess.CompletedProcess[str]:
+    how: dict[str, Any] = {"capture_output": True, "encoding": "utf-8", "errors": "replace"}
+    try:
+        return subprocess.run(
+            [omc, argument], check=False, cwd=within, stdin=subprocess.DEVNULL, timeout=seconds, **how
         )
     except subprocess.TimeoutExpired as error:
-        raise fail(f"component '{component.name}': omc took longer than {_SECONDS:g} s", component.where) from error
+        raise fail(f"omc took longer than {seconds:g} s") from error
     except OSError as error:
-        raise fail(f"component '{component.name}': omc cannot be run: {error}", component.where) from error
-    return answer.stdout + answer.stderr
+        raise fail(f"omc cannot be run: {error}") from error
 
 
 _LOCATED = re.compile(
@@ -160,11 +156,8 @@ def _require_variables(component: Component, product: Path, folder: Path) -> Non
 
 def _missing(component: Component, known: Collection[str]) -> Iterator[Problem]:
     ports = [(f"{port.causality} '{port.name}'", port.name, component.where) for port in component.interface.ports]
-    parameters = [
-        (f"parameter '{one.name}'", one.name, one.where or component.where)
-        for one in component.parameters
-        if one.tunable
-    ]
+    tunable = [one for one in component.parameters if one.tunable]
+    parameters = [(f"parameter '{one.name}'", one.name, one.where or component.where) for one in tunable]
     for word, name, where in (*ports, *parameters):
         if component.variable(name) not in known:
             what = f"component '{component.name}': the model has no variable '{component.variable(name)}' for {word}"

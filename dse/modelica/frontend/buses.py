@@ -38,10 +38,6 @@ def with_members(files: Mapping[str, bytes]) -> dict[str, bytes]:
     return {**files, **{text.path: edited(text.text, changes[text.path]).encode() for text in texts}}
 
 
-def _classes(read: Forest) -> Iterator[Element]:
-    return (own for own in read.elements if own.kind in KINDS and own.elements and not own.is_argument)
-
-
 def _connections(own: Element) -> Iterator[tuple[list[str], list[str]]]:
     """The two paths of each connection that a class makes itself, without indices."""
     tree, at = own.tree, own.named
@@ -62,7 +58,8 @@ def _path(tree: Tree, words: list[str]) -> list[str]:
 
 def _add_members(read: Forest, scope: Scope) -> None:
     """Give classes of expandable connectors the members that connections give them, until there are no more."""
-    pending = [(own, *sides) for own in _classes(read) for sides in _connections(own)]
+    classes = [own for own in read.elements if own.kind in KINDS and own.elements and not own.is_argument]
+    pending = [(own, *sides) for own in classes for sides in _connections(own)]
     is_new = True
     while is_new:
         is_new = False

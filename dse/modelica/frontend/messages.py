@@ -23,7 +23,9 @@ def found_problems(sources: ModelSources, entries: Iterable[Any]) -> list[Proble
         lines = [text.strip() for text in str(message).splitlines() if text.strip()]
         what = next((text.lstrip("×x ").strip() for text in lines if text.startswith("×")), lines[0] if lines else "")
         helped = re.search(r"help: (.*(?:\n {6,}.*)*)", str(message))
-        hint = _signs(" ".join(helped[1].split())) if helped else str(suggestion or "")
+        hint = " ".join(helped[1].split()) if helped else ""
+        # The front-end gives names to signs.
+        hint = re.sub(rf"\b({'|'.join(_SIGNS)})\b", lambda match: _SIGNS[match[0]], hint) or str(suggestion or "")
         drawn = re.search(r"╭─\[(.+):(\d+):(\d+)\]", str(message))
         place = (int(drawn[2]), int(drawn[3])) if drawn else (int(line or 0), int(column or 0))
         problems.append(Problem(what, Location(sources.spelled(str(path)), *place), hint))
@@ -36,11 +38,6 @@ _SIGNS = {
     "lt": "<", "ltequ": "<=", "gt": ">", "gtequ": ">=", "equequ": "==", "ltgt": "<>",
 }
 # fmt: on
-
-
-def _signs(hint: str) -> str:
-    """*hint* with the signs that the front-end gives names to."""
-    return re.sub(rf"\b({'|'.join(_SIGNS)})\b", lambda match: _SIGNS[match[0]], hint)
 
 
 def refusal(sources: ModelSources, message: str) -> Problem:

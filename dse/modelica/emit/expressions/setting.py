@@ -193,15 +193,14 @@ def literal(value: float) -> str:
 
 def quoted(text: str) -> str:
     """*text* as a C string in plain ASCII; everything else in UTF-8, as octal escapes."""
-    return '"' + "".join(_ESCAPES.get(byte) or _plain(byte) for byte in text.encode("utf-8")) + '"'
+    return '"' + "".join(_ESCAPES.get(byte) or _PLAIN[byte] for byte in text.encode("utf-8")) + '"'
 
 
 # A question mark is escaped because of trigraphs.
 _ESCAPES = {ord('"'): '\\"', ord("\\"): "\\\\", ord("\n"): "\\n", ord("\t"): "\\t", ord("?"): "\\?"}
 
 
-def _plain(byte: int) -> str:
-    return chr(byte) if 32 <= byte < 127 else f"\\{byte:03o}"
+_PLAIN = [chr(byte) if 32 <= byte < 127 else f"\\{byte:03o}" for byte in range(256)]
 
 
 def comment(text: str) -> str:

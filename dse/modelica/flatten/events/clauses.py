@@ -46,7 +46,10 @@ class Clauses:
         groups: dict[int | None, list[Item]] = {}
         for item in items:
             groups.setdefault(item.trigger, []).append(item)
-        places = {trigger: self._place(trigger, items[0].owner) for trigger in groups}
+        owner = frozenset({items[0].owner})
+        places = {
+            trigger: None if trigger is None else self.chains.find(self.spans.get(trigger), owner) for trigger in groups
+        }
         steps = {trigger: self._merged(graph, group, kept, places[trigger]) for trigger, group in groups.items()}
         known = [place for place in places.values() if place is not None]
         clauses = sorted({place.clause for place in known}, reverse=True)
@@ -75,9 +78,6 @@ class Clauses:
                 raise unordered  # what is kept there is what the clauses before give
             found += own
         return found
-
-    def _place(self, trigger: int | None, owner: str) -> BranchNumber | None:
-        return None if trigger is None else self.chains.find(self.spans.get(trigger), frozenset({owner}))
 
     def _silent(self, place: BranchNumber, item: Item, kept: Expression) -> Assignment:
         trigger = self.triggers.get(place)

@@ -26,7 +26,7 @@ def shaping(result: FrontEndResult) -> frozenset[str]:
     of_any_type, whole = places(trees)
     types = result.flat["variable_type_names"]
     parameters = {
-        variable["name"]: _last(variable["name"])
+        variable["name"]: re.sub(r"\[[^\]]*\]", "", variable["name"]).rpartition(".")[2]
         for variable in result.dae["storage"]["variables"]
         if variable["role"] in ("parameter", "constant")
     }
@@ -41,10 +41,6 @@ def shaping(result: FrontEndResult) -> frozenset[str]:
         for name, word in parameters.items()
         if word in words and (word not in whole - of_any_type or types.get(name) != "Real")
     )
-
-
-def _last(name: str) -> str:
-    return re.sub(r"\[[^\]]*\]", "", name).rpartition(".")[2]
 
 
 def places(trees: Iterable[Tree]) -> tuple[set[str], set[str]]:
