@@ -22,6 +22,11 @@ class Array:
     shape: tuple[int, ...] = ()
 
     @property
+    def numbers(self) -> np.ndarray:
+        """The elements' numbers from 0, in its shape."""
+        return np.arange(len(self.elements)).reshape(self.shape)
+
+    @property
     def cells(self) -> np.ndarray:
         """The elements as a new array of numpy's."""
         found = np.empty(len(self.elements), object)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Generator, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from dse.modelica.flatten.values import (
     Structure,
     Value,
     array,
-    of_cells,
     only,
     places,
     scalar,
@@ -77,8 +75,9 @@ def _comprehension(visit: Visit) -> Steps:
 def _index(visit: Visit) -> Steps:
     base = array((yield visit.request(visit.node.data["base"])))
     subscripts = yield from _subscripts(visit, base)
-    cells, elements = base.cells, itertools.product(*(one.elements for one in subscripts))
-    return Array(tuple(_element(visit.graph, cells, index) for index in elements), _shape(subscripts))
+    numbers = base.numbers
+    every = itertools.product(*(one.elements for one in subscripts))
+    return Array(tuple(_element(visit.graph, base, numbers, index) for index in every), _shape(subscripts))
 
 
 def _update(visit: Visit) -> Steps:
@@ -112,13 +111,16 @@ def _shape(subscripts: Sequence[Array]) -> tuple[int, ...]:
     return tuple(size for one in subscripts for size in one.shape)
 
 
-def _element(graph: Graph, cells: np.ndarray, index: Sequence[Expression]) -> Expression:
-    """One element of *cells*. An index only known at run time becomes a ``select`` over what the known ones leave."""
-    known = [known_index(item, size) for item, size in zip(index, cells.shape, strict=True)]
-    left: Any = cells[tuple(slice(None) if at is None else at - 1 for at in known)]
+def _element(graph: Graph, base: Array, numbers: np.ndarray, index: Sequence[Expression]) -> Expression:
+    """One element of *base*, whose elements have *numbers* in its shape.
+
+    An index only known at run time becomes a ``select`` over what the known ones leave.
+    """
+    known = [known_index(item, size) for item, size in zip(index, base.shape, strict=True)]
+    left = numbers[tuple(slice(None) if at is None else at - 1 for at in known)]
     unknown = [item for item, at in zip(index, known, strict=True) if at is None]
-    found: Expression = graph.make("select", graph.array(left.flat, left.shape), *unknown) if unknown else left
-    return found
+    elements = [base.elements[number] for number in left.flat]
+    return graph.make("select", graph.array(elements, left.shape), *unknown) if unknown else elements[0]
 
 
 RULES: Mapping[str, Rule] = {
@@ -145,7 +147,7 @@ def updated(
     """
     if _shape(subscripts) != value.shape:
         raise MismatchError("an assignment to array elements of another size")
-    cells = base.cells
+    elements, numbers = list(base.elements), base.numbers
     for element, index in zip(value.elements, itertools.product(*(one.elements for one in subscripts)), strict=True):
         known = [known_index(item, size) for item, size in zip(index, base.shape, strict=True)]
         for item, size, found in zip(index, base.shape, known, strict=True):
@@ -159,9 +161,9 @@ def updated(
             for item, at, found in zip(index, exact, known, strict=True):
                 if found is None:
                     condition = graph.make("and", condition, graph.make("equal", item, graph.of(float(at))))
-            spot = tuple(at - 1 for at in exact)
-            cells[spot] = graph.make("if", condition, element, cells[spot])
-    return of_cells(cells)
+            spot = numbers[tuple(at - 1 for at in exact)]
+            elements[spot] = graph.make("if", condition, element, elements[spot])
+    return Array(tuple(elements), base.shape)
 
 
 def known_index(index: Expression, size: int) -> int | None:
