@@ -69,10 +69,6 @@ def _sinh(value: float) -> float:
         return math.copysign(math.inf, value)
 
 
-def _sign(value: float) -> float:
-    return 1.0 if value > 0 else -1.0 if value < 0 else value
-
-
 # fmt: off
 FUNCTIONS: Mapping[str, Callable[..., float]] = {
     "add": lambda a, b: a + b, "subtract": lambda a, b: a - b, "multiply": lambda a, b: a * b, "divide": _divide,
@@ -84,9 +80,10 @@ FUNCTIONS: Mapping[str, Callable[..., float]] = {
     "not_equal": lambda a, b: float(a != b), "and": lambda a, b: float(a != 0 and b != 0),
     "or": lambda a, b: float(a != 0 or b != 0), "not": lambda a: float(a == 0),
     "if": lambda condition, a, b: a if condition != 0 else b, "prescribed": lambda value, _: value, "abs": abs,
-    "sign": _sign, "sqrt": _guarded(math.sqrt), "sin": _guarded(math.sin), "cos": _guarded(math.cos),
-    "tan": _guarded(math.tan), "asin": _guarded(math.asin), "acos": _guarded(math.acos), "atan": math.atan,
-    "atan2": math.atan2, "sinh": _sinh, "cosh": _guarded(math.cosh), "tanh": math.tanh, "exp": _guarded(math.exp),
+    "sign": lambda value: 1.0 if value > 0 else -1.0 if value < 0 else value, "sqrt": _guarded(math.sqrt),
+    "sin": _guarded(math.sin), "cos": _guarded(math.cos), "tan": _guarded(math.tan), "asin": _guarded(math.asin),
+    "acos": _guarded(math.acos), "atan": math.atan, "atan2": math.atan2, "sinh": _sinh, "cosh": _guarded(math.cosh),
+    "tanh": math.tanh, "exp": _guarded(math.exp),
     "log": _logarithm(math.log), "log10": _logarithm(math.log10), "floor": _rounded(math.floor),
     "ceil": _rounded(math.ceil),
 }

@@ -13,6 +13,8 @@ from dse.modelica.frontend.scope import PREDEFINED, Scope
 from dse.modelica.frontend.source_text import Change
 from dse.modelica.frontend.syntax import KINDS, Element, Forest, Tree
 
+_MADE = ("extends", *KINDS)
+
 
 def _uses(read: Forest, scope: Scope) -> Iterator[tuple[Tree, int, Element, bool]]:
     """Where a component of an outer one is named: the word, the component, and whether a declaration's value has it."""
@@ -49,7 +51,8 @@ def outer_changes(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
             owners = [each for each in read.elements if each.name == name and "outer" not in each.prefixes]
             owners = [each for each in owners if scope.type_of(each) not in PREDEFINED]  # as an input of a function
             modified = [each for each in read.elements if each.name == of and each.is_argument]
-            given = [each for each in modified if _may_change(each.parent, name)]
+            # What they modify may be the inner component, or what is made from its class.
+            given = [one for one in modified if one.parent and (one.parent.name == name or one.parent.kind in _MADE)]
             is_plain = all(each.prefixes & {"inner", "redeclare"} for each in owners)
             is_plain = is_plain and all(each.parent in owners for each in given)
             others = [each for each in owners if all(one.parent is not each for one in given)]
@@ -67,11 +70,6 @@ def outer_changes(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
                 yield each.tree, (start + 1, start + 1, f"{new}, ") if is_modified else (start, start, f"({new})")
         if made[name, of]:
             yield tree, (tree.starts[at], tree.starts[at + 2] + len(of), made[name, of])
-
-
-def _may_change(owner: Element | None, name: str) -> bool:
-    """Whether what *owner* modifies may be the inner component *name*."""
-    return owner is not None and (owner.name == name or owner.kind in ("extends", *KINDS))
 
 
 def _value(own: Element, scope: Scope) -> str:

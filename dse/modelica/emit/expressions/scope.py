@@ -90,14 +90,12 @@ class _Scope:
             self.content.setdefault(region, []).append(node)
 
     def _needs_name(self, node: Expression, operands: Sequence[Printed]) -> bool:
-        if node.operator in ("call", "select") or self._opens(node):
+        opens = ((node.number, region) in self.regions.branches for region in self.regions.of[node.number])
+        if node.operator in ("call", "select") or any(opens):
             return True
         if cheap(node):
             return False
         return self.uses[node.number] > 1 or max((operand.depth for operand in operands), default=0) >= _DEEPEST
-
-    def _opens(self, node: Expression) -> bool:
-        return any((node.number, region) in self.regions.branches for region in self.regions.of[node.number])
 
     def lines(self) -> Iterator[str]:
         # A stack, not recursion: an if in an if … may be as deep as the user likes.
