@@ -39,7 +39,10 @@ def with_redeclarations(model: str, files: Mapping[str, bytes]) -> dict[str, byt
 
 def _constrained(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
     """An empty class as the constraint of components that are redeclared by a class with the same interface."""
-    again = [each for each in read.elements if "redeclare" in each.prefixes and each.kind == "component"]
+    again: dict[str, list[Element]] = {}
+    for each in read.elements:
+        if "redeclare" in each.prefixes and each.kind == "component":
+            again.setdefault(each.name, []).append(each)
     made: set[Element] = set()
     for own in read.elements:
         limit, tree = own.constraint, own.tree
@@ -47,7 +50,7 @@ def _constrained(read: Forest, scope: Scope) -> Iterator[tuple[Tree, Change]]:
         if not is_plain or {"replaceable"} != own.prefixes & {"replaceable", "redeclare"} or own.parent is None:
             continue
         base = scope.class_of(limit.type if limit else own.type, own.parent)
-        taken = [_class(each, scope) for each in again if each.name == own.name]
+        taken = [_class(each, scope) for each in again.get(own.name, ())]
         new = [each for each in taken if base and each and base not in scope.lineage(each)]
         is_whole = tree.words[own.end] in (";", "annotation", "constrainedby") and not (limit and limit.written)
         if base is None or not new or not is_whole or not all(_fits(each, base, scope) for each in new):
@@ -103,8 +106,8 @@ def _moved(read: Forest, scope: Scope, written: Mapping[str, str]) -> Iterator[t
             if target and names <= {"true", "false", "final", *(one.name for one in own.arguments)}:
                 found.append((len(scope.lineage(owner.parent or owner)), own, owner, target, kind))
     for _, own, owner, target, kind in sorted(found, key=lambda each: each[0]):
-        for each in (owner, target):
-            lists.setdefault(each, {one.name: text(one, one.start) for one in each.arguments})
+        for each in (each for each in (owner, target) if each not in lists):
+            lists[each] = {one.name: text(one, one.start) for one in each.arguments}
         lists[owner].pop(own.name)
         lists[target][own.name] = f"redeclare replaceable .{kind.full} {text(own, own.named)}"
     for owner, texts in lists.items():
@@ -117,7 +120,7 @@ def _moved(read: Forest, scope: Scope, written: Mapping[str, str]) -> Iterator[t
 def _extends_of(name: str, owner: Element, words: Mapping[str, int], scope: Scope) -> Element | None:
     """Which `extends` a redeclaration of *name* in *owner*, that inherits it, belongs to, if nothing else changes."""
     found, base = owner, scope.class_of(owner.type, owner.parent or owner)
-    while base and all(one.kind != "component" or one.name != name for one in base.elements):
+    while base and getattr(scope.member(base, name), "parent", None) is not base:
         if words[base.name] != 3:  # its start, its end, and this
             return None
         of = [(one, scope.class_of(one.type, base)) for one in base.elements if one.kind == "extends"]

@@ -21,7 +21,9 @@ class Row:
 
     def __str__(self) -> str:
         times = f" (differentiated {self.order} times)" if self.order > 1 else " (differentiated)" if self.order else ""
-        return f"{_equation(self.residual)}{times}"
+        own = self.residual
+        sides = map(shown, own.operands) if own.operator == "subtract" else (shown(own), "0")
+        return f"{' = '.join(sides)}{times}"
 
 
 def told(rows: Iterable[Row], what: str) -> list[Problem]:
@@ -32,13 +34,6 @@ def told(rows: Iterable[Row], what: str) -> list[Problem]:
 def listed(symbols: Iterable[Symbol]) -> str:
     """Names for a message; not more than a line holds."""
     return some_of([str(symbol) for symbol in symbols], 8)
-
-
-def _equation(residual: Expression) -> str:
-    if residual.operator == "subtract":
-        left, right = residual.operands
-        return f"{shown(left)} = {shown(right)}"
-    return f"{shown(residual)} = 0"
 
 
 def matched(

@@ -117,7 +117,10 @@ class _Scope:
             yield f"{indent}{content.target} = {text.bare_truth if content.wants_truth else text.bare_value};"
             return
         name, subject = self.names[content.number], self.subjects[content.number]
-        operands = [self._operand(operand) for operand in content.operands]
+        operands = [
+            self.names[one.number] if one.operator == "array" else self.texts[one.number].value
+            for one in content.operands
+        ]
         branches = self.regions.branches.get((content.number, around.region))
         if branches is not None:
             yield from self._branches(content, name, branches, indent)
@@ -133,9 +136,6 @@ class _Scope:
             text = printed(content, texts, self.setting)
             kind, shown = ("int", text.bare_truth) if is_truth(content) else ("double", text.bare_value)
             yield f"{indent}const {kind} {name} = {shown};"
-
-    def _operand(self, operand: Expression) -> str:
-        return self.names[operand.number] if operand.operator == "array" else self.texts[operand.number].value
 
     def _branches(self, node: Expression, name: str, branches: tuple[int, ...], indent: str) -> Iterator[str | _Branch]:
         condition = self.texts[node.operands[0].number].bare_truth
