@@ -409,11 +409,3 @@ UP = math.acos(-0.25)
 def roots_without_states(t: float, given: Given) -> Values:
     """Up where u = -cos(8 t) reaches 0.25, down where it falls to -0.25."""
     return {"y": 1 if (8 * t - UP) % (2 * math.pi) < math.pi else -1}
-
-
-@case("DiodeBridge", given={"goff": 1e-3, "ron": 1e-3}, variants=({"ron": 0.5},), error=1e-10)
-def diode_bridge(t: float, given: Given) -> Values:
-    """By symmetry, b = u - a; the gate follows a current that falls to 0."""
-    u = 10 * abs(math.sin(6 * t))
-    a = u * (1 / given["ron"] + 0.2) / (1 / given["ron"] + given["goff"] + 0.4)
-    return {"load": (2 * a - u) / 5, "gate": 0.6 + 0.5 if t < 0.5 - 1e-9 else 0.0}

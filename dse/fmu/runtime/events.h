@@ -8,7 +8,6 @@
     (DSE_RELATIONS + DSE_CONDITIONS + DSE_TRIGGERS + DSE_CLOCKS + DSE_PRE + DSE_DISCRETES + DSE_SELECTIONS > 0)
 #define DSE_MOST_PASSES 100
 #define DSE_MOST_TRIED 10 /* relations, of which all combinations are tried */
-#define DSE_ROUNDING 1e-12 /* of a crossing function where it is zero */
 
 /* Limit for chattering: number of consecutive events, each close to the one before. */
 #define DSE_CLOSE_EVENTS 16
@@ -69,11 +68,6 @@ static bool dse_hold(dse_component *m, bool *is_old) {
     if (!dse_see(m, look)) {
         return false;
     }
-    for (int k = 0; k < DSE_RELATIONS; k++) {
-        if (m->is_chosen[k] && fabs(look[k]) <= DSE_ROUNDING) {
-            dse_truth_in(look)[k] = m->held[k];
-        }
-    }
     *is_old = !dse_differs(m, look);
     memcpy(m->held, dse_truth_in(look), DSE_RELATIONS);
     return true;
@@ -99,8 +93,7 @@ static bool dse_fits(dse_component *m) {
 }
 
 /* Try every combination of the relations that have *moved*, all false first: of what sticks and could start to either
- * side, like friction, repeated evaluation takes one side and the other in turn, and never neither. Where an ideal diode
- * switches, its relation may be zero on both sides, and each side says the other by rounding: then it switches. */
+ * side, like friction, repeated evaluation takes one side and the other in turn, and never neither. */
 static bool dse_search_event(dse_component *m, const uint8_t moved[]) {
     uint8_t others[DSE_ROOM(DSE_RELATIONS)];
     int which[DSE_MOST_TRIED], count = 0;
@@ -113,20 +106,15 @@ static bool dse_search_event(dse_component *m, const uint8_t moved[]) {
         }
     }
     memcpy(others, m->held, DSE_RELATIONS);
-    for (uint8_t is_chosen = 0; is_chosen <= 1; is_chosen++) {
-        for (uint32_t choice = 0; choice < UINT32_C(1) << count; choice++) {
-            memcpy(m->held, others, DSE_RELATIONS);
-            for (int n = 0; n < count; n++) {
-                const uint8_t first = is_chosen && !m->was_held[which[n]];
-                m->held[which[n]] = (uint8_t)(choice >> n & 1U) ^ first;
-                m->is_chosen[which[n]] = is_chosen;
-            }
-            if (dse_fits(m)) {
-                return true;
-            }
+    for (uint32_t choice = 0; choice < UINT32_C(1) << count; choice++) {
+        memcpy(m->held, others, DSE_RELATIONS);
+        for (int n = 0; n < count; n++) {
+            m->held[which[n]] = (uint8_t)(choice >> n & 1U);
+        }
+        if (dse_fits(m)) {
+            return true;
         }
     }
-    memset(m->is_chosen, 0, sizeof m->is_chosen);
     return false;
 }
 
@@ -203,8 +191,6 @@ static bool dse_event(dse_component *m, dse_tell *tell, double spare) {
         m->next_tick[k] += m->ticks[k];
     }
     m->solver.past.events++;
-    memcpy(m->was_held, m->held, sizeof m->held);
-    memset(m->is_chosen, 0, sizeof m->is_chosen);
     (void)dse_is_selection_due(m, true);
     for (int pass = 0; pass <= DSE_MOST_PASSES; pass++) {
         bool has_jumped, is_held;

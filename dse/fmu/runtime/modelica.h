@@ -163,8 +163,6 @@ typedef struct {
     int64_t next_tick[DSE_ROOM(DSE_CLOCKS)];
     double before_pass[DSE_RELATIONS > 0 ? DSE_ROOM(DSE_VALUES) : 1]; /* v before a pass of the event iteration */
     uint8_t held[DSE_ROOM(DSE_RELATIONS)];      /* truth of the relations as used by the equations */
-    uint8_t was_held[DSE_ROOM(DSE_RELATIONS)];  /* before this event */
-    uint8_t is_chosen[DSE_ROOM(DSE_RELATIONS)]; /* in this event: zero but for rounding, whatever its truth */
     uint8_t is_true[DSE_ROOM(DSE_CONDITIONS)];  /* in this iteration */
     uint8_t was_true[DSE_ROOM(DSE_CONDITIONS)]; /* in the iteration before */
     uint8_t is_active[DSE_ROOM(DSE_TRIGGERS)];  /* in this iteration */
