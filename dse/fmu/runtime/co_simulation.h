@@ -91,8 +91,9 @@ static bool dse_place_within(dse_component *m, double time, const double states[
  * its dense output then gives the states at *target*. False on trouble, which is stored. */
 static bool dse_advance(dse_component *m, dse_tell *tell, double target, bool is_steady, double spare) {
     struct dse_solver *s = &m->solver;
-    /* A long step may miss crossings, and jumps of branches without events; without states, nothing measures its error. */
-    const double ahead = !is_steady || (DSE_STATES == 0 && DSE_ROOTS > 0) ? 0.0 : DSE_RELATIONS + DSE_BRANCHES > 0 ? s->span : 1000.0 * s->span;
+    /* A long step may miss crossings, and jumps of branches without events. Without states, nothing measures its error. */
+    const bool is_short = !is_steady || (DSE_STATES == 0 && DSE_ROOTS > 0);
+    const double ahead = is_short ? 0.0 : DSE_RELATIONS + DSE_BRANCHES > 0 ? s->span : 1000.0 * s->span;
     const int64_t most = s->past.steps + DSE_MOST_STEPS;
     while (s->end <= target) {
         const double tick = dse_next_tick(m);

@@ -141,7 +141,7 @@ def _difference(truth: Expression) -> Expression:
 
 
 def relation_text(relation: Relation, setting: Setting) -> str:
-    """Where *relation* stands, and how it reads."""
+    """The place of *relation*, and its text."""
     truth = relation.truth
     text = shown(truth)
     if truth.operator in _SIGNS:

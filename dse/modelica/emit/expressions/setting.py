@@ -74,7 +74,7 @@ def _in_order(solved: Solved) -> Iterator[Symbol]:
 
 
 def _pre(solved: Solved, places: Mapping[Symbol, int]) -> dict[str, int]:
-    """Numbers of the variables whose value just before is kept: whoever asks for it, and whoever falls back on it."""
+    """Numbers of the variables whose values before the event are kept, for equations and when-clauses."""
     wanted = {symbol.name for symbol in symbols(*all_expressions(solved)) if symbol.referent is Referent.PRE}
     for block in (*solved.event, *solved.initial):
         if isinstance(block, When) and all(trigger is not None for trigger, _ in block.branches):
@@ -213,7 +213,7 @@ _WIDTH = 110
 
 
 def table(declaration: str, items: list[str], empty: str = "0") -> list[str]:
-    """An array's definition; C knows no empty array, so that one gets an element nobody reads."""
+    """An array's definition; C has no empty arrays, so an empty one gets an unused element."""
     lines = [f"{declaration} = {{"]
     line = ""
     for item in items or [empty]:

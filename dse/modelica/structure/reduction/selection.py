@@ -63,7 +63,6 @@ def with_states(flat: FlatModel, names: Sequence[str], parameters: list[Explicit
     known = Known(flat, Starts(flat, parameters))
     choice = chosen(found, known)
     dummies, selections = choice.dummies, list[Selection]()
-    wrong = [one for one in dummies if one.order == 1 and flat.variables[one.name].prefers_state == ALWAYS]
     if choice.matrix:
         elimination = Elimination(choice, found, known)
         while elimination.lacking:
@@ -73,7 +72,7 @@ def with_states(flat: FlatModel, names: Sequence[str], parameters: list[Explicit
         names = [*names, *(one.name for one in added if one.role is Role.CONTINUOUS)]
         flat = elimination.flat
         found = _reduced(flat, names)
-    elif wrong:
+    elif wrong := [one for one in dummies if one.order == 1 and flat.variables[one.name].prefers_state == ALWAYS]:
         names = sorted(one.name for one in wrong)
         what = f"not all variables with stateSelect.always can be states: {some_of(names, 8)}"
         raise DseError(Problem(what, flat.variables[names[0]].where))
